@@ -1,0 +1,30 @@
+// How the radii of the spheres in an ensemble are distributed.
+#pragma once
+
+namespace miebrdf::mie {
+
+enum class SizeDistributionKind { power_law, gamma, log_normal, mono };
+
+/// A size distribution n(r) given by its two cross-section-weighted parameters (Hansen & Travis
+/// 1974, eq. 2.53-2.56): effective radius <r^3>/<r^2> and effective variance.
+/// power_law: n(r) ~ r^-3 on [r1, r2]; gamma: r^((1-3b)/b) exp(-r/(a b)); log_normal:
+/// sigma^2 = ln(1 + b); mono: every sphere has the effective radius.
+struct SizeDistribution {
+    SizeDistributionKind kind = SizeDistributionKind::power_law;
+    double effective_radius_um = 50.0;  ///< > 0
+    double effective_variance = 0.2;    ///< > 0; ignored for mono
+};
+
+/// Smallest and largest radius of a distribution, in micrometres.
+struct RadiusRange {
+    double smallest_um;
+    double largest_um;
+};
+
+/// Ends of the power law: r1 + r2 = 2 r_eff (1 + v_eff), (r2 - r1) / ln(r2 / r1) = r_eff.
+/// For gamma and log-normal: where the cross-section weighted tail falls below rounding.
+///
+/// @throws std::invalid_argument  for a radius or a variance that is not positive and finite
+RadiusRange radius_range(const SizeDistribution& distribution);
+
+}  // namespace miebrdf::mie

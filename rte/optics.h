@@ -1,0 +1,32 @@
+// What radiative transfer needs to know of a medium: the border between single scattering
+// (from Mie theory, a formula or a file) and everything in this folder.
+// Symbols, signs and normalisation: docs/conventions.md.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace miebrdf::rte {
+
+/// Single scattering by a homogeneous medium.
+struct Optics {
+    double single_scattering_albedo = 0.0;  ///< scattering / extinction, in [0, 1]
+    double one_minus_albedo = 1.0;  ///< absorption / extinction; its own number, so that it keeps its
+                                    ///< digits when the albedo is close to 1
+    std::vector<double> chi = {1.0};  ///< Legendre moments chi_0 = 1, chi_1 = g, ...; zero beyond
+    /// Optional exact phase function P(cos Theta), mean over the sphere = 1, for the exact first
+    /// order of scattering. Empty: the moments are the whole phase function.
+    std::function<double(double cos_theta)> phase;
+};
+
+/// Checks albedo, one_minus_albedo, chi_0 and |chi_l| <= 1.
+/// @throws std::invalid_argument  with the value and the allowed range
+void validate(const Optics& optics);
+
+Optics isotropic_optics(double single_scattering_albedo);
+Optics rayleigh_optics(double single_scattering_albedo);
+/// Henyey-Greenstein: chi_l = g^l up to where it is below rounding, and the exact P.
+/// @param asymmetry  g in (-1, 1)
+Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetry);
+
+}  // namespace miebrdf::rte

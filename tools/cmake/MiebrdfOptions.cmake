@@ -1,0 +1,39 @@
+# What a builder can choose, and the flags that follow from it.
+option(MIEBRDF_NATIVE "Tune for this machine's processor (the binary may not run on others)" OFF)
+option(MIEBRDF_WERROR "Warnings are errors" OFF)
+option(MIEBRDF_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+option(MIEBRDF_COVERAGE "Line coverage for gcov" OFF)
+option(MIEBRDF_FUZZERS "libFuzzer targets (needs clang)" OFF)
+option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ON)
+option(MIEBRDF_BUILD_BENCHMARKS "Micro-benchmarks (needs Google Benchmark)" OFF)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+include(CTest)
+include(GNUInstallDirs)
+
+# Flags of our own targets only; what users compile against us is theirs to choose.
+add_library(miebrdf_flags INTERFACE)
+target_compile_options(miebrdf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
+                                               -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual)
+if(MIEBRDF_WERROR)
+    target_compile_options(miebrdf_flags INTERFACE -Werror)
+endif()
+if(MIEBRDF_SANITIZE)
+    target_compile_options(miebrdf_flags INTERFACE -fsanitize=address,undefined
+                           -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    target_link_options(miebrdf_flags INTERFACE -fsanitize=address,undefined)
+endif()
+if(MIEBRDF_COVERAGE)
+    target_compile_options(miebrdf_flags INTERFACE --coverage -O0)
+    target_link_options(miebrdf_flags INTERFACE --coverage)
+endif()
+if(MIEBRDF_NATIVE)
+    target_compile_options(miebrdf_flags INTERFACE -march=native)
+endif()
