@@ -1,0 +1,58 @@
+#include "pipeline/resolved_medium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/error.h"
+
+namespace miebrdf {
+namespace {
+
+materials::Database open_database(const std::string& file) {
+    try {
+        return file.empty() ? materials::Database::embedded() : materials::Database::open(file);
+    } catch (const std::runtime_error& error) {
+        throw InputError(error.what());
+    }
+}
+
+std::string source_line(const materials::MaterialInfo& info) {
+    std::string line = fmt::format("{}: {}; {}", info.name, info.title, info.reference);
+    if (!info.k_known) line += "; k was not measured and is taken as 0";
+    return line;
+}
+
+}  // namespace
+
+std::optional<std::complex<double>> ResolvedMedium::index_at(double wavelength_nm,
+                                                             double k_floor) const {
+    std::complex<double> index;
+    if (const auto* constant = std::get_if<IndexMedium>(&medium)) {
+        index = constant->refractive_index;
+    } else if (table) {
+        try {
+            index = table->at(wavelength_nm);
+        } catch (const std::out_of_range& error) {
+            throw InputError(error.what());
+        }
+    } else {
+        return std::nullopt;
+    }
+    return std::complex<double>(index.real(), std::max(index.imag(), k_floor));
+}
+
+MediumResolver::MediumResolver(const std::string& file) : database_(open_database(file)) {}
+
+ResolvedMedium MediumResolver::resolve(const Medium& medium) const {
+    const auto* named = std::get_if<DatabaseMedium>(&medium);
+    if (named == nullptr) return {medium, std::nullopt, describe(medium)};
+    try {
+        return {medium, database_.refractive_index(named->name),
+                source_line(database_.info(named->name))};
+    } catch (const std::runtime_error& error) {
+        throw InputError(error.what());
+    }
+}
+
+}  // namespace miebrdf
