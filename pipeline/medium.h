@@ -58,6 +58,9 @@ struct ParticleOptions {
     double tolerance = 0.0;   ///< of the size average; 0: a tenth of the request's tolerance
 };
 
+/// @throws UsageError  with the value and the allowed range
+void validate(const ParticleOptions& particles);
+
 struct CoatMedium {
     Medium medium;
     double optical_depth = 0.0;

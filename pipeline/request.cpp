@@ -23,6 +23,8 @@ void require_positive(double value, const char* name) {
     }
 }
 
+}  // namespace
+
 void validate(const ParticleOptions& particles) {
     require_positive(particles.sizes.effective_radius_um, "effective radius (um)");
     if (particles.sizes.kind != mie::SizeDistributionKind::mono) {
@@ -37,8 +39,6 @@ void validate(const ParticleOptions& particles) {
                                      particles.tolerance));
     }
 }
-
-}  // namespace
 
 void validate(const Request& request) {
     validate(request.scene.particles);
