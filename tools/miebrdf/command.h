@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "pipeline/run_control.h"
 #include "pipeline/table.h"
 
 namespace miebrdf::program {
@@ -18,6 +19,7 @@ struct CommonOptions {
     bool json = false;
     bool quiet = false;
     int threads = 0;
+    std::string progress = "auto";
 };
 
 /// What main() gives to commands and takes from them.
@@ -42,6 +44,9 @@ class Shell {
 
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
+
+    /// Threads, progress on a terminal's stderr, and Ctrl-C for a computation.
+    RunControl control() const;
 
     const CommonOptions& common() const { return common_; }
     const std::string& command_line() const { return command_line_; }

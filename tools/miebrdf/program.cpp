@@ -9,6 +9,7 @@
 #include "pipeline/error.h"
 #include "pipeline/version.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/interrupt.h"
 
 namespace miebrdf::program {
 namespace {
@@ -70,6 +71,8 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
 int run_program(const std::vector<std::string>& arguments) {
     try {
         return parse_and_run(arguments);
+    } catch (const Cancelled&) {
+        return complain(interrupt_exit_code(), "interrupted; nothing was written");
     } catch (const UsageError& error) {
         return complain(kUsage, error.what());
     } catch (const InputError& error) {
