@@ -23,16 +23,6 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-void add_commands(CLI::App& program, Shell& shell) {
-    add_brdf_command(program, shell);
-    add_albedo_command(program, shell);
-    add_optics_command(program, shell);
-    add_phase_command(program, shell);
-    add_sphere_command(program, shell);
-    add_table1_command(program, shell);
-    add_materials_command(program, shell);
-}
-
 int parse_and_run(const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
     program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
@@ -52,6 +42,17 @@ int parse_and_run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
+
+void add_commands(CLI::App& program, Shell& shell) {
+    add_brdf_command(program, shell);
+    add_albedo_command(program, shell);
+    add_optics_command(program, shell);
+    add_phase_command(program, shell);
+    add_sphere_command(program, shell);
+    add_table1_command(program, shell);
+    add_materials_command(program, shell);
+    add_run_command(program, shell);
+}
 
 std::string command_line_of(const std::vector<std::string>& arguments) {
     constexpr char kSpecial[] = " \t\n\"'\\$&|;<>()*?[]{}#~`!";
