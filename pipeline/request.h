@@ -30,7 +30,6 @@ struct Request {
     rte::Directions directions;
     rte::SolverOptions solver;
     std::string database;  ///< of the user's materials; empty: the default one
-    int threads = 0;       ///< 0: one for each processor
 };
 
 /// Refuses what no stage could compute, before any work is done.
