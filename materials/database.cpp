@@ -85,7 +85,7 @@ void Database::throw_unknown(const std::string& name) const {
     throw UnknownMaterial(message, name, std::move(nearest));
 }
 
-MaterialInfo Database::info(const std::string& name) const {
+std::string Database::canonical_name(const std::string& name) const {
     const std::vector<std::string> found = resolve(name);
     if (found.empty()) throw_unknown(name);
     if (found.size() > 1) {
@@ -93,8 +93,21 @@ MaterialInfo Database::info(const std::string& name) const {
             fmt::format("'{}' could be {}: write the name exactly", name, fmt::join(found, ", ")),
             name, found);
     }
+    return found.front();
+}
+
+MaterialInfo Database::info(const std::string& name) const {
+    // "material/label" and "source:key" are looked up only when no material has that name.
+    const bool one_dataset = resolve(name).empty() && name.find_first_of("/:") != std::string::npos;
     MaterialInfo info;
-    info.name = found.front();
+    std::vector<DatasetInfo> shown;
+    if (one_dataset) {
+        shown = {dataset_info(name)};
+        info.name = shown.front().material;
+    } else {
+        info.name = canonical_name(name);
+        shown = datasets(info.name);
+    }
     std::set<std::string> aliases;
     for (const auto& layer : layers_) {
         const auto material = layer->material(info.name);
@@ -104,10 +117,9 @@ MaterialInfo Database::info(const std::string& name) const {
         for (const std::string& alias : layer->aliases(material->id)) aliases.insert(alias);
     }
     info.aliases.assign(aliases.begin(), aliases.end());
-    const std::vector<DatasetInfo> all = datasets(info.name);
-    info.datasets = static_cast<int>(all.size());
-    if (all.empty()) return info;
-    const DatasetInfo& dataset = all.front();
+    info.datasets = static_cast<int>(one_dataset ? datasets(info.name).size() : shown.size());
+    if (shown.empty()) return info;
+    const DatasetInfo& dataset = shown.front();
     info.default_dataset = dataset.label;
     info.source = dataset.source;
     info.reference = dataset.reference;
@@ -120,16 +132,15 @@ MaterialInfo Database::info(const std::string& name) const {
 }
 
 std::vector<DatasetInfo> Database::datasets(const std::string& material) const {
-    const std::vector<std::string> names = resolve(material);
-    if (names.size() != 1) throw_unknown(material);
+    const std::string name = canonical_name(material);
     std::string chosen;
     std::vector<DatasetInfo> lower_first;
     for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
-        const auto found = (*layer)->material(names.front());
+        const auto found = (*layer)->material(name);
         if (!found) continue;
         if (!found->default_label.empty()) chosen = found->default_label;
         for (auto& [id, info] : (*layer)->datasets(found->id)) {
-            info.material = names.front();
+            info.material = name;
             lower_first.push_back(std::move(info));
         }
     }

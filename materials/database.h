@@ -56,7 +56,8 @@ struct MaterialInfo {
     double longest_nm = 0.0;
     int rows = 0;
     bool k_known = true;
-    std::string default_dataset;  ///< label; empty when a material has aliases only
+    std::string default_dataset;  ///< label of the dataset described; empty when a material has
+                                  ///< aliases only
     int datasets = 0;
 };
 
@@ -102,9 +103,9 @@ class Database {
     RefractiveIndex refractive_index(const std::string& name,
                                      const IndexOptions& options = {}) const;
 
-    /// Whether the name is known at all, without an exception.
+    /// The material whose name or alias is spelled exactly so.
     std::optional<std::string> resolve_exactly(const std::string& name) const;
-    /// The canonical material names that the name could mean.
+    /// The canonical names of all materials that the name could mean; one when it is exact.
     std::vector<std::string> resolve(const std::string& name) const;
 
     /// What SQLite itself finds wrong (PRAGMA integrity_check, foreign keys); empty when sound.
@@ -117,6 +118,7 @@ class Database {
                                                    bool may_be_empty);
     std::vector<DatasetInfo> labelled(const std::string& material, const std::string& label) const;
     std::vector<DatasetInfo> from_source(const std::string& source, const std::string& key) const;
+    std::string canonical_name(const std::string& name) const;
     [[noreturn]] void throw_unknown(const std::string& name) const;
     std::vector<std::string> all_names() const;
 

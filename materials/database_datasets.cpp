@@ -59,9 +59,8 @@ std::vector<DatasetInfo> Database::from_source(const std::string& source,
 
 DatasetInfo Database::dataset_info(const std::string& name) const {
     if (!resolve(name).empty()) {
-        const MaterialInfo material = info(name);  // says so when several fit
-        const std::vector<DatasetInfo> all = datasets(material.name);
-        if (all.empty()) throw UnknownMaterial(material.name + " has no dataset yet", name, {});
+        const std::vector<DatasetInfo> all = datasets(name);
+        if (all.empty()) throw UnknownMaterial(name + " has no dataset yet", name, {});
         return all.front();
     }
     std::vector<DatasetInfo> found;

@@ -88,14 +88,14 @@ SpectralSlice brdf_slice(const Request& request, const SceneOptics& optics, doub
 
 }  // namespace
 
-BrdfResult compute_brdf(const Request& request) {
+BrdfResult compute_brdf(const Request& request, const RunControl& control) {
     validate(request);
     const SceneMedia media(request);
-    const auto optics = media.optics(demand_of(request, true));
+    const auto optics = media.optics(demand_of(request, true), control);
     BrdfResult result;
     result.sources = media.sources();
     result.slices.resize(optics.size());
-    run_parallel(optics.size(), request.threads, [&](std::size_t w) {
+    run_parallel("radiative transfer", optics.size(), control, [&](std::size_t w) {
         result.slices[w] = brdf_slice(request, optics[w], request.wavelength_nm[w]);
     });
     summarise(result);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/request.h"
+#include "pipeline/run_control.h"
 #include "rte/layered_reflection.h"
 
 namespace miebrdf {
@@ -31,8 +32,8 @@ struct BrdfResult {
 };
 
 /// Computes a request; wavelengths run in parallel, with the same result for any number of threads.
-/// @throws UsageError, InputError
-BrdfResult compute_brdf(const Request& request);
+/// @throws UsageError, InputError, Cancelled
+BrdfResult compute_brdf(const Request& request, const RunControl& control = {});
 
 /// Plane albedo at Request::directions.mu_in and spherical albedo. With a surface both are those of
 /// the whole: rho + (1 - rho) A.
@@ -53,6 +54,6 @@ struct AlbedoResult {
     double error_estimate = 0.0;
 };
 
-AlbedoResult compute_albedo(const Request& request);
+AlbedoResult compute_albedo(const Request& request, const RunControl& control = {});
 
 }  // namespace miebrdf

@@ -5,13 +5,14 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
+#include "materials/units.h"
 #include "pipeline/error.h"
 
 namespace miebrdf {
 namespace {
 
-constexpr double kPhotonEnergyTimesWavelength_eV_nm = 1239.841984;  // h c, CODATA 2018
 constexpr std::size_t kLongestList = 1'000'000;  // beyond this it is a typing mistake
 
 std::string_view trimmed(std::string_view text) {
@@ -108,37 +109,12 @@ std::vector<double> parse_number_list(std::string_view text, const std::string& 
 }
 
 double parse_wavelength_nm(std::string_view text) {
-    struct Unit {
-        std::string_view suffix;
-        double nm;
-    };
-    static constexpr Unit kUnits[] = {{"nm", 1.0}, {"um", 1e3}, {"µm", 1e3}, {"A", 0.1}};
-    const std::string_view digits = trimmed(text);
-    double wavelength_nm = 0.0;
-    if (digits.ends_with("eV")) {
-        const double energy = parse_number(digits.substr(0, digits.size() - 2), "photon energy");
-        wavelength_nm = kPhotonEnergyTimesWavelength_eV_nm / energy;
-    } else {
-        double nm = 1.0;
-        std::string_view number = digits;
-        for (const Unit& unit : kUnits) {
-            if (digits.ends_with(unit.suffix)) {
-                nm = unit.nm;
-                number = digits.substr(0, digits.size() - unit.suffix.size());
-                break;
-            }
-        }
-        try {
-            wavelength_nm = parse_number(number, "wavelength") * nm;
-        } catch (const UsageError&) {
-            throw UsageError(fmt::format("wavelength: '{}' is not understood; write 550, 550nm, "
-                                         "0.55um, 5500A, 2.25eV, a range 400:700:10 or rgb", text));
-        }
+    try {
+        return materials::parse_wavelength_nm(text);
+    } catch (const std::invalid_argument& error) {
+        throw UsageError(fmt::format(
+            "{}; write 550, 550nm, 0.55um, 5500A, 2.25eV, a range 400:700:10 or rgb", error.what()));
     }
-    if (!(wavelength_nm > 0.0 && std::isfinite(wavelength_nm))) {
-        throw UsageError(fmt::format("wavelength: '{}' is not positive", text));
-    }
-    return wavelength_nm;
 }
 
 std::vector<double> parse_wavelengths_nm(std::string_view text) {

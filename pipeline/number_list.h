@@ -23,7 +23,8 @@ std::vector<double> parse_number_list(std::string_view text, const std::string& 
 std::vector<double> parse_number_list(std::string_view text, const std::string& what, double lowest,
                                       double highest, bool lowest_open = false);
 
-/// Vacuum wavelength in nm from `550`, `550nm`, `0.55um`, `5500A` or `2.25eV`.
+/// Vacuum wavelength in nm from `550`, `550nm`, `0.55um`, `5500A`, `2.25eV`, `18182cm-1` or
+/// `545THz` (materials/units.h).
 /// @throws UsageError  for an unknown unit or a wavelength that is not positive
 double parse_wavelength_nm(std::string_view text);
 

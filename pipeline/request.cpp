@@ -68,8 +68,9 @@ void validate(const Request& request) {
     if (!(streams == 0 || (streams >= 2 && streams <= 256))) {
         throw UsageError(fmt::format("streams: {} is out of range; allowed: 2 to 256", streams));
     }
-    if (!(request.threads >= 0 && request.threads <= 4096)) {
-        throw UsageError(fmt::format("threads: {} is out of range; allowed: 1 to 4096", request.threads));
+    if (!(request.solver.coat_substeps >= 1 && request.solver.coat_substeps <= 1'000'000)) {
+        throw UsageError(fmt::format("coat substeps: {} is out of range; allowed: 1 to 1000000",
+                                     request.solver.coat_substeps));
     }
 }
 

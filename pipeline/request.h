@@ -29,8 +29,7 @@ struct Request {
     std::vector<double> wavelength_nm;
     rte::Directions directions;
     rte::SolverOptions solver;
-    std::string database;  ///< a database file; empty: the embedded one
-    int threads = 0;       ///< 0: one for each processor
+    std::string database;  ///< of the user's materials; empty: the default one
 };
 
 /// Refuses what no stage could compute, before any work is done.

@@ -3,15 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "pipeline/error.h"
 
 namespace miebrdf {
 namespace {
 
+/// The user's own materials over the embedded ones. A file that was named must be there.
 materials::Database open_database(const std::string& file) {
+    if (!file.empty() && !std::filesystem::exists(file)) {
+        throw InputError(fmt::format("materials database '{}' does not exist", file));
+    }
     try {
-        return file.empty() ? materials::Database::embedded() : materials::Database::open(file);
+        return materials::Database::layered(file.empty() ? materials::default_user_database()
+                                                         : std::filesystem::path(file));
     } catch (const std::runtime_error& error) {
         throw InputError(error.what());
     }

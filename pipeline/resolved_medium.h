@@ -22,7 +22,8 @@ struct ResolvedMedium {
     std::optional<std::complex<double>> index_at(double wavelength_nm, double k_floor) const;
 };
 
-/// Looks names up in a database file, or in the embedded database when `file` is empty.
+/// Looks names up in a user's database file laid over the embedded database; an empty `file` is
+/// the default one (materials::default_user_database), which need not exist.
 class MediumResolver {
   public:
     /// @throws InputError  when the file is no materials database or is damaged

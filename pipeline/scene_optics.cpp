@@ -77,10 +77,11 @@ std::complex<double> SceneMedia::surface_index_at(double wavelength_nm) const {
     return *media_.back().index_at(wavelength_nm, request_.scene.particles.k_floor);
 }
 
-std::vector<SceneOptics> SceneMedia::optics(const OpticsDemand& demand) const {
+std::vector<SceneOptics> SceneMedia::optics(const OpticsDemand& demand,
+                                            const RunControl& control) const {
     const JobList list = list_jobs(media_, request_);
     std::vector<MediumOptics> done(list.jobs.size());
-    run_parallel(list.jobs.size(), request_.threads, [&](std::size_t j) {
+    run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
         const Job& job = list.jobs[j];
         done[j] = medium_optics(media_[job.medium], job.wavelength_nm, request_.scene.particles, demand);
     });

@@ -8,6 +8,7 @@
 
 #include "pipeline/medium_optics.h"
 #include "pipeline/request.h"
+#include "pipeline/run_control.h"
 #include "rte/layered_reflection.h"
 
 namespace miebrdf {
@@ -32,7 +33,7 @@ class SceneMedia {
 
     /// Optics at every wavelength of the request. Equal jobs (same index, wavelength and sizes) are
     /// computed once; different ones run in parallel.
-    std::vector<SceneOptics> optics(const OpticsDemand& demand) const;
+    std::vector<SceneOptics> optics(const OpticsDemand& demand, const RunControl& control) const;
 
   private:
     /// media_[0] is the base, then the coats.

@@ -6,8 +6,8 @@
 
 #include "materials/database.h"
 #include "materials/database_writer.h"
-#include "tests/materials/temporary_folder.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
 using namespace miebrdf::materials;
@@ -152,7 +152,7 @@ TEST_CASE("a file cut short anywhere is noticed", "[materials][errors]") {
     const support::TemporaryFolder folder;
     const auto file = good_file(folder);
     CHECK_NOTHROW(read_all(file));
-    const std::string whole = support::read_bytes(file);
+    const std::string whole = support::read_file(file);
     for (std::size_t size = 1; size < whole.size(); size += 1511) {
         const auto cut = folder.write("cut", whole.substr(0, size));
         CAPTURE(size, whole.size());

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "materials/delimited.h"
-#include "tests/materials/temporary_folder.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
 using namespace miebrdf::materials;
@@ -21,7 +21,7 @@ TEST_CASE("the embedded database holds every table of the data folder, figure fo
         ++files;
         const std::string name = entry.path().stem().string();
         const RefractiveIndex index = database.refractive_index(name);
-        const std::string text = support::read_bytes(entry.path());
+        const std::string text = support::read_file(entry.path());
         const auto lines = split_lines(text);
         REQUIRE(index.table().n.size() == lines.size() - 1);
         for (std::size_t i = 1; i < lines.size(); ++i) {
@@ -103,6 +103,8 @@ TEST_CASE("one dataset is named by label or by its collection's key", "[material
     const Database database = Database::embedded();
     CHECK(database.dataset("gap/Visible").material == "GaP");
     CHECK(database.dataset("sopra:GAP").material == "GaP");
+    CHECK(database.info("sopra:GAP").name == "GaP");
+    CHECK(database.info("GaP/visible").default_dataset == "visible");
     CHECK(database.dataset("SOPRA:algaas7").material == "AlGaAs_70");
 }
 

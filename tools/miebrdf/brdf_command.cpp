@@ -72,7 +72,6 @@ void add_facts(Table& table, const Result& result, const Request& request, const
 
 int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
     Request request = arguments.scene.parse();
-    request.threads = shell.common().threads;
     request.directions.mu_in = parse_number_list(arguments.mu_in, "mu_in", 0.0, 1.0, true);
     request.directions.mu_out = parse_number_list(arguments.mu_out, "mu_out", 0.0, 1.0, true);
     request.directions.azimuth_deg =
@@ -83,7 +82,7 @@ int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
     }
     const bool as_reflection = arguments.quantity == "reflection";
     const double factor = as_reflection ? std::numbers::pi : 1.0;
-    const BrdfResult result = compute_brdf(request);
+    const BrdfResult result = compute_brdf(request, shell.control());
 
     Table table;
     add_facts(table, result, request,
@@ -118,9 +117,8 @@ int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
 
 int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {
     Request request = arguments.scene.parse();
-    request.threads = shell.common().threads;
     request.directions.mu_in = parse_number_list(arguments.mu_in, "mu_in", 0.0, 1.0, true);
-    const AlbedoResult result = compute_albedo(request);
+    const AlbedoResult result = compute_albedo(request, shell.control());
     Table table;
     add_facts(table, result, request,
               "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");

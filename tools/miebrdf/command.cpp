@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 #include <sstream>
 
 #include "pipeline/atomic_file.h"
 #include "pipeline/error.h"
 #include "pipeline/version.h"
+#include "tools/miebrdf/interrupt.h"
+#include "tools/miebrdf/progress_line.h"
 
 namespace miebrdf::program {
 
@@ -20,6 +23,8 @@ void Shell::add_common_options(CLI::App& command) {
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");
+    command.add_option("--progress", common_.progress, "auto, none or json, on standard error")
+        ->capture_default_str();
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
 }
 
@@ -49,6 +54,21 @@ void Shell::write_text(const std::string& text) const {
     AtomicFile file(common_.output);
     file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
     file.commit();
+}
+
+RunControl Shell::control() const {
+    const ProgressStyle style =
+        common_.quiet ? ProgressStyle::none : parse_progress_style(common_.progress);
+    auto line = std::make_shared<ProgressLine>(style);
+    RunControl control;
+    control.threads = common_.threads;
+    control.cancelled = &watch_for_interrupts();
+    if (style != ProgressStyle::none) {
+        control.progress = [line](const std::string& stage, std::size_t done, std::size_t total) {
+            line->update(stage, done, total);
+        };
+    }
+    return control;
 }
 
 void Shell::note(const std::string& line) const {

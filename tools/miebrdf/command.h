@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "pipeline/run_control.h"
 #include "pipeline/table.h"
 
 namespace miebrdf::program {
@@ -18,6 +19,7 @@ struct CommonOptions {
     bool json = false;
     bool quiet = false;
     int threads = 0;
+    std::string progress = "auto";
 };
 
 /// What main() gives to commands and takes from them.
@@ -43,6 +45,9 @@ class Shell {
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
 
+    /// Threads, progress on a terminal's stderr, and Ctrl-C for a computation.
+    RunControl control() const;
+
     const CommonOptions& common() const { return common_; }
     const std::string& command_line() const { return command_line_; }
     int run() const { return action_ ? action_() : kGood; }
@@ -60,5 +65,9 @@ void add_brdf_command(CLI::App& program, Shell& shell);
 void add_albedo_command(CLI::App& program, Shell& shell);
 void add_table1_command(CLI::App& program, Shell& shell);
 void add_materials_command(CLI::App& program, Shell& shell);
+void add_run_command(CLI::App& program, Shell& shell);
+
+/// All of them.
+void add_commands(CLI::App& program, Shell& shell);
 
 }  // namespace miebrdf::program

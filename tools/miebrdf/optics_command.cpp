@@ -29,7 +29,7 @@ struct MediumSpectrum {
 };
 
 MediumSpectrum compute(const MediumArguments& arguments, const std::vector<double>& angles_deg,
-                       int threads) {
+                       const RunControl& control) {
     const ParticleOptions particles = arguments.particles.parse();
     validate(particles);
     OpticsDemand demand;
@@ -43,7 +43,7 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
     spectrum.source = medium.source;
     spectrum.optics.resize(spectrum.wavelength_nm.size());
-    run_parallel(spectrum.optics.size(), threads, [&](std::size_t w) {
+    run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
         spectrum.optics[w] = medium_optics(medium, spectrum.wavelength_nm[w], particles, demand);
     });
     for (const MediumOptics& optics : spectrum.optics) {
@@ -63,7 +63,7 @@ void add_facts(Table& table, const MediumSpectrum& spectrum, const std::string& 
 Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
 
 int run_optics(const MediumArguments& arguments, const Shell& shell) {
-    const MediumSpectrum spectrum = compute(arguments, {}, shell.common().threads);
+    const MediumSpectrum spectrum = compute(arguments, {}, shell.control());
     Table table;
     add_facts(table, spectrum, "wavelength_nm: nm in vacuum; all others dimensionless");
     table.columns = {"wavelength_nm", "n",     "k",             "single_scattering_albedo",
@@ -91,7 +91,7 @@ int run_optics(const MediumArguments& arguments, const Shell& shell) {
 int run_phase(const MediumArguments& arguments, const Shell& shell) {
     const auto angles =
         parse_number_list(arguments.angles, "scattering angle (degrees)", 0.0, 180.0);
-    const MediumSpectrum spectrum = compute(arguments, angles, shell.common().threads);
+    const MediumSpectrum spectrum = compute(arguments, angles, shell.control());
     Table table;
     add_facts(table, spectrum,
               "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1");

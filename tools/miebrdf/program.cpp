@@ -9,6 +9,7 @@
 #include "pipeline/error.h"
 #include "pipeline/version.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/interrupt.h"
 
 namespace miebrdf::program {
 namespace {
@@ -20,16 +21,6 @@ int complain(int code, const std::string& message) {
     }
     std::cerr << "miebrdf: error: " << line << '\n';
     return code;
-}
-
-void add_commands(CLI::App& program, Shell& shell) {
-    add_brdf_command(program, shell);
-    add_albedo_command(program, shell);
-    add_optics_command(program, shell);
-    add_phase_command(program, shell);
-    add_sphere_command(program, shell);
-    add_table1_command(program, shell);
-    add_materials_command(program, shell);
 }
 
 int parse_and_run(const std::vector<std::string>& arguments) {
@@ -52,6 +43,17 @@ int parse_and_run(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+void add_commands(CLI::App& program, Shell& shell) {
+    add_brdf_command(program, shell);
+    add_albedo_command(program, shell);
+    add_optics_command(program, shell);
+    add_phase_command(program, shell);
+    add_sphere_command(program, shell);
+    add_table1_command(program, shell);
+    add_materials_command(program, shell);
+    add_run_command(program, shell);
+}
+
 std::string command_line_of(const std::vector<std::string>& arguments) {
     constexpr char kSpecial[] = " \t\n\"'\\$&|;<>()*?[]{}#~`!";
     std::string line = "miebrdf";
@@ -70,6 +72,8 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
 int run_program(const std::vector<std::string>& arguments) {
     try {
         return parse_and_run(arguments);
+    } catch (const Cancelled&) {
+        return complain(interrupt_exit_code(), "interrupted; nothing was written");
     } catch (const UsageError& error) {
         return complain(kUsage, error.what());
     } catch (const InputError& error) {
