@@ -1,54 +1,14 @@
 #include "pipeline/brdf.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "pipeline/parallel.h"
-#include "pipeline/phase_lookup.h"
 #include "pipeline/scene_optics.h"
-#include "rte/math/quadrature.h"
-#include "rte/surface_lobe.h"
+#include "pipeline/slice_report.h"
+#include "rte/layered_brdf.h"
 
 namespace miebrdf {
 namespace {
-
-/// The size average may err by this share of the request's tolerance, so that it does not show.
-constexpr double kMieShare = 0.1;
-
-double mie_tolerance(const Request& request) {
-    const double wanted = request.scene.particles.tolerance;
-    return wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
-}
-
-OpticsDemand demand_of(const Request& request, bool needs_phase) {
-    OpticsDemand demand;
-    demand.tolerance = mie_tolerance(request);
-    demand.highest_moment = highest_moment(request.solver);
-    if (needs_phase && request.solver.single_scattering_correction) {
-        const rte::Directions& d = request.directions;
-        demand.angles_deg = scattering_angles_deg(d.mu_in, d.mu_out, d.azimuth_deg);
-    }
-    return demand;
-}
-
-/// What both kinds of slices say about how they came about.
-template <typename Slice>
-void set_report(Slice& slice, const SceneOptics& optics, const rte::SolverReport& report) {
-    slice.report = report;
-    slice.mie_error_estimate = optics.mie_error_estimate;
-    slice.error_estimate = report.error_estimate + optics.mie_error_estimate;
-    slice.converged = report.converged && optics.converged;
-}
-
-template <typename Result>
-void summarise(Result& result) {
-    result.converged = true;
-    for (const auto& slice : result.slices) {
-        result.converged = result.converged && slice.converged;
-        result.error_estimate = std::max(result.error_estimate, slice.error_estimate);
-    }
-}
 
 /// Adds the surface lobe, and what it lets through of the layers, to a slice.
 void add_surface(SpectralSlice& slice, const rte::SurfaceLobe& lobe, const Request& request) {
@@ -91,7 +51,7 @@ SpectralSlice brdf_slice(const Request& request, const SceneOptics& optics, doub
 BrdfResult compute_brdf(const Request& request, const RunControl& control) {
     validate(request);
     const SceneMedia media(request);
-    const auto optics = media.optics(demand_of(request, true), control);
+    const auto optics = media.optics(demand_of(request, PhaseDemand::at_directions), control);
     BrdfResult result;
     result.sources = media.sources();
     result.slices.resize(optics.size());

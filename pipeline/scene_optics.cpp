@@ -8,9 +8,13 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
+#include "pipeline/phase_lookup.h"
 
 namespace miebrdf {
 namespace {
+
+/// The size average may err by this share of the request's tolerance, so that it does not show.
+constexpr double kMieShare = 0.1;
 
 /// Everything in which two Mie jobs of one request can differ.
 using JobKey = std::tuple<double, double, double>;  // n, k, wavelength
@@ -49,6 +53,18 @@ JobList list_jobs(const std::vector<ResolvedMedium>& media, const Request& reque
 }
 
 }  // namespace
+
+OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
+    const double wanted = request.scene.particles.tolerance;
+    OpticsDemand demand;
+    demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
+    demand.highest_moment = highest_moment(request.solver);
+    if (phase == PhaseDemand::at_directions && request.solver.single_scattering_correction) {
+        const rte::Directions& d = request.directions;
+        demand.angles_deg = scattering_angles_deg(d.mu_in, d.mu_out, d.azimuth_deg);
+    }
+    return demand;
+}
 
 SceneMedia::SceneMedia(const Request& request) : request_(request) {
     const MediumResolver resolver(request.database);

@@ -21,6 +21,11 @@ struct SceneOptics {
     bool converged = true;
 };
 
+enum class PhaseDemand { none, at_directions };
+
+/// What a request needs of the optics of its media.
+OpticsDemand demand_of(const Request& request, PhaseDemand phase);
+
 /// The media of a scene with their names looked up.
 class SceneMedia {
   public:

@@ -1,0 +1,151 @@
+#include "pipeline/brdf.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/reference_table.h"
+
+using namespace miebrdf;
+
+namespace {
+
+Request request_of(const std::string& base, std::vector<double> wavelength_nm = {550}) {
+    Request request;
+    request.scene.base = parse_medium(base);
+    request.wavelength_nm = std::move(wavelength_nm);
+    request.directions = {{0.3, 1.0}, {0.2, 0.9}, {0.0, 70.0, 180.0}};
+    return request;
+}
+
+}  // namespace
+
+TEST_CASE("the paper's pair agrees with the reference reflection away from exact backscatter",
+          "[pipeline][brdf]") {
+    // tests/reference/pipeline: TiO2 with and without AlGaAs7, brute-force azimuthal sums of ~2900
+    // moments. The bound is the tolerance asked for; retro-reflection has its own test.
+    const support::ReferenceTable table("pipeline/tio2_algaas_reflection_450nm.csv");
+    int compared = 0;
+    for (const double depth : {0.0, 0.1, 1.0}) {
+        Request request = request_of("TiO2", {450});
+        if (depth > 0) request.scene.coats.push_back({parse_medium("AlGaAs7"), depth});
+        request.solver.tolerance = 1e-3;
+        for (std::size_t row = 0; row < table.size(); ++row) {
+            if (table.text(row, "pair") != "A" || table.number(row, "coat_tau") != depth ||
+                table.number(row, "wavelength_nm") != 450) {
+                continue;
+            }
+            const double mu_in = table.number(row, "mu_in"), mu_out = table.number(row, "mu_out");
+            const double azimuth = table.number(row, "azimuth_deg");
+            const bool retro = mu_in == mu_out && (azimuth == 180 || mu_in == 1);
+            if (retro || std::min(mu_in, mu_out) < 0.15) continue;
+            request.directions = {{mu_in}, {mu_out}, {azimuth}};
+            const BrdfResult result = compute_brdf(request);
+            const double r = std::numbers::pi * result.slices[0].subsurface[0];
+            CAPTURE(depth, mu_in, mu_out, azimuth, r, result.error_estimate);
+            CHECK(std::abs(r / table.number(row, "R") - 1) <= 1e-3);
+            ++compared;
+        }
+    }
+    CHECK(compared > 0);
+}
+
+TEST_CASE("any number of threads gives the same bits", "[pipeline][brdf]") {
+    Request request = request_of("GaP", {450, 500, 550, 600, 650});
+    request.scene.coats.push_back({parse_medium("SiO2"), 0.1});
+    request.scene.particles.sizes.effective_radius_um = 2;
+    request.scene.surface = rte::SurfaceOptions{};
+    const BrdfResult one = compute_brdf(request, {.threads = 1});
+    for (const int threads : {2, 7}) {
+        const BrdfResult many = compute_brdf(request, {.threads = threads});
+        for (std::size_t w = 0; w < one.slices.size(); ++w) {
+            CHECK(many.slices[w].total == one.slices[w].total);
+            CHECK(many.slices[w].error_estimate == one.slices[w].error_estimate);
+        }
+    }
+}
+
+TEST_CASE("a coat of no depth changes nothing, a very deep one hides the base",
+          "[pipeline][brdf]") {
+    const Request bare = request_of("hg:0.9,0.5");
+    Request coated = bare;
+    coated.scene.coats.push_back({parse_medium("hg:0.3,0.1"), 0.0});
+    CHECK(compute_brdf(coated).slices[0].total == compute_brdf(bare).slices[0].total);
+
+    // exp(-2 * 50) of the base is left: below rounding.
+    coated.scene.coats[0].optical_depth = 50;
+    const auto hidden = compute_brdf(coated).slices[0].total;
+    const auto thick = compute_brdf(request_of("hg:0.3,0.1")).slices[0].total;
+    for (std::size_t i = 0; i < thick.size(); ++i) {
+        // Both are within the tolerance of the truth.
+        CHECK(std::abs(hidden[i] / thick[i] - 1) <= 2 * bare.solver.tolerance);
+    }
+}
+
+TEST_CASE("complete albedo lies between the layers' own and 1", "[pipeline][albedo]") {
+    Request request = request_of("TiO2");
+    request.scene.particles.sizes.effective_radius_um = 2;
+    request.scene.particles.k_floor = 1e-4;
+    request.directions.mu_in = {0.1, 0.5, 1.0};
+    const AlbedoResult layers = compute_albedo(request);
+    request.scene.surface = rte::SurfaceOptions{};
+    const AlbedoResult complete = compute_albedo(request);
+    for (std::size_t i = 0; i < 3; ++i) {
+        // rho + (1 - rho) A > A as long as A < 1.
+        CHECK(complete.slices[0].plane_albedo[i] > layers.slices[0].plane_albedo[i]);
+        CHECK(complete.slices[0].plane_albedo[i] < 1.0);
+    }
+    CHECK(complete.slices[0].spherical_albedo > layers.slices[0].spherical_albedo);
+    CHECK(complete.slices[0].spherical_albedo < 1.0);
+}
+
+TEST_CASE("spherical albedo is the mean of plane albedo also where it is given at once",
+          "[pipeline][albedo]") {
+    Request request = request_of("hg:0.95,0.7");
+    request.solver.tolerance = 1e-6;
+    request.directions.mu_in.clear();
+    const int n = 2000;  // midpoint rule, error ~ 1 / n^2
+    for (int i = 0; i < n; ++i) request.directions.mu_in.push_back((i + 0.5) / n);
+    const AlbedoResult result = compute_albedo(request);
+    double mean = 0;
+    for (int i = 0; i < n; ++i) {
+        mean += 2 * request.directions.mu_in[i] * result.slices[0].plane_albedo[i] / n;
+    }
+    CHECK(std::abs(mean / result.slices[0].spherical_albedo - 1) <= 2e-6);
+}
+
+TEST_CASE("a medium without refractive index needs one for its surface",
+          "[pipeline][brdf][errors]") {
+    Request request = request_of("hg:0.9,0.5");
+    request.scene.surface = rte::SurfaceOptions{};
+    CHECK_THROWS_WITH(compute_brdf(request), Catch::Contains("--surface-index"));
+    request.scene.surface_index = {1.5, 0.0};
+    CHECK(compute_brdf(request).converged);
+}
+
+TEST_CASE("requests out of range are refused before any work", "[pipeline][brdf][errors]") {
+    Request request = request_of("hg:0.9,0.5");
+    const auto refused = [](Request r) { CHECK_THROWS_AS(compute_brdf(r), UsageError); };
+    Request r = request;
+    r.directions.mu_in = {std::nan("")};
+    refused(r);
+    r = request;
+    r.directions.mu_out = {0.0};
+    refused(r);
+    r = request;
+    r.wavelength_nm = {-1};
+    refused(r);
+    r = request;
+    r.wavelength_nm.clear();
+    refused(r);
+    r = request;
+    r.solver.tolerance = std::nan("");
+    refused(r);
+    r = request;
+    r.solver.streams = 257;
+    refused(r);
+    r = request;
+    r.scene.coats.push_back({parse_medium("hg:0.9,0.5"), std::nan("")});
+    refused(r);
+}
