@@ -18,6 +18,8 @@ struct EnsembleRequest {
     int highest_moment = -1;                ///< chi_0 ... chi_L; -1: no moments
     std::vector<double> angles_deg;         ///< scattering angles for the phase function, 0 to 180
     double tolerance = 1e-4;                ///< relative, of albedo, q_ext and moments
+    double phase_tolerance = 1e-2;          ///< relative, of P at each angle; points of P need many
+                                            ///< more sizes than moments do
 };
 
 /// Averages by cross-section: albedo = <C_sca>/<C_ext>, chi_l = <C_sca chi_l>/<C_sca>.
@@ -27,13 +29,13 @@ struct EnsembleOptics {
     double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>
     double q_sca = 0.0;
     double q_abs = 0.0;
-    double asymmetry = 0.0;           ///< g = chi_1
-    std::vector<double> chi;          ///< chi_0 = 1 ... chi_highest_moment
-    std::vector<double> phase;        ///< P at angles_deg; mean over the sphere = 1
-    double error_estimate = 0.0;      ///< relative, of albedo, q_ext and moments
+    double asymmetry = 0.0;             ///< g = chi_1
+    std::vector<double> chi;            ///< chi_0 = 1 ... chi_highest_moment
+    std::vector<double> phase;          ///< P at angles_deg; mean over the sphere = 1
+    double error_estimate = 0.0;        ///< relative, of albedo, q_ext and moments
     double phase_error_estimate = 0.0;  ///< relative, largest over angles_deg
     int size_nodes = 0;
-    bool converged = false;  ///< error_estimate <= tolerance
+    bool converged = false;  ///< both estimates within their tolerances
 };
 
 /// Averages Mie theory over the sizes.

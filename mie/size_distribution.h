@@ -1,6 +1,8 @@
 // How the radii of the spheres in an ensemble are distributed.
 #pragma once
 
+#include <complex>
+
 namespace miebrdf::mie {
 
 enum class SizeDistributionKind { power_law, gamma, log_normal, mono };
@@ -12,7 +14,7 @@ enum class SizeDistributionKind { power_law, gamma, log_normal, mono };
 struct SizeDistribution {
     SizeDistributionKind kind = SizeDistributionKind::power_law;
     double effective_radius_um = 50.0;  ///< > 0
-    double effective_variance = 0.2;    ///< > 0; ignored for mono
+    double effective_variance = 0.2;    ///< > 0, up to 10; ignored for mono
 };
 
 /// Smallest and largest radius of a distribution, in micrometres.
@@ -26,5 +28,26 @@ struct RadiusRange {
 ///
 /// @throws std::invalid_argument  for a radius or a variance that is not positive and finite
 RadiusRange radius_range(const SizeDistribution& distribution);
+
+/// The same, with gamma and log-normal cut where `tail` of the geometric cross-section is left out
+/// on either side.
+/// @param tail  in [1e-18, 0.1]
+RadiusRange radius_range(const SizeDistribution& distribution, double tail);
+
+/// Share of the geometric cross-section per micrometre of radius: n(r) r^2 over its integral.
+class AreaDensity {
+  public:
+    /// @throws std::invalid_argument  as radius_range; and for mono, which has no density
+    explicit AreaDensity(const SizeDistribution& distribution);
+    double operator()(double radius_um) const;
+    /// Its analytic continuation, for Re radius > 0.
+    std::complex<double> operator()(std::complex<double> radius_um) const;
+
+  private:
+    SizeDistribution distribution_;
+    RadiusRange range_;
+    double log_ratio_;
+    double log_norm_ = 0;  ///< of the analytic continuation
+};
 
 }  // namespace miebrdf::mie

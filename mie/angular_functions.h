@@ -1,0 +1,29 @@
+// Phase function of an ensemble at listed angles, from the partial waves of its spheres.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "mie/sphere_block.h"
+
+namespace miebrdf::mie {
+
+/// S1 +- S2 = sum_n (2n+1)/(n(n+1)) (a_n +- b_n) (pi_n +- tau_n): the tables of the angular part,
+/// shared by all sizes. Row = angle, column = n (column 0 unused).
+class AngularFunctions {
+  public:
+    AngularFunctions() = default;
+    /// @throws std::invalid_argument  for an angle outside 0 to 180 degrees
+    AngularFunctions(std::span<const double> angles_deg, int terms);
+
+    int angle_count() const { return static_cast<int>(plus_.rows()); }
+
+    /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle: with the
+    /// weights of SphereSums this is P times 2 * scattered.
+    void add_intensity(const SphereBlock& block, Eigen::VectorXd& intensity) const;
+
+  private:
+    Eigen::MatrixXd plus_, minus_;
+};
+
+}  // namespace miebrdf::mie

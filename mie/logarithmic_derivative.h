@@ -1,0 +1,35 @@
+// Logarithmic derivative of the Riccati-Bessel function inside the sphere.
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+namespace miebrdf::mie {
+
+/// D_n(z) = psi_n'(z) / psi_n(z), psi_n(z) = z j_n(z), for n = 0 ... highest_order.
+///
+/// Downward recurrence D_{n-1} = n/z - 1/(D_n + n/z), started well above max(order, |z|), where any
+/// start is forgotten. When |z| is far above the order that is wasted work, and two other ways in
+/// are used: upward from cot z when z is (nearly) real, or the WKB expansion at the highest order
+/// when the wave from the far side is damped below rounding.
+///
+/// @param z  size parameter inside the sphere, m x; |z| > 0, Im z >= 0
+std::vector<std::complex<double>> logarithmic_derivatives(std::complex<double> z,
+                                                          int highest_order);
+
+/// The same for real z, in real arithmetic.
+std::vector<double> logarithmic_derivatives(double z, int highest_order);
+
+/// D_n(z) at one order by the WKB expansion of its Riccati equation, to rounding; empty where the
+/// expansion is not that good (Im z < 20, or the order within 30 % of |z| or above it).
+std::optional<std::complex<double>> damped_logarithmic_derivative(std::complex<double> z,
+                                                                  int order);
+
+/// E_n(z) = z D_n(z) - (n + 1) = -z^2 / (2n + 3 + E_{n+1}), n = 0 ... highest_order: what is left
+/// of D_n once its pole at z = 0 is taken out. It keeps all digits as z -> 0, where D_n hides it.
+/// Valid for |z| <= 4, below the first zero of psi_1; for real z up to n + 1 at each order n.
+template <typename Number>
+std::vector<Number> regular_logarithmic_derivatives(Number z, int highest_order);
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,20 @@
+// Legendre moments of the phase function from products of partial waves.
+#pragma once
+
+#include <vector>
+
+#include "mie/band_covariance.h"
+
+namespace miebrdf::mie {
+
+/// sum over n, m of (2n+1)(2m+1) f_l^2 [C+ + (-1)^(n+m+l) C-](n, |n - m|), l = 0 ... width, with
+/// the 3j symbol f_l = (n m l; 1 -1 0). Divided by its first entry this is chi_l.
+///
+/// All weights are squares, so nothing cancels. f_l comes upward in l from its closed form at
+/// l = |n - m|, stable because f_l grows or oscillates that way:
+///     a(l+1) f_{l+1} = 2 (2l+1) f_l - a(l) f_{l-1},  a(l)^2 = (l^2 - d^2)(K^2 - l^2),  K = n + m
+///     + 1.
+/// Cost: terms * width^2 / 2 steps, once per ensemble.
+std::vector<double> moments_from_covariance(const BandCovariance& covariance);
+
+}  // namespace miebrdf::mie

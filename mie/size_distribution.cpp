@@ -1,0 +1,132 @@
+#include "mie/size_distribution.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/constants/constants.hpp>
+#include <boost/math/distributions/gamma.hpp>
+#include <boost/math/distributions/lognormal.hpp>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <stdexcept>
+
+namespace miebrdf::mie {
+namespace {
+
+void validate(const SizeDistribution& d) {
+    if (!(d.effective_radius_um > 0 && std::isfinite(d.effective_radius_um))) {
+        throw std::invalid_argument(fmt::format(
+            "effective radius {} um; allowed: positive and finite", d.effective_radius_um));
+    }
+    if (d.kind == SizeDistributionKind::mono) return;
+    if (!(d.effective_variance > 0 && d.effective_variance <= 10)) {
+        throw std::invalid_argument(
+            fmt::format("effective variance {}; allowed: above 0, up to 10", d.effective_variance));
+    }
+}
+
+// The two conditions on r1 and r2 = r1 exp(2u) leave u coth u = 1 + v_eff. u lies in (0, 1 +
+// v_eff].
+double half_log_ratio(double variance) {
+    const auto excess = [variance](double u) { return u / std::tanh(u) - (1 + variance); };
+    // u coth u = 1 + u^2/3 - ...: below this the root is sqrt(3 v) to rounding.
+    if (variance < 1e-9) return std::sqrt(3 * variance);
+    const double lower = std::sqrt(3 * variance) * 0.999;
+    const double upper = std::sqrt(3 * variance) + 1 + variance;
+    std::uintmax_t steps = 200;
+    const auto bracket = boost::math::tools::toms748_solve(
+        excess, lower, upper, boost::math::tools::eps_tolerance<double>(52), steps);
+    return 0.5 * (bracket.first + bracket.second);
+}
+
+RadiusRange power_law_range(const SizeDistribution& d) {
+    const double u = half_log_ratio(d.effective_variance);
+    const double smallest = d.effective_radius_um * 2 * u / std::expm1(2 * u);
+    return {smallest, smallest * std::exp(2 * u)};
+}
+
+// n r^2 of the gamma distribution is a gamma density of shape 1/b and scale a b.
+boost::math::gamma_distribution<> area_gamma(const SizeDistribution& d) {
+    return {1 / d.effective_variance, d.effective_radius_um * d.effective_variance};
+}
+
+// n r^2 of the log-normal: again log-normal, its location moved by 2 sigma^2, and
+// r_eff = r_g exp(5/2 sigma^2).
+boost::math::lognormal_distribution<> area_log_normal(const SizeDistribution& d) {
+    const double variance = std::log1p(d.effective_variance);
+    return {std::log(d.effective_radius_um) - 0.5 * variance, std::sqrt(variance)};
+}
+
+template <typename Distribution>
+RadiusRange between_tails(const Distribution& distribution, double tail) {
+    using boost::math::complement;
+    // A long tail of dust has no smallest radius; 1e-6 of the largest scatters nothing.
+    const double largest = quantile(complement(distribution, tail));
+    return {std::max(quantile(distribution, tail), 1e-6 * largest), largest};
+}
+
+}  // namespace
+
+RadiusRange radius_range(const SizeDistribution& distribution, double tail) {
+    validate(distribution);
+    if (!(tail >= 1e-18 && tail <= 0.1)) {
+        throw std::invalid_argument(fmt::format("tail {}; allowed: 1e-18 to 0.1", tail));
+    }
+    switch (distribution.kind) {
+        case SizeDistributionKind::power_law:
+            return power_law_range(distribution);
+        case SizeDistributionKind::gamma:
+            return between_tails(area_gamma(distribution), tail);
+        case SizeDistributionKind::log_normal:
+            return between_tails(area_log_normal(distribution), tail);
+        case SizeDistributionKind::mono:
+            break;
+    }
+    return {distribution.effective_radius_um, distribution.effective_radius_um};
+}
+
+RadiusRange radius_range(const SizeDistribution& distribution) {
+    return radius_range(distribution, 1e-16);
+}
+
+AreaDensity::AreaDensity(const SizeDistribution& distribution)
+    : distribution_(distribution),
+      range_(radius_range(distribution)),
+      log_ratio_(std::log(range_.largest_um / range_.smallest_um)) {
+    if (distribution.kind == SizeDistributionKind::mono) {
+        throw std::invalid_argument("a single size has no density");
+    }
+    // The continuation is exp(log n r^2): its real values fix the constant.
+    const double r_effective = distribution.effective_radius_um;
+    log_norm_ = std::log((*this)(r_effective) / (*this)(std::complex<double>(r_effective)).real());
+}
+
+std::complex<double> AreaDensity::operator()(std::complex<double> radius_um) const {
+    const double b = distribution_.effective_variance;
+    const std::complex<double> relative = radius_um / distribution_.effective_radius_um;
+    switch (distribution_.kind) {
+        case SizeDistributionKind::gamma:  // r^(1/b - 1) exp(-r / (a b))
+            return std::exp((1 / b - 1) * std::log(relative) - (relative - 1.0) / b + log_norm_);
+        case SizeDistributionKind::log_normal: {  // exp(-(ln r - ln a + s/2)^2 / (2 s)) / r, s =
+                                                  // ln(1+b)
+            const double variance = std::log1p(b);
+            const std::complex<double> away = std::log(relative) + 0.5 * variance;
+            return std::exp(-away * away / (2 * variance) - std::log(relative) + log_norm_);
+        }
+        default:
+            return 1.0 / (radius_um * log_ratio_);
+    }
+}
+
+double AreaDensity::operator()(double radius_um) const {
+    switch (distribution_.kind) {
+        case SizeDistributionKind::gamma:
+            return pdf(area_gamma(distribution_), radius_um);
+        case SizeDistributionKind::log_normal:
+            return pdf(area_log_normal(distribution_), radius_um);
+        default:
+            return 1 / (radius_um * log_ratio_);  // the power law, inside its range
+    }
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,39 @@
+// Mie coefficients of many spheres of one index at once, for averages over sizes.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <span>
+
+namespace miebrdf::mie {
+
+/// U_n = a_n + b_n and V_n = a_n - b_n of `size` spheres, each times the root of its weight.
+/// Row n = order (row 0 unused), columns [0, size) the real, [size, 2 size) the imaginary parts.
+/// `size` is the number of spheres rounded up to whole vectors; the rest have weight 0.
+struct SphereBlock {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Matrix U, V;
+    int size = 0;
+    int terms = 0;
+};
+
+/// Sums over spheres s with weights w_s of a block; all terms are positive but for the last.
+struct SphereSums {
+    double scattered = 0;   ///< sum w_s sum_n (2n+1) (|a_n|^2 + |b_n|^2) = sum w_s x_s^2 Q_sca / 2
+    double absorbed = 0;    ///< the same with Re a_n - |a_n|^2; exactly 0 for a real index
+    double asymmetric = 0;  ///< sum w_s x_s^2 Q_sca g / 4
+};
+
+/// Computes the coefficients of all sizes, eight at a time in one vector, by the formulas of
+/// mie_coefficients without its care for small spheres: those below x = 2 take that path.
+///
+/// Relative error of the sums below 1e-11 (measured against mie_coefficients).
+///
+/// @param size_parameters  ascending, at least one
+/// @param weights  one per size, >= 0
+/// @param block    U and V are resized and filled when not null
+SphereSums compute_spheres(std::complex<double> relative_index,
+                           std::span<const double> size_parameters, std::span<const double> weights,
+                           SphereBlock* block);
+
+}  // namespace miebrdf::mie

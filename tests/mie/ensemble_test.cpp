@@ -1,0 +1,242 @@
+#include "mie/ensemble.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "mie/ensemble_average.h"
+#include "mie/sphere.h"
+#include "tests/support/catch.h"
+#include "tests/support/reference_table.h"
+
+using namespace miebrdf;
+using Complex = std::complex<double>;
+
+namespace {
+
+mie::EnsembleRequest request_of(const support::ReferenceTable& summary, std::size_t row) {
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = summary.number(row, "reff");
+    request.wavelength_nm = 1e3 * summary.number(row, "lam");
+    request.refractive_index = {summary.number(row, "n"), summary.number(row, "k")};
+    return request;
+}
+
+std::vector<double> column_of_case(const support::ReferenceTable& table, const std::string& name,
+                                   const std::string& column) {
+    std::vector<double> values;
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        if (table.text(row, "case") == name) values.push_back(table.number(row, column));
+    }
+    return values;
+}
+
+std::vector<double> whole_degrees() {
+    std::vector<double> angles(181);
+    std::iota(angles.begin(), angles.end(), 0.0);
+    return angles;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b,
+                          std::size_t count) {
+    double worst = 0;
+    for (std::size_t i = 0; i < count; ++i) worst = std::max(worst, std::abs(a.at(i) - b.at(i)));
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("size averages agree with the reference cases", "[mie][ensemble]") {
+    const support::ReferenceTable summary("mie/poly_summary.csv");
+    const support::ReferenceTable moments("mie/poly_moments.csv");
+    const support::ReferenceTable phases("mie/poly_phase.csv");
+    REQUIRE(summary.size() == 24);
+    for (std::size_t row = 0; row < summary.size(); ++row) {
+        const std::string name = summary.text(row, "case");
+        auto request = request_of(summary, row);
+        const double x_largest = summary.number(row, "xmax");
+        // Absorbing or small: smooth in size, so the digits printed remain (12, times the fourth
+        // power of printed radii). Transparent: ripple, and the reference's own two rules differ by
+        // err_*.
+        const bool smooth = request.refractive_index.imag() > 0 || x_largest < 1;
+        request.tolerance = smooth ? 1e-9 : 1e-6;
+        request.highest_moment = 64;
+        request.angles_deg = whole_degrees();
+        if (!smooth && x_largest > 100) request.tolerance = 3e-5;  // time
+        request.phase_tolerance = smooth ? 1e-4 : 3e-2;
+        const auto optics = mie::average_over_sizes(request);
+        const double bound =
+            smooth ? 1e-9 : 20 * request.tolerance + summary.number(row, "err_Qext");
+
+        CAPTURE(name, optics.size_nodes, optics.error_estimate);
+        CHECK(std::abs(optics.q_ext / summary.number(row, "Qext") - 1) <= bound);
+        CHECK(std::abs(optics.q_sca / summary.number(row, "Qsca") - 1) <= bound);
+        CHECK(std::abs(optics.single_scattering_albedo / summary.number(row, "albedo") - 1) <=
+              bound);
+        CHECK(std::abs(optics.asymmetry - summary.number(row, "g")) <= bound);
+        const auto chi = column_of_case(moments, name, "chi_l");
+        REQUIRE(chi.size() >= 20);
+        const std::size_t count = std::min<std::size_t>(65, chi.size());
+        CHECK(largest_difference(optics.chi, chi, count) <= bound);
+
+        const auto phase = column_of_case(phases, name, "P");
+        REQUIRE(phase.size() == 181);
+        for (int i = 0; i <= 180; ++i) {
+            CAPTURE(i);
+            CHECK(std::abs(optics.phase[i] / phase[i] - 1) <= 3 * request.phase_tolerance);
+        }
+    }
+}
+
+TEST_CASE("the error estimate is honest", "[mie][ensemble]") {
+    // True error <= 3 x estimate in 95 of 100 cases, over tolerances and the reference ensembles;
+    // the reference's own error is granted (transparent: err_*; others: twelve printed digits).
+    const support::ReferenceTable summary("mie/poly_summary.csv");
+    const support::ReferenceTable moments("mie/poly_moments.csv");
+    int honest = 0, cases = 0;
+    for (const double tolerance : {1e-2, 1e-3, 3e-4, 1e-4, 3e-5}) {
+        for (std::size_t row = 0; row < summary.size(); ++row) {
+            auto request = request_of(summary, row);
+            request.highest_moment = 64;
+            request.tolerance = tolerance;
+            const auto optics = mie::average_over_sizes(request);
+            const auto chi = column_of_case(moments, summary.text(row, "case"), "chi_l");
+            const double truth = std::max(
+                {std::abs(optics.q_ext / summary.number(row, "Qext") - 1),
+                 std::abs(optics.single_scattering_albedo / summary.number(row, "albedo") - 1),
+                 largest_difference(optics.chi, chi, std::min<std::size_t>(65, chi.size()))});
+            const double granted = 5e-12 + summary.number(row, "err_Qext");
+            honest += truth <= 3 * optics.error_estimate + granted;
+            ++cases;
+            CHECK(optics.converged);
+        }
+    }
+    CAPTURE(honest, cases);
+    CHECK(honest >= 0.95 * cases);
+}
+
+TEST_CASE("transparent spheres have albedo exactly 1", "[mie][ensemble]") {
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = GENERATE(0.01, 1.0, 5.0);
+    request.refractive_index = GENERATE(1.46, 2.6);
+    request.tolerance = 1e-2;
+    const auto optics = mie::average_over_sizes(request);
+    CHECK(optics.single_scattering_albedo == 1);
+    CHECK(optics.one_minus_albedo == 0);
+    CHECK(optics.q_abs == 0);
+}
+
+TEST_CASE("weak absorption keeps its digits", "[mie][ensemble]") {
+    // Far from saturation, one minus the albedo is linear in k.
+    mie::EnsembleRequest request;
+    request.sizes = {mie::SizeDistributionKind::power_law, 1.0, 0.2};
+    request.tolerance = 1e-6;
+    request.refractive_index = {1.33, 1e-9};
+    const double weak = mie::average_over_sizes(request).one_minus_albedo;
+    request.refractive_index = {1.33, 1e-7};
+    const double strong = mie::average_over_sizes(request).one_minus_albedo;
+    CHECK(weak > 0);
+    CHECK(strong / weak == Approx(100).epsilon(1e-3));  // second order in k x, and size nodes
+}
+
+TEST_CASE("a single size is a single sphere", "[mie][ensemble]") {
+    mie::EnsembleRequest request;
+    request.sizes = {mie::SizeDistributionKind::mono, 1.0, 0.0};
+    request.refractive_index = GENERATE(Complex(1.6, 0), Complex(2.0, 0.3));
+    request.host_index = 1.33;
+    request.wavelength_nm = 500;
+    request.highest_moment = 10;
+    request.angles_deg = {0, 77, 180};
+    const auto optics = mie::average_over_sizes(request);
+    const double x = 2 * M_PI * 1.33 / 0.5;
+    const auto sphere = mie::scatter_by_sphere(request.refractive_index / 1.33, x);
+    CHECK(optics.q_ext == Approx(sphere.q_ext).epsilon(1e-12));
+    CHECK(optics.q_abs == Approx(sphere.q_abs).epsilon(1e-12));
+    CHECK(optics.asymmetry == Approx(sphere.asymmetry).epsilon(1e-12));
+    CHECK(optics.chi[1] == Approx(sphere.asymmetry).epsilon(1e-12));
+    const auto s =
+        mie::scattering_amplitudes(request.refractive_index / 1.33, x, request.angles_deg);
+    for (int i = 0; i < 3; ++i) {
+        const double phase = 2 * (std::norm(s.s1[i]) + std::norm(s.s2[i])) / (x * x * sphere.q_sca);
+        CHECK(optics.phase[i] == Approx(phase).epsilon(1e-11));
+    }
+    CHECK(optics.converged);
+}
+
+TEST_CASE("the moments are those of the phase function", "[mie][ensemble]") {
+    // P = sum (2l+1) chi_l P_l: with all moments up to 2 x_max, exact but for rounding.
+    mie::EnsembleRequest request;
+    request.sizes = {mie::SizeDistributionKind::power_law, 0.5, 0.1};
+    request.refractive_index = {1.5, 0.05};
+    request.highest_moment = 120;
+    request.angles_deg = {0, 13, 60, 90, 141, 180};
+    const auto optics = mie::average_over_sizes(request);
+    for (std::size_t i = 0; i < request.angles_deg.size(); ++i) {
+        const double mu = mie::cosine_of_scattering_angle(request.angles_deg[i]);
+        double sum = 0;
+        for (int l = 0; l <= 120; ++l) sum += (2 * l + 1) * optics.chi[l] * std::legendre(l, mu);
+        CHECK(sum == Approx(optics.phase[i]).epsilon(1e-10));
+    }
+}
+
+TEST_CASE("chunks may be computed in any order", "[mie][ensemble][threads]") {
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = 5;
+    request.refractive_index = 1.46;
+    request.highest_moment = 8;
+    request.angles_deg = {120};
+    request.tolerance = 1e-3;
+    const auto whole = mie::average_over_sizes(request);
+    mie::EnsembleAverage average(request);
+    do {
+        std::vector<mie::EnsembleSums> sums(average.chunk_count());
+        for (int i = average.chunk_count() - 1; i >= 0; --i) sums[i] = average.compute(i);
+        for (const auto& s : sums) average.merge(s);
+    } while (average.finish_pass());
+    CHECK(average.optics().q_ext == whole.q_ext);
+    CHECK(average.optics().chi == whole.chi);
+    CHECK(average.optics().phase == whole.phase);
+}
+
+TEST_CASE("what is not asked for is not there", "[mie][ensemble]") {
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = 1;
+    request.refractive_index = {1.5, 0.1};
+    const auto bare = mie::average_over_sizes(request);
+    CHECK(bare.chi.empty());
+    CHECK(bare.phase.empty());
+    request.highest_moment = 1;
+    const auto two = mie::average_over_sizes(request);
+    REQUIRE(two.chi.size() == 2);
+    CHECK(two.chi[0] == 1);
+    CHECK(two.chi[1] == two.asymmetry);
+    CHECK(two.asymmetry == bare.asymmetry);
+}
+
+TEST_CASE("an ensemble refuses nonsense with the value in the message", "[mie][ensemble][errors]") {
+    mie::EnsembleRequest request;
+    request.refractive_index = {1.5, 0.1};
+    SECTION("wavelength") {
+        request.wavelength_nm = -5;
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("-5"));
+    }
+    SECTION("index") {
+        request.refractive_index = {1.5, -0.25};
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("-0.25"));
+    }
+    SECTION("angle") {
+        request.angles_deg = {181};
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("181"));
+    }
+    SECTION("host") {
+        request.host_index = 0;
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("host index 0"));
+    }
+    SECTION("tolerance") {
+        request.tolerance = 0;
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("tolerance 0"));
+    }
+    SECTION("sizes far beyond wave optics") {
+        request.sizes.effective_radius_um = 1e6;
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("1e5"));
+    }
+}
