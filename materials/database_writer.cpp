@@ -1,0 +1,272 @@
+#include "materials/database_writer.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <stdexcept>
+
+#include "materials/errors.h"
+#include "materials/names.h"
+#include "materials/schema.h"
+
+namespace miebrdf::materials {
+namespace {
+
+sqlite::Connection open_for_writing(const std::filesystem::path& file) {
+    if (file.has_parent_path()) {
+        std::error_code error;
+        std::filesystem::create_directories(file.parent_path(), error);
+        if (error) {
+            throw DatabaseError(fmt::format("materials database {}: cannot create its folder: {}",
+                                            file.string(), error.message()));
+        }
+    }
+    sqlite::Connection connection = sqlite::Connection::open_read_write(file);
+    create_or_migrate_schema(connection);
+    // After the tables exist: in this mode readers go on reading while we write. FULL: a commit
+    // that was reported survives a power cut.
+    sqlite::Statement mode = connection.prepare("PRAGMA journal_mode");
+    if (mode.step() && mode.text(0) != "wal") {
+        mode.reset();
+        connection.execute("PRAGMA journal_mode = WAL");
+    }
+    connection.execute("PRAGMA synchronous = FULL");
+    return connection;
+}
+
+void check_dataset(const Dataset& dataset) {
+    const std::string name = dataset.material + "/" + dataset.label;
+    try {
+        if (dataset.material.empty() || dataset.label.empty()) {
+            throw std::invalid_argument("a dataset needs the name of its material and a label");
+        }
+        if (!dataset.n && !dataset.k) throw std::invalid_argument("neither n nor k");
+        if (dataset.n) check_series(*dataset.n, 'n');
+        if (dataset.k) check_series(*dataset.k, 'k');
+    } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(name + ": " + error.what());
+    }
+}
+
+}  // namespace
+
+DatabaseWriter::DatabaseWriter(const std::filesystem::path& file)
+    : connection_(open_for_writing(file)) {}
+
+DatabaseWriter::~DatabaseWriter() {
+    try {
+        connection_.execute("PRAGMA busy_timeout = 100; PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (const DatabaseError&) {
+        // The log stays beside the file; the next writer takes it in.
+    }
+}
+
+std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
+                                            const AddOptions& options) {
+    for (const Dataset& dataset : datasets) check_dataset(dataset);
+    std::vector<AddOutcome> outcomes;
+    std::set<std::int64_t> touched;
+    sqlite::Transaction transaction(connection_);
+    for (const Dataset& dataset : datasets) {
+        const std::int64_t material = material_id(dataset.material, &dataset);
+        outcomes.push_back(add_one(dataset, options, material));
+        for (const std::string& alias : dataset.aliases) insert_alias(material, alias);
+        touched.insert(material);
+    }
+    for (const std::int64_t material : touched) refresh_text(material);
+    transaction.commit();
+    return outcomes;
+}
+
+AddOutcome DatabaseWriter::add_one(const Dataset& dataset, const AddOptions& options,
+                                   std::int64_t material) {
+    sqlite::Statement same = connection_.prepare(
+        "SELECT id, content_sha256 FROM dataset WHERE material_id = ? AND label = ?");
+    same.bind(material).bind(dataset.label);
+    if (!same.step()) {
+        insert(dataset, material);
+        return AddOutcome::added;
+    }
+    if (same.text(1) == content_sha256(dataset)) return AddOutcome::unchanged;
+    if (!options.replace) {
+        throw ImportError(
+            dataset.file.empty() ? dataset.material : dataset.file, 0,
+            fmt::format("{}/{} is already in {} with other figures; give another label "
+                        "or ask to replace it",
+                        dataset.material, dataset.label, connection_.name()));
+    }
+    connection_.prepare("DELETE FROM dataset WHERE id = ?").bind(same.integer(0)).run();
+    insert(dataset, material);
+    return AddOutcome::replaced;
+}
+
+std::int64_t DatabaseWriter::material_id(const std::string& name, const Dataset* from) {
+    sqlite::Statement find = connection_.prepare("SELECT id FROM material WHERE name = ?");
+    find.bind(name);
+    if (find.step()) return find.integer(0);
+    connection_.prepare("INSERT INTO material (name, key, title, formula) VALUES (?, ?, ?, ?)")
+        .bind(name)
+        .bind(normalised(name))
+        .bind(from != nullptr ? from->title : "")
+        .bind(from != nullptr ? from->formula : "")
+        .run();
+    return connection_.last_insert_rowid();
+}
+
+void DatabaseWriter::insert(const Dataset& d, std::int64_t material) {
+    sqlite::Statement statement = connection_.prepare(
+        "INSERT INTO dataset (material_id, label, source, source_key, reference, doi, licence, "
+        "ray, "
+        "composition, note, format, file, file_sha256, content_sha256, temperature_k) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    statement.bind(material).bind(d.label).bind(d.source).bind(d.key).bind(d.reference).bind(d.doi);
+    statement.bind(d.licence).bind(d.ray).bind(d.composition).bind(d.note).bind(d.format);
+    statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k).run();
+    const std::int64_t id = connection_.last_insert_rowid();
+    if (d.n) insert_series(id, 'n', *d.n, true);
+    if (d.k) {
+        const bool shared = d.n && d.n->tabulated() && d.k->tabulated() && d.n->unit == d.k->unit &&
+                            d.n->x == d.k->x;
+        insert_series(id, 'k', *d.k, !shared);
+    }
+    for (std::size_t i = 0; i < d.corrections.size(); ++i) {
+        connection_.prepare("INSERT INTO correction (dataset_id, position, text) VALUES (?, ?, ?)")
+            .bind(id)
+            .bind(static_cast<std::int64_t>(i))
+            .bind(d.corrections[i])
+            .run();
+    }
+}
+
+void DatabaseWriter::insert_series(std::int64_t dataset_id, char quantity, const Series& series,
+                                   bool own_grid) {
+    sqlite::Statement statement = connection_.prepare(
+        "INSERT INTO series (dataset_id, quantity, formula, unit, shortest_nm, longest_nm, "
+        "row_count, "
+        "x, y) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    statement.bind(dataset_id).bind(std::string(1, quantity)).bind(series.formula);
+    statement.bind(name_of(series.unit)).bind(series.shortest_nm).bind(series.longest_nm);
+    statement.bind(static_cast<std::int64_t>(series.y.size()));
+    if (series.tabulated() && own_grid) {
+        statement.bind_blob(to_bytes(series.x));
+    } else {
+        statement.bind_null();
+    }
+    statement.bind_blob(to_bytes(series.y)).run();
+}
+
+void DatabaseWriter::insert_alias(std::int64_t material, const std::string& alias) {
+    sqlite::Statement taken = connection_.prepare(
+        "SELECT m.id, m.name FROM alias a JOIN material m ON m.id = a.material_id WHERE a.text = "
+        "?");
+    taken.bind(alias);
+    if (taken.step()) {
+        if (taken.integer(0) == material) return;
+        throw ImportError(connection_.name(), 0,
+                          fmt::format("the alias '{}' already names {}", alias, taken.text(1)));
+    }
+    connection_.prepare("INSERT INTO alias (text, key, material_id) VALUES (?, ?, ?)")
+        .bind(alias)
+        .bind(normalised(alias))
+        .bind(material)
+        .run();
+}
+
+void DatabaseWriter::refresh_text(std::int64_t material) {
+    connection_.prepare("DELETE FROM material_text WHERE rowid = ?").bind(material).run();
+    connection_
+        .prepare(
+            "INSERT INTO material_text (rowid, name, aliases, title, formula, provenance) "
+            "SELECT id, name, "
+            "(SELECT coalesce(group_concat(text, ' ; '), '') FROM alias WHERE material_id = m.id), "
+            "title, formula, "
+            "(SELECT coalesce(group_concat(label || ' ' || source || ' ' || source_key || ' ' || "
+            "reference || ' ' || doi || ' ' || composition || ' ' || note, ' ; '), '') "
+            "FROM dataset WHERE material_id = m.id) FROM material m WHERE id = ?")
+        .bind(material)
+        .run();
+}
+
+void DatabaseWriter::add_alias(const std::string& material, const std::string& alias) {
+    sqlite::Transaction transaction(connection_);
+    const std::int64_t id = material_id(material, nullptr);
+    insert_alias(id, alias);
+    refresh_text(id);
+    transaction.commit();
+}
+
+bool DatabaseWriter::remove_alias(const std::string& alias) {
+    sqlite::Transaction transaction(connection_);
+    sqlite::Statement find = connection_.prepare("SELECT material_id FROM alias WHERE text = ?");
+    find.bind(alias);
+    if (!find.step()) return false;
+    const std::int64_t material = find.integer(0);
+    find.reset();
+    connection_.prepare("DELETE FROM alias WHERE text = ?").bind(alias).run();
+    refresh_text(material);
+    drop_if_empty(material);
+    transaction.commit();
+    return true;
+}
+
+void DatabaseWriter::set_default(const std::string& material, const std::string& label) {
+    sqlite::Transaction transaction(connection_);
+    const std::int64_t id = material_id(material, nullptr);
+    connection_.prepare("UPDATE material SET default_label = ? WHERE id = ?")
+        .bind(label)
+        .bind(id)
+        .run();
+    refresh_text(id);
+    transaction.commit();
+}
+
+bool DatabaseWriter::remove_material(const std::string& material) {
+    sqlite::Transaction transaction(connection_);
+    connection_
+        .prepare(
+            "DELETE FROM material_text WHERE rowid IN (SELECT id FROM material WHERE name = ?)")
+        .bind(material)
+        .run();
+    connection_.prepare("DELETE FROM material WHERE name = ?").bind(material).run();
+    const bool removed = connection_.changes() > 0;
+    transaction.commit();
+    return removed;
+}
+
+bool DatabaseWriter::remove_dataset(const std::string& material, const std::string& label) {
+    sqlite::Transaction transaction(connection_);
+    sqlite::Statement find = connection_.prepare(
+        "SELECT d.id, m.id FROM dataset d JOIN material m ON m.id = d.material_id "
+        "WHERE m.name = ? AND d.label = ?");
+    find.bind(material).bind(label);
+    if (!find.step()) return false;
+    const std::int64_t dataset = find.integer(0);
+    const std::int64_t owner = find.integer(1);
+    find.reset();
+    connection_.prepare("DELETE FROM dataset WHERE id = ?").bind(dataset).run();
+    connection_
+        .prepare("UPDATE material SET default_label = NULL WHERE id = ? AND default_label = ?")
+        .bind(owner)
+        .bind(label)
+        .run();
+    refresh_text(owner);
+    drop_if_empty(owner);
+    transaction.commit();
+    return true;
+}
+
+// A material that says nothing any more (no dataset, alias or default) goes.
+void DatabaseWriter::drop_if_empty(std::int64_t material) {
+    connection_
+        .prepare(
+            "DELETE FROM material WHERE id = ? AND default_label IS NULL "
+            "AND NOT EXISTS (SELECT 1 FROM dataset WHERE material_id = material.id) "
+            "AND NOT EXISTS (SELECT 1 FROM alias WHERE material_id = material.id)")
+        .bind(material)
+        .run();
+    if (connection_.changes() > 0) {
+        connection_.prepare("DELETE FROM material_text WHERE rowid = ?").bind(material).run();
+    }
+}
+
+}  // namespace miebrdf::materials

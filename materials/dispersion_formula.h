@@ -1,0 +1,23 @@
+// The nine dispersion formulas of refractiveindex.info.
+#pragma once
+
+#include <span>
+
+namespace miebrdf::materials {
+
+/// n of formula 1-9 at a vacuum wavelength in micrometres; coefficients as in the source, missing
+/// trailing ones are 0. With L the wavelength:
+///   1  n^2 - 1 = c1 + sum c_i L^2 / (L^2 - c_{i+1}^2)    (Sellmeier)
+///   2  n^2 - 1 = c1 + sum c_i L^2 / (L^2 - c_{i+1})
+///   3  n^2 = c1 + sum c_i L^c_{i+1}                       (polynomial)
+///   4  n^2 = c1 + c2 L^c3 / (L^2 - c4^c5) + c6 L^c7 / (L^2 - c8^c9) + sum_{i >= 10} c_i L^c_{i+1}
+///   5  n = c1 + sum c_i L^c_{i+1}                         (Cauchy)
+///   6  n - 1 = c1 + sum c_i / (c_{i+1} - L^-2)            (gases)
+///   7  n = c1 + c2 / (L^2 - .028) + c3 / (L^2 - .028)^2 + c4 L^2 + c5 L^4 + c6 L^6  (Herzberger)
+///   8  (n^2 - 1) / (n^2 + 2) = c1 + c2 L^2 / (L^2 - c3) + c4 L^2   (retro)
+///   9  n^2 = c1 + c2 / (L^2 - c3) + c4 (L - c5) / ((L - c5)^2 + c6)   (exotic)
+/// Not a number where the formula has no positive real value.
+/// @throws std::invalid_argument  for another formula number
+double dispersion_formula(int formula, std::span<const double> coefficients, double wavelength_um);
+
+}  // namespace miebrdf::materials

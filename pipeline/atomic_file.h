@@ -1,0 +1,37 @@
+// A file that appears whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace miebrdf {
+
+/// Writes beside the target under a temporary name; commit() renames it into place. Without
+/// commit() the destructor removes it, so an error never leaves half a file. A target that exists
+/// and is no regular file (a pipe, /dev/null) is written directly.
+class AtomicFile {
+  public:
+    /// @throws InputError  when the folder does not exist or cannot be written
+    explicit AtomicFile(std::filesystem::path target);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    std::ostream& stream() { return stream_; }
+    /// The file to hand to writers that open it themselves; close nothing but what they opened.
+    const std::filesystem::path& temporary_path() const { return temporary_; }
+
+    /// Flushes to disk and renames.
+    /// @throws InputError  when anything could not be written (a full disk shows here)
+    void commit();
+
+  private:
+    std::filesystem::path target_;
+    std::filesystem::path temporary_;
+    std::ofstream stream_;
+    bool renames_ = true;
+    bool committed_ = false;
+};
+
+}  // namespace miebrdf

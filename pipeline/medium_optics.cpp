@@ -1,0 +1,84 @@
+#include "pipeline/medium_optics.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "mie/ensemble.h"
+#include "pipeline/error.h"
+#include "pipeline/phase_lookup.h"
+#include "rte/single_scattering.h"
+
+namespace miebrdf {
+namespace {
+
+/// Optics that are given, not computed; Mie theory has no part in them.
+rte::Optics analytic_optics(const Medium& medium) {
+    struct Maker {
+        rte::Optics operator()(const IsotropicMedium& m) const {
+            return rte::isotropic_optics(m.single_scattering_albedo);
+        }
+        rte::Optics operator()(const RayleighMedium& m) const {
+            return rte::rayleigh_optics(m.single_scattering_albedo);
+        }
+        rte::Optics operator()(const HenyeyGreensteinMedium& m) const {
+            return rte::henyey_greenstein_optics(m.single_scattering_albedo, m.asymmetry);
+        }
+        rte::Optics operator()(const MomentsMedium& m) const {
+            rte::Optics optics;
+            optics.single_scattering_albedo = m.single_scattering_albedo;
+            optics.one_minus_albedo = 1.0 - m.single_scattering_albedo;
+            optics.chi = m.chi;
+            return optics;
+        }
+        rte::Optics operator()(const DatabaseMedium&) const { return {}; }
+        rte::Optics operator()(const IndexMedium&) const { return {}; }
+    };
+    return std::visit(Maker{}, medium);
+}
+
+MediumOptics from_mie(const mie::EnsembleOptics& ensemble, std::complex<double> index,
+                      const OpticsDemand& demand) {
+    MediumOptics result;
+    result.refractive_index = index;
+    result.optics.single_scattering_albedo = ensemble.single_scattering_albedo;
+    result.optics.one_minus_albedo = ensemble.one_minus_albedo;
+    if (!ensemble.chi.empty()) {
+        result.optics.chi = ensemble.chi;
+        result.optics.has_more_moments = true;
+    }
+    if (!demand.angles_deg.empty()) {
+        result.phase = ensemble.phase;
+        result.optics.phase = PhaseLookup(demand.angles_deg, ensemble.phase);
+    }
+    result.asymmetry = ensemble.asymmetry;
+    result.q_ext = ensemble.q_ext;
+    result.error_estimate = ensemble.error_estimate;
+    result.converged = ensemble.converged;
+    return result;
+}
+
+}  // namespace
+
+MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
+                           const ParticleOptions& particles, const OpticsDemand& demand) {
+    if (const auto index = medium.index_at(wavelength_nm, particles.k_floor)) {
+        const mie::EnsembleRequest request{.sizes = particles.sizes,
+                                           .refractive_index = *index,
+                                           .host_index = particles.host_index,
+                                           .wavelength_nm = wavelength_nm,
+                                           .highest_moment = demand.highest_moment,
+                                           .angles_deg = demand.angles_deg,
+                                           .tolerance = demand.tolerance};
+        return from_mie(mie::average_over_sizes(request), *index, demand);
+    }
+    MediumOptics result;
+    result.optics = analytic_optics(medium.medium);
+    result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
+    for (const double angle : demand.angles_deg) {
+        result.phase.push_back(
+            rte::exact_phase(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
+    }
+    return result;
+}
+
+}  // namespace miebrdf

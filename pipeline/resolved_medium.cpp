@@ -1,0 +1,64 @@
+#include "pipeline/resolved_medium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "pipeline/error.h"
+
+namespace miebrdf {
+namespace {
+
+/// The user's own materials over the embedded ones. A file that was named must be there.
+materials::Database open_database(const std::string& file) {
+    if (!file.empty() && !std::filesystem::exists(file)) {
+        throw InputError(fmt::format("materials database '{}' does not exist", file));
+    }
+    try {
+        return materials::Database::layered(file.empty() ? materials::default_user_database()
+                                                         : std::filesystem::path(file));
+    } catch (const std::runtime_error& error) {
+        throw InputError(error.what());
+    }
+}
+
+std::string source_line(const materials::MaterialInfo& info) {
+    std::string line = fmt::format("{}: {}; {}", info.name, info.title, info.reference);
+    if (!info.k_known) line += "; k was not measured and is taken as 0";
+    return line;
+}
+
+}  // namespace
+
+std::optional<std::complex<double>> ResolvedMedium::index_at(double wavelength_nm,
+                                                             double k_floor) const {
+    std::complex<double> index;
+    if (const auto* constant = std::get_if<IndexMedium>(&medium)) {
+        index = constant->refractive_index;
+    } else if (table) {
+        try {
+            index = table->at(wavelength_nm);
+        } catch (const std::out_of_range& error) {
+            throw InputError(error.what());
+        }
+    } else {
+        return std::nullopt;
+    }
+    return std::complex<double>(index.real(), std::max(index.imag(), k_floor));
+}
+
+MediumResolver::MediumResolver(const std::string& file) : database_(open_database(file)) {}
+
+ResolvedMedium MediumResolver::resolve(const Medium& medium) const {
+    const auto* named = std::get_if<DatabaseMedium>(&medium);
+    if (named == nullptr) return {medium, std::nullopt, describe(medium)};
+    try {
+        return {medium, database_.refractive_index(named->name),
+                source_line(database_.info(named->name))};
+    } catch (const std::runtime_error& error) {
+        throw InputError(error.what());
+    }
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,39 @@
+// Media with their names looked up: from here on no stage needs the database.
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <string>
+
+#include "materials/database.h"
+#include "materials/refractive_index.h"
+#include "pipeline/medium.h"
+
+namespace miebrdf {
+
+/// A medium together with the table that its name stands for.
+struct ResolvedMedium {
+    Medium medium;
+    std::optional<materials::RefractiveIndex> table;  ///< of a database medium
+    std::string source;  ///< one line for the output: which figures, from where
+
+    /// n + ik at a vacuum wavelength, k raised to `k_floor`; empty for media without an index.
+    /// @throws InputError  outside the table, naming material and valid range
+    std::optional<std::complex<double>> index_at(double wavelength_nm, double k_floor) const;
+};
+
+/// Looks names up in a user's database file laid over the embedded database; an empty `file` is
+/// the default one (materials::default_user_database), which need not exist.
+class MediumResolver {
+  public:
+    /// @throws InputError  when the file is no materials database or is damaged
+    explicit MediumResolver(const std::string& file = {});
+
+    /// @throws InputError  for an unknown name, with the nearest known ones
+    ResolvedMedium resolve(const Medium& medium) const;
+
+  private:
+    materials::Database database_;
+};
+
+}  // namespace miebrdf

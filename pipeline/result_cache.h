@@ -1,0 +1,73 @@
+// Results remembered between runs, in an SQLite file of the user's cache folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace miebrdf {
+
+/// The text that identifies a job: everything its result depends on, in a fixed order, numbers to
+/// the last bit. Two jobs are the same if and only if their texts are.
+class JobKey {
+  public:
+    /// @param kind  which computation; the solver's version is part of it
+    explicit JobKey(std::string_view kind);
+    JobKey& add(std::string_view text);
+    JobKey& add(double number);
+    JobKey& add(int number) { return add(static_cast<double>(number)); }
+    JobKey& add(bool flag) = delete;  ///< so that no text literal becomes a flag
+    JobKey& add(std::span<const double> numbers);
+    /// SHA-256 of the text, in hexadecimal.
+    std::string hash() const;
+
+  private:
+    std::string bytes_;
+};
+
+/// Never in the way: an entry that is damaged is forgotten, a file that is locked, full or cannot be
+/// written only means that nothing is remembered. May be used from several threads and processes.
+class ResultCache {
+  public:
+    static constexpr std::int64_t kDefaultLimit_bytes = std::int64_t{256} << 20;
+
+    /// $XDG_CACHE_HOME/miebrdf/results.sqlite, else ~/.cache/miebrdf/results.sqlite.
+    static std::filesystem::path default_file();
+
+    /// Opens or creates the file; when that fails the cache is there but remembers nothing.
+    explicit ResultCache(const std::filesystem::path& file,
+                         std::int64_t limit_bytes = kDefaultLimit_bytes);
+    ~ResultCache();
+
+    /// Numbers stored for a job, if they are there and undamaged.
+    std::optional<std::vector<double>> find(const std::string& hash);
+    void store(const std::string& hash, std::span<const double> numbers);
+
+    struct Info {
+        std::filesystem::path file;
+        bool usable = false;
+        std::int64_t entries = 0;
+        std::int64_t bytes = 0;
+        std::int64_t limit_bytes = 0;
+    };
+    Info info() const;
+    /// Removes the file and begins a new one. @returns the number of entries forgotten
+    std::int64_t clear();
+
+  private:
+    struct Database;
+    void open();
+    void forget_oldest();
+
+    std::filesystem::path file_;
+    std::int64_t limit_bytes_;
+    mutable std::mutex mutex_;
+    std::unique_ptr<Database> database_;  ///< empty when not usable
+};
+
+}  // namespace miebrdf

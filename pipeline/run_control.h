@@ -1,0 +1,26 @@
+// How a caller watches and stops a computation.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace miebrdf {
+
+/// Thrown out of a computation whose `cancelled` flag was raised; nothing was half-written.
+class Cancelled : public std::runtime_error {
+  public:
+    Cancelled() : std::runtime_error("cancelled") {}
+};
+
+struct RunControl {
+    int threads = 0;  ///< most threads to use; 0: one for each processor
+    /// Called after each finished job of a stage, one call at a time, from any thread.
+    std::function<void(const std::string& stage, std::size_t done, std::size_t total)> progress = {};
+    /// Looked at before each job; may be raised from a signal handler.
+    const std::atomic<bool>* cancelled = nullptr;
+};
+
+}  // namespace miebrdf

@@ -1,0 +1,135 @@
+#include "pipeline/scene_optics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "pipeline/error.h"
+#include "pipeline/parallel.h"
+#include "pipeline/phase_lookup.h"
+
+namespace miebrdf {
+namespace {
+
+/// The size average may err by this share of the request's tolerance, so that it does not show.
+constexpr double kMieShare = 0.1;
+
+// Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
+// the rest (docs/numerics.md).
+constexpr int kMostAutomaticStreams = 64;
+
+/// Moments that the solver can make use of: with n streams it keeps 2 n at most, and delta-M needs
+/// one more.
+int highest_moment(const rte::SolverOptions& options) {
+    return 2 * (options.streams > 0 ? options.streams : kMostAutomaticStreams);
+}
+
+/// Everything in which two Mie jobs of one request can differ.
+using JobKey = std::tuple<double, double, double>;  // n, k, wavelength
+
+/// A job and the place its result goes to.
+struct Job {
+    std::size_t medium;
+    double wavelength_nm;
+};
+
+/// The jobs of a request, each once, and which job serves medium i at wavelength w.
+struct JobList {
+    std::vector<Job> jobs;
+    std::vector<std::vector<std::size_t>> serving;  ///< [wavelength][medium]
+};
+
+JobList list_jobs(const std::vector<ResolvedMedium>& media, const Request& request) {
+    JobList list;
+    std::map<JobKey, std::size_t> known;
+    for (const double wavelength_nm : request.wavelength_nm) {
+        auto& row = list.serving.emplace_back();
+        for (std::size_t i = 0; i < media.size(); ++i) {
+            const auto index = media[i].index_at(wavelength_nm, request.scene.particles.k_floor);
+            if (index) {
+                const JobKey key{index->real(), index->imag(), wavelength_nm};
+                const auto [found, is_new] = known.try_emplace(key, list.jobs.size());
+                row.push_back(found->second);
+                if (!is_new) continue;
+            } else {
+                row.push_back(list.jobs.size());
+            }
+            list.jobs.push_back({i, wavelength_nm});
+        }
+    }
+    return list;
+}
+
+}  // namespace
+
+OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
+    const double wanted = request.scene.particles.tolerance;
+    OpticsDemand demand;
+    demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
+    demand.highest_moment = highest_moment(request.solver);
+    if (phase == PhaseDemand::at_directions && request.solver.single_scattering_correction) {
+        const rte::Directions& d = request.directions;
+        demand.angles_deg = scattering_angles_deg(d.mu_in, d.mu_out, d.azimuth_deg);
+    }
+    return demand;
+}
+
+SceneMedia::SceneMedia(const Request& request) : request_(request) {
+    const MediumResolver resolver(request.database);
+    const Scene& scene = request.scene;
+    media_.push_back(resolver.resolve(scene.base));
+    for (const CoatMedium& coat : scene.coats) media_.push_back(resolver.resolve(coat.medium));
+    if (scene.surface && !scene.surface_index && !needs_mie(top_medium(scene))) {
+        throw UsageError(fmt::format(
+            "the surface of '{}' has no refractive index; give one with --surface-index N,K, or leave "
+            "the surface out with --roughness 0", describe(top_medium(scene))));
+    }
+}
+
+std::vector<std::string> SceneMedia::sources() const {
+    std::vector<std::string> lines;
+    for (const ResolvedMedium& medium : media_) {
+        if (std::find(lines.begin(), lines.end(), medium.source) == lines.end()) {
+            lines.push_back(medium.source);
+        }
+    }
+    return lines;
+}
+
+std::complex<double> SceneMedia::surface_index_at(double wavelength_nm) const {
+    if (request_.scene.surface_index) return *request_.scene.surface_index;
+    return *media_.back().index_at(wavelength_nm, request_.scene.particles.k_floor);
+}
+
+std::vector<SceneOptics> SceneMedia::optics(const OpticsDemand& demand,
+                                            const RunControl& control) const {
+    const JobList list = list_jobs(media_, request_);
+    std::vector<MediumOptics> done(list.jobs.size());
+    run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
+        const Job& job = list.jobs[j];
+        done[j] = medium_optics(media_[job.medium], job.wavelength_nm, request_.scene.particles, demand);
+    });
+
+    std::vector<SceneOptics> scenes;
+    for (std::size_t w = 0; w < request_.wavelength_nm.size(); ++w) {
+        SceneOptics scene;
+        for (std::size_t i = 0; i < media_.size(); ++i) {
+            const MediumOptics& optics = done[list.serving[w][i]];
+            if (i == 0) {
+                scene.stack.base = optics.optics;
+            } else {
+                const double optical_depth = request_.scene.coats[i - 1].optical_depth;
+                scene.stack.coats.push_back({optics.optics, optical_depth});
+            }
+            scene.mie_error_estimate = std::max(scene.mie_error_estimate, optics.error_estimate);
+            scene.converged = scene.converged && optics.converged;
+        }
+        if (request_.scene.surface) scene.surface_index = surface_index_at(request_.wavelength_nm[w]);
+        scenes.push_back(std::move(scene));
+    }
+    return scenes;
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,30 @@
+// A result as rows and columns, and the two ways to write it.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace miebrdf {
+
+/// One field of a table. The empty state is "no value": an empty CSV field, a JSON null.
+using Cell = std::variant<std::monostate, double, std::string>;
+
+struct Table {
+    /// Facts about the whole table, in order: version, command, units, sources, reports.
+    std::vector<std::pair<std::string, std::string>> facts;
+    std::vector<std::string> columns;
+    std::vector<std::vector<Cell>> rows;
+};
+
+/// `# name: value` lines, a header line, rows; numbers in the shortest form that reads back to the
+/// same double. Text that needs it is quoted (RFC 4180). Not-a-number becomes an empty field.
+void write_csv(const Table& table, std::ostream& out);
+
+/// One object: the facts under "facts", then "columns" and "rows". Not-a-number becomes null.
+void write_json(const Table& table, std::ostream& out);
+
+}  // namespace miebrdf

@@ -1,0 +1,166 @@
+#include "materials/database.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <thread>
+
+#include "materials/delimited.h"
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using namespace miebrdf::materials;
+
+TEST_CASE("the embedded database holds every table of the data folder, figure for figure",
+          "[materials][embedded]") {
+    const Database database = Database::embedded();
+    const std::filesystem::path folder = MIEBRDF_MATERIALS_DATA "/visible";
+    std::size_t files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        ++files;
+        const std::string name = entry.path().stem().string();
+        const RefractiveIndex index = database.refractive_index(name);
+        const std::string text = support::read_file(entry.path());
+        const auto lines = split_lines(text);
+        REQUIRE(index.table().n.size() == lines.size() - 1);
+        for (std::size_t i = 1; i < lines.size(); ++i) {
+            const auto fields = split_fields(lines[i]);
+            const auto m = index.at(std::stod(fields[0]) * 1000.0);
+            CAPTURE(name, i);
+            CHECK(m.real() == std::stod(fields[1]));
+            CHECK(m.imag() == std::stod(fields[2]));
+        }
+    }
+    CHECK(database.list().size() == files);
+    CHECK(files == 73);
+    CHECK(database.integrity_problems().empty());
+}
+
+TEST_CASE("materials are found by the names people write", "[materials][names]") {
+    const Database database = Database::embedded();
+    const std::pair<const char*, const char*> spellings[] = {
+        {"GaP", "GaP"},
+        {"gap", "GaP"},
+        {"gallium phosphide", "GaP"},
+        {"AlGaAs7", "AlGaAs_70"},
+        {"algaas-70", "AlGaAs_70"},
+        {"AlGaAs_70", "AlGaAs_70"},
+        {"TiO2", "TiO2"},
+        {"titanium dioxide", "TiO2"},
+        {"Titania", "TiO2"},
+        {"rutile", "TiO2"},
+        {"silica", "SiO2"},
+        {"water", "H2O"},
+        {"ice", "H2O_ice"},
+        {"SiON", "SiON_40"},
+        {"Co", "Co"},
+        {"gold", "Au"},
+        {"BK7", "BK7"},
+        {"n-bk7", "BK7"},
+    };
+    for (const auto& [spelling, name] : spellings) {
+        CAPTURE(spelling);
+        CHECK(database.info(spelling).name == name);
+    }
+}
+
+TEST_CASE("no alias of the embedded database is ambiguous", "[materials][names]") {
+    const Database database = Database::embedded();
+    for (const MaterialInfo& material : database.list()) {
+        CHECK(database.resolve(material.name) == std::vector<std::string>{material.name});
+        for (const std::string& alias : material.aliases) {
+            CAPTURE(alias);
+            CHECK(database.resolve(alias) == std::vector<std::string>{material.name});
+            std::string upper = alias;
+            for (char& c : upper)
+                c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+            CHECK(database.info(upper).name == material.name);
+        }
+    }
+}
+
+TEST_CASE("an unknown name is an error with the nearest ones", "[materials][names][errors]") {
+    const Database database = Database::embedded();
+    try {
+        database.info("TiO3");
+        FAIL("TiO3 was found");
+    } catch (const UnknownMaterial& error) {
+        CHECK(error.name == "TiO3");
+        CHECK(
+            std::set<std::string>(error.candidates.begin(), error.candidates.end()).count("TiO2") ==
+            1);
+        CHECK_THAT(error.what(), Catch::Contains("TiO3") && Catch::Contains("did you mean"));
+    }
+    CHECK_THROWS_AS(database.refractive_index("unobtainium"), UnknownMaterial);
+    CHECK_THROWS_AS(database.info(""), UnknownMaterial);
+    CHECK_THROWS_AS(database.dataset("GaP/nobody"), UnknownMaterial);
+    CHECK_THROWS_WITH(database.dataset("GaP/nobody"), Catch::Contains("GaP/visible"));
+    CHECK_THROWS_AS(database.dataset("sopra:NOTHING"), UnknownMaterial);
+}
+
+TEST_CASE("one dataset is named by label or by its collection's key", "[materials][names]") {
+    const Database database = Database::embedded();
+    CHECK(database.dataset("gap/Visible").material == "GaP");
+    CHECK(database.dataset("sopra:GAP").material == "GaP");
+    CHECK(database.info("sopra:GAP").name == "GaP");
+    CHECK(database.info("GaP/visible").default_dataset == "visible");
+    CHECK(database.dataset("SOPRA:algaas7").material == "AlGaAs_70");
+}
+
+TEST_CASE("every material says where it comes from and what it covers", "[materials][embedded]") {
+    const Database database = Database::embedded();
+    for (const MaterialInfo& material : database.list()) {
+        CAPTURE(material.name);
+        CHECK_FALSE(material.title.empty());
+        CHECK_FALSE(material.source.empty());
+        CHECK_FALSE(material.reference.empty());
+        CHECK(material.shortest_nm <= 450);
+        CHECK(material.longest_nm >= 700);
+        CHECK(material.rows >= 60);
+    }
+    // "no k" in the index: nobody gave it. SOPRA's zeros are kept as given.
+    CHECK_FALSE(database.info("BaTiO3").k_known);
+    CHECK_FALSE(database.refractive_index("ZnO").k_known());
+    CHECK(database.info("SiO2").k_known);
+    CHECK_THAT(database.info("SiO2").note, Catch::Contains("k is exactly 0"));
+    CHECK_THROWS_WITH(database.refractive_index("BaTiO3").at(360),
+                      Catch::Contains("BaTiO3") && Catch::Contains("400 to 700 nm"));
+}
+
+TEST_CASE("search finds words of name, alias, title and provenance", "[materials][search]") {
+    const Database database = Database::embedded();
+    const auto names = [&](const std::string& text) {
+        std::vector<std::string> found;
+        for (const auto& m : database.search(text)) found.push_back(m.name);
+        return found;
+    };
+    CHECK(names("tio2").front() == "TiO2");
+    CHECK(names("rutile ordinary").front() == "TiO2_rutile_o");
+    CHECK(names("wolfram") == std::vector<std::string>{"W"});
+    CHECK(names("djurisic") == std::vector<std::string>{"C_graphite"});  // without the accent
+    CHECK(names("no such words").empty());
+    CHECK(names("\"*('").empty());  // no character has a meaning of its own
+    // 9 of the 73 rows of index.csv do not reach from 360 to 840 nm.
+    CHECK(database.search(SearchFilter{.text = "", .covers_from_nm = 360, .covers_to_nm = 840})
+              .size() == 64);
+    CHECK(database
+              .search(SearchFilter{
+                  .text = "rutile", .covers_from_nm = {}, .covers_to_nm = {}, .needs_k = true})
+              .size() == 1);
+}
+
+TEST_CASE("one database serves several threads", "[materials][threads]") {
+    const Database database = Database::embedded();
+    const double expected = database.refractive_index("GaP").at(550).real();
+    std::vector<std::thread> threads;
+    std::vector<int> right(4, 0);
+    for (std::size_t t = 0; t < right.size(); ++t) {
+        threads.emplace_back([&, t] {
+            for (int i = 0; i < 50; ++i)
+                right[t] += database.refractive_index("gap").at(550).real() == expected;
+        });
+    }
+    for (auto& thread : threads) thread.join();
+    for (const int count : right) CHECK(count == 50);
+}

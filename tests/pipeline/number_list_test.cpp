@@ -1,0 +1,54 @@
+#include "pipeline/number_list.h"
+
+#include "pipeline/error.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+using Numbers = std::vector<double>;
+
+TEST_CASE("lists, ranges and mixtures read as people type them", "[pipeline][number_list]") {
+    CHECK(parse_number_list("1,2.5, 3e-2", "x") == Numbers{1, 2.5, 0.03});
+    CHECK(parse_number_list("400:700:100", "x") == Numbers{400, 500, 600, 700});
+    CHECK(parse_number_list("1:0:-0.5", "x") == Numbers{1, 0.5, 0});
+    CHECK(parse_number_list("5,0:2:1,7", "x") == Numbers{5, 0, 1, 2, 7});
+    CHECK(parse_number_list("3:3:1", "x") == Numbers{3});
+}
+
+TEST_CASE("a range includes its last number although the steps do not meet it exactly",
+          "[pipeline][number_list]") {
+    // 0.1 + 9 * 0.1 is 1.0000000000000002 or 0.99999999999999989, depending on how it is summed: a
+    // cosine just above 1 would be refused.
+    const Numbers mu = parse_number_list("0.1:1:0.1", "mu", 0.0, 1.0, true);
+    REQUIRE(mu.size() == 10);
+    CHECK(mu.back() == 1.0);
+    CHECK(parse_number_list("0:1:0.3", "x").size() == 4);  // 0.9 is the last one inside
+}
+
+TEST_CASE("wavelengths carry units and are converted to nanometres", "[pipeline][number_list]") {
+    CHECK(parse_wavelengths_nm("550") == Numbers{550});
+    CHECK(parse_wavelengths_nm("550nm,0.55um,5500A")[1] == Approx(550).epsilon(1e-15));
+    CHECK(parse_wavelengths_nm("550nm,0.55um,5500A")[2] == Approx(550).epsilon(1e-15));
+    // h c = 1239.841984... eV nm: a photon of 2 eV has 619.92 nm.
+    CHECK(parse_wavelength_nm("2eV") == Approx(619.920992).epsilon(1e-12));
+    CHECK(parse_wavelengths_nm("rgb") == Numbers{620, 535, 480});
+    CHECK(parse_wavelengths_nm("0.4um:0.7um:150") == Numbers{400, 550, 700});
+}
+
+TEST_CASE("what is no number is refused with the text in the message",
+          "[pipeline][number_list][errors]") {
+    const std::string bad = GENERATE("", "abc", "1,", "1,,2", "1e", "nan", "inf", "1e999", "1:2",
+                                     "1:2:0", "1:2:-1", "1:2:3:4", "0:1:1e-9", "2 3", "0x10");
+    CAPTURE(bad);
+    CHECK_THROWS_AS(parse_number_list(bad, "mu_in"), UsageError);
+    CHECK_THROWS_WITH(parse_number_list(bad, "mu_in"), Catch::Contains("mu_in"));
+}
+
+TEST_CASE("a number out of range is refused with the value and the range",
+          "[pipeline][number_list][errors]") {
+    CHECK_THROWS_WITH(parse_number_list("0.5,0", "mu", 0.0, 1.0, true),
+                      Catch::Contains("0 is out of range") && Catch::Contains("(0, 1]"));
+    CHECK_THROWS_WITH(parse_number_list("1.5", "mu", 0.0, 1.0, true), Catch::Contains("1.5"));
+    CHECK_THROWS_AS(parse_wavelength_nm("-550"), UsageError);
+    CHECK_THROWS_AS(parse_wavelength_nm("0eV"), UsageError);
+    CHECK_THROWS_WITH(parse_wavelength_nm("5furlongs"), Catch::Contains("0.55um"));
+}

@@ -1,0 +1,53 @@
+#include "pipeline/parallel.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+TEST_CASE("every job runs exactly once on any number of threads", "[pipeline][parallel]") {
+    const int threads = GENERATE(0, 1, 2, 7);
+    std::vector<std::atomic<int>> calls(1000);
+    run_parallel("count", calls.size(), {.threads = threads}, [&](std::size_t i) { ++calls[i]; });
+    for (const auto& count : calls) CHECK(count == 1);
+}
+
+TEST_CASE("progress counts every job of its stage in order", "[pipeline][parallel]") {
+    const int threads = GENERATE(1, 2);
+    std::vector<std::size_t> seen;
+    RunControl control{.threads = threads};
+    control.progress = [&](const std::string& stage, std::size_t done, std::size_t total) {
+        CHECK(stage == "count");
+        CHECK(total == 50);
+        seen.push_back(done);
+    };
+    run_parallel("count", 50, control, [](std::size_t) {});
+    REQUIRE(seen.size() == 50);
+    for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == i + 1);
+}
+
+TEST_CASE("a raised flag stops the jobs that have not begun", "[pipeline][parallel]") {
+    const int threads = GENERATE(1, 2);
+    std::atomic<bool> cancelled = false;
+    std::atomic<int> calls = 0;
+    const RunControl control{.threads = threads, .progress = {}, .cancelled = &cancelled};
+    CHECK_THROWS_AS(run_parallel("count", 1000, control,
+                                 [&](std::size_t) {
+                                     ++calls;
+                                     cancelled = true;
+                                 }),
+                    Cancelled);
+    CHECK(calls <= threads);  // those that had passed the check on their thread
+}
+
+TEST_CASE("an exception of a job reaches the caller", "[pipeline][parallel][errors]") {
+    const int threads = GENERATE(1, 2);
+    CHECK_THROWS_WITH(run_parallel("fail", 100, {.threads = threads},
+                                   [](std::size_t i) {
+                                       if (i == 42) throw std::runtime_error("job 42");
+                                   }),
+                      "job 42");
+}

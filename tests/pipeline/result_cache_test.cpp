@@ -1,0 +1,108 @@
+#include "pipeline/result_cache.h"
+
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using Numbers = std::vector<double>;
+
+namespace {
+
+std::string key(int job) { return JobKey("test").add(job).hash(); }
+
+}  // namespace
+
+TEST_CASE("a stored result is found again to the last bit, by another process too",
+          "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const Numbers numbers = {0.1, -0.0, 5e-324, 1e308};
+    {
+        ResultCache cache(folder / "cache/results.sqlite");
+        CHECK_FALSE(cache.find(key(1)));
+        cache.store(key(1), numbers);
+    }
+    ResultCache cache(folder / "cache/results.sqlite");
+    REQUIRE(cache.find(key(1)));
+    CHECK(*cache.find(key(1)) == numbers);
+    CHECK_FALSE(cache.find(key(2)));
+    CHECK(cache.info().entries == 1);
+    CHECK(cache.clear() == 1);
+    CHECK_FALSE(cache.find(key(1)));
+}
+
+TEST_CASE("keys differ as soon as any part differs", "[pipeline][cache]") {
+    const auto hash = [](auto... parts) {
+        JobKey job("test");
+        (job.add(parts), ...);
+        return job.hash();
+    };
+    CHECK(hash(1.0, 2.0) == hash(1.0, 2.0));
+    CHECK(hash(1.0, 2.0) != hash(2.0, 1.0));
+    CHECK(hash(0.0) != hash(-0.0));
+    CHECK(hash(1.0) != hash(std::nextafter(1.0, 2.0)));
+    CHECK(hash(std::string_view("ab"), std::string_view("c")) !=
+          hash(std::string_view("a"), std::string_view("bc")));
+    CHECK(JobKey("test").hash() != JobKey("tes").hash());
+}
+
+TEST_CASE("a damaged entry is forgotten, not returned", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    const Numbers numbers(1000, 1.25);
+    ResultCache(file).store(key(1), numbers);
+    // Flips one byte of the stored numbers: 1.25 is 00 00 00 00 00 00 f4 3f.
+    std::string bytes = support::read_file(file);
+    const auto at = bytes.find(std::string("\xf4\x3f", 2));
+    REQUIRE(at != std::string::npos);
+    bytes[at] = '\xf5';
+    folder.write("results.sqlite", bytes);
+    ResultCache cache(file);
+    CHECK_FALSE(cache.find(key(1)));
+    CHECK(cache.info().entries == 0);
+}
+
+TEST_CASE("a file that is no cache is replaced, a place that cannot be written is done without",
+          "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    ResultCache replaced(folder.write("results.sqlite", std::string(5000, 'x')));
+    replaced.store(key(1), Numbers{1});
+    CHECK(replaced.find(key(1)));
+
+    ResultCache impossible("/proc/no/such/folder/results.sqlite");
+    impossible.store(key(1), Numbers{1});
+    CHECK_FALSE(impossible.find(key(1)));
+    CHECK_FALSE(impossible.info().usable);
+}
+
+TEST_CASE("the oldest results make room when the limit is reached", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    ResultCache cache(folder / "results.sqlite", 100 * 1000);
+    const Numbers numbers(1000, 1.0);  // 8000 bytes
+    for (int job = 0; job < 100; ++job) cache.store(key(job), numbers);
+    CHECK(cache.info().bytes <= 100 * 1000);
+    CHECK(cache.find(key(99)));
+    CHECK_FALSE(cache.find(key(0)));
+}
+
+TEST_CASE("many threads on two connections neither fail nor mix results up", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    ResultCache caches[2] = {ResultCache(folder / "r.sqlite"), ResultCache(folder / "r.sqlite")};
+    std::vector<std::thread> threads;
+    std::atomic<int> wrong = 0;
+    for (int t = 0; t < 4; ++t) {
+        threads.emplace_back([&, t] {
+            for (int job = 0; job < 50; ++job) {
+                caches[t % 2].store(key(job), Numbers{static_cast<double>(job)});
+                const auto found = caches[(t + 1) % 2].find(key(job));
+                if (found && found->front() != job) ++wrong;
+            }
+        });
+    }
+    for (auto& thread : threads) thread.join();
+    CHECK(wrong == 0);
+    CHECK(caches[0].info().entries == 50);
+}

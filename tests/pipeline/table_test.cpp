@@ -1,0 +1,53 @@
+#include "pipeline/table.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+Table sample() {
+    Table table;
+    table.facts = {{"version", "0"}, {"source", "a"}, {"source", "b\nc"}};
+    table.columns = {"name", "value"};
+    table.rows = {{"plain", 0.1}, {"with, comma \"quoted\"", 1e-300}, {Cell(), std::nan("")}};
+    return table;
+}
+
+}  // namespace
+
+TEST_CASE("CSV has comments, one header, quoted text and empty fields for what is unknown",
+          "[pipeline][table]") {
+    std::ostringstream out;
+    write_csv(sample(), out);
+    CHECK(out.str() ==
+          "# version: 0\n# source: a\n# source: b c\nname,value\nplain,0.1\n"
+          "\"with, comma \"\"quoted\"\"\",1e-300\n,\n");
+}
+
+TEST_CASE("numbers in CSV read back to the same double", "[pipeline][table]") {
+    const double value = GENERATE(1.0 / 3.0, 6.02214076e23, 5e-324, -0.1, 123456789.123456789);
+    Table table;
+    table.columns = {"x"};
+    table.rows = {{value}};
+    std::ostringstream out;
+    write_csv(table, out);
+    CHECK(std::strtod(out.str().c_str() + 2, nullptr) == value);
+}
+
+TEST_CASE("JSON is valid, keeps repeated facts and has null for what is unknown",
+          "[pipeline][table]") {
+    std::ostringstream out;
+    write_json(sample(), out);
+    const auto json = nlohmann::json::parse(out.str());
+    CHECK(json["facts"]["source"] == nlohmann::json::array({"a", "b\nc"}));
+    CHECK(json["columns"] == nlohmann::json::array({"name", "value"}));
+    CHECK(json["rows"][0][1] == 0.1);
+    CHECK(json["rows"][2][0].is_null());
+    CHECK(json["rows"][2][1].is_null());
+}

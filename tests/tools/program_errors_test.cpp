@@ -1,0 +1,135 @@
+// Bad input of every kind: one clear line on stderr, the right exit code, nothing half-written.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+
+namespace {
+
+constexpr int kUsage = 2;
+constexpr int kBadInput = 3;
+
+void check_one_line(const support::ProgramRun& run, int exit_code,
+                    const std::vector<std::string>& words) {
+    CAPTURE(run.err, run.out);
+    CHECK(run.exit_code == exit_code);
+    CHECK(run.out.empty());
+    CHECK(std::count(run.err.begin(), run.err.end(), '\n') == 1);
+    CHECK_THAT(run.err, Catch::StartsWith("miebrdf: error: "));
+    for (const std::string& word : words) CHECK_THAT(run.err, Catch::Contains(word));
+}
+
+const std::string kDirections = " --wavelengths 550 --mu-in 0.5 --mu-out 0.5 --azimuth 0 ";
+
+}  // namespace
+
+TEST_CASE("numbers out of range end with exit code 2, the value and what is allowed",
+          "[program][errors]") {
+    struct Case {
+        const char* arguments;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"brdf --base hg:0.9,0.5 --mu-in 0 --mu-out 1", {"0 is out of range", "(0, 1]"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 0.5 --mu-out 1.5", {"1.5", "(0, 1]"}},
+        {"brdf --base hg:0.9,0.5 --mu-in nan --mu-out 1", {"nan", "finite"}},
+        {"brdf --base hg:0.9,0.5 --mu-in -0.5 --mu-out 1", {"-0.5", "(0, 1]"}},
+        {"brdf --base hg:1.5,0.5 --mu-in 0.5 --mu-out 1", {"1.5", "[0, 1]"}},
+        {"brdf --base isotropic:nan --mu-in 0.5 --mu-out 1", {"nan"}},
+        {"brdf --base hg:0.9,0.5 --coat hg:0.9,0.1@-0.1 --mu-in 1 --mu-out 1", {"-0.1", ">= 0"}},
+        {"brdf --base hg:0.9,0.5 --coat hg:0.9,0.1 --mu-in 1 --mu-out 1", {"MEDIUM@OPTICAL_DEPTH"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --azimuth 400", {"400", "360"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --tolerance 0", {"tolerance", "(0, 1)"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --streams 1", {"1", "2 to 256"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --grid square", {"square", "gauss"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --roughness -1", {"-1", "0"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --roughness 0.3", {"--surface-index"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --component lobe", {"lobe", "subsurface"}},
+        {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --wavelengths -5", {"-5"}},
+        {"brdf --base TiO2 --mu-in 1 --mu-out 1 --effective-radius 0", {"0", "> 0"}},
+        {"brdf --base TiO2 --mu-in 1 --mu-out 1 --size-distribution cubic", {"cubic", "power-law"}},
+        {"albedo --base isotropic:2", {"2", "[0, 1]"}},
+        {"sphere --index 1.5,-1 --size-parameter 1", {"-1", "k >= 0"}},
+        {"sphere --index 1.5,0 --size-parameter -1", {"-1"}},
+        {"sphere --index 1.5,0 --size-parameter 1 --angles 200", {"200", "180"}},
+        {"optics index:0,0", {"n > 0"}},
+        {"phase hg:0.9,0.5 --angles -1", {"-1", "[0, 180]"}},
+        {"table1 --convention 9", {"9"}},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.arguments);
+        check_one_line(support::run_program(c.arguments), kUsage, c.words);
+    }
+}
+
+TEST_CASE("a command line that cannot be read ends with exit code 2", "[program][errors]") {
+    check_one_line(support::run_program("brdf"), kUsage, {"--base"});
+    check_one_line(support::run_program("paint"), kUsage, {"--help"});
+    check_one_line(support::run_program("brdf --bsae TiO2"), kUsage, {"--help"});
+}
+
+TEST_CASE("an unknown material is answered with the nearest names", "[program][errors]") {
+    check_one_line(support::run_program("optics TiO3 --wavelengths 550"), kBadInput,
+                   {"TiO3", "TiO2"});
+}
+
+TEST_CASE("a wavelength outside the table is answered with the valid range", "[program][errors]") {
+    check_one_line(support::run_program("optics TiO2 --wavelengths 5000"), kBadInput,
+                   {"TiO2", "5000", "360", "840"});
+}
+
+TEST_CASE("a moments file that is wrong or missing is named", "[program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string wrong =
+        folder.write("m.csv", "# single_scattering_albedo: 0.9\nl,chi\n0,0.5\n");
+    check_one_line(support::run_program("brdf --base moments:" + wrong + kDirections), kBadInput,
+                   {"m.csv", "chi_0 = 0.5"});
+    check_one_line(support::run_program("brdf --base moments:/no/such.csv" + kDirections),
+                   kBadInput, {"/no/such.csv"});
+}
+
+TEST_CASE("an output that cannot be written leaves nothing behind", "[program][errors]") {
+    check_one_line(
+        support::run_program("brdf --base isotropic:0.9" + kDirections + "-o /no/such/dir/x.csv"),
+        kBadInput, {"/no/such/dir/x.csv"});
+    check_one_line(support::run_program("brdf --base isotropic:0.9" + kDirections + "-o /dev/full"),
+                   kBadInput, {"/dev/full"});
+}
+
+TEST_CASE("an error after the output was named leaves no partial file and keeps the old one",
+          "[program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string old = folder.write("old.csv", "precious");
+    const auto run = support::run_program("optics TiO2 --wavelengths 5000 -o " + old);
+    CHECK(run.exit_code == kBadInput);
+    CHECK(support::read_file(old) == "precious");
+    CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a damaged, truncated or foreign database is refused and left as it was",
+          "[program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string foreign = folder.write("foreign.db", std::string(8192, 'x'));
+    const std::string truncated = folder.write("truncated.db", "SQLite format 3");
+    // A database of ours, cut in half.
+    const std::string cut = folder / "cut.db";
+    const std::string table = folder.write("x.csv", "wavelength_nm,n,k\n400,1.5,0\n700,1.4,0\n");
+    REQUIRE(support::run_program("materials import " + table + " --name Testite --database " + cut)
+                .exit_code == 0);
+    std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
+    for (const std::string& file : {foreign, truncated, cut, folder / "missing.db"}) {
+        CAPTURE(file);
+        check_one_line(support::run_program("optics TiO2 --wavelengths 550 --database " + file),
+                       kBadInput, {file});
+        check_one_line(
+            support::run_program("optics TiO2 --wavelengths 550", "MIEBRDF_DATABASE=" + file),
+            kBadInput, {file});
+    }
+    CHECK(support::read_file(foreign) == std::string(8192, 'x'));
+    CHECK_FALSE(std::filesystem::exists(folder / "missing.db"));
+}

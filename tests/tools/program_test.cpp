@@ -1,0 +1,125 @@
+// The program's contract: names, columns, formats and a few values known from outside.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/reference_table.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using Columns = std::vector<std::string>;
+
+namespace {
+
+support::CsvOutput csv_of(const std::string& arguments) {
+    const auto run = support::run_program(arguments);
+    CAPTURE(arguments, run.err);
+    REQUIRE(run.exit_code == 0);
+    return support::CsvOutput(run.out);
+}
+
+}  // namespace
+
+TEST_CASE("columns are those that scripts depend on", "[program]") {
+    CHECK(csv_of("sphere --index 1.5,0 --size-parameter 1").columns() ==
+          Columns{"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"});
+    CHECK(csv_of("sphere --index 1.5,0 --size-parameter 1 --angles 0,90").columns() ==
+          Columns{"n", "k", "size_parameter", "angle_deg", "s1_re", "s1_im", "s2_re", "s2_im"});
+    CHECK(csv_of("optics hg:0.9,0.5 --wavelengths 550 --moments 2").columns() ==
+          Columns{"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
+                  "error_estimate", "chi_0", "chi_1", "chi_2"});
+    CHECK(csv_of("phase hg:0.9,0.5 --wavelengths 550 --angles 0,180").columns() ==
+          Columns{"wavelength_nm", "angle_deg", "phase"});
+    CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1").columns() ==
+          Columns{"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "brdf"});
+    CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1 --quantity reflection")
+              .columns()
+              .back() == "reflection");
+    CHECK(csv_of("albedo --base isotropic:0.9").columns() ==
+          Columns{"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"});
+    CHECK(csv_of("table1 SiO2").columns() == Columns{"material", "channel", "wavelength_nm",
+                                                     "diffuse_reflectance_factor", "paper",
+                                                     "difference"});
+}
+
+TEST_CASE("an isotropic half-space agrees with Chandrasekhar's H-function", "[program]") {
+    // R(1, 1) = alpha/8 H(1)^2 with the tabulated H(1) for albedo 0.5.
+    const support::ReferenceTable table("rte/chandrasekhar_H_isotropic.csv");
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        if (table.text(row, "albedo") != "0.5" || table.number(row, "mu") != 1.0) continue;
+        const double h = table.number(row, "H");
+        const auto csv = csv_of("brdf --base isotropic:0.5 --mu-in 1 --mu-out 1 --wavelengths 550 "
+                                "--quantity reflection --tolerance 1e-6");
+        // The tolerance that was asked for.
+        CHECK(std::abs(csv.number(0, "reflection") / (0.5 / 8 * h * h) - 1) <= 1e-6);
+        return;
+    }
+    FAIL("no row for albedo 0.5, mu 1");
+}
+
+TEST_CASE("the quantity brdf is reflection over pi, and components add up", "[program]") {
+    const std::string scene =
+        "brdf --base TiO2 --wavelengths 550 --mu-in 0.6 --mu-out 0.5 --azimuth 90 "
+        "--roughness 0.3 --component total,subsurface,surface";
+    const auto brdf = csv_of(scene);
+    const auto reflection = csv_of(scene + " --quantity reflection");
+    CHECK(std::abs(reflection.number(0, "reflection_total") / M_PI / brdf.number(0, "brdf_total") -
+                   1) <= 1e-15);
+    // Eq. 5: what is left of the subsurface part is 1 - rho, between 0 and 1.
+    const double transmitted = (brdf.number(0, "brdf_total") - brdf.number(0, "brdf_surface")) /
+                               brdf.number(0, "brdf_subsurface");
+    CHECK(transmitted > 0.5);
+    CHECK(transmitted < 1.0);
+}
+
+TEST_CASE("JSON holds the same values as CSV", "[program]") {
+    const std::string arguments = "albedo --base hg:0.9,0.5 --mu-in 0.3,1 --wavelengths 550";
+    const auto csv = csv_of(arguments);
+    const auto run = support::run_program(arguments + " --json");
+    REQUIRE(run.exit_code == 0);
+    const auto json = nlohmann::json::parse(run.out);
+    CHECK(json["columns"] == csv.columns());
+    REQUIRE(json["rows"].size() == csv.size());
+    for (std::size_t i = 0; i < csv.size(); ++i) {
+        CHECK(json["rows"][i][2] == csv.number(i, "plane_albedo"));
+    }
+}
+
+TEST_CASE("output to a file is the same as to standard output but for the command line",
+          "[program]") {
+    const support::TemporaryFolder folder;
+    const std::string arguments = "phase rayleigh:1 --wavelengths 550 --angles 0:180:45";
+    const auto direct = support::run_program(arguments);
+    const auto filed = support::run_program(arguments + " -o " + (folder / "phase.csv"));
+    CHECK(filed.exit_code == 0);
+    CHECK(filed.out.empty());
+    const auto body = [](const std::string& text) { return text.substr(text.find("# units")); };
+    CHECK(body(support::read_file(folder / "phase.csv")) == body(direct.out));
+    CHECK(folder.count() == 1);
+}
+
+TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
+    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials"}) {
+        CAPTURE(command);
+        const auto help = support::run_program(std::string(command) + " --help");
+        CHECK(help.exit_code == 0);
+        CHECK_THAT(help.out, Catch::Contains("Example"));
+        const auto version = support::run_program(std::string(command) + " --version");
+        CHECK(version.exit_code == 0);
+        CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
+    }
+}
+
+TEST_CASE("results are the same bits for any number of threads", "[program]") {
+    const std::string arguments =
+        "brdf --base hg:0.9,0.7 --coat hg:0.5,0.2@0.3 --wavelengths 400:700:50 --mu-in 0.3,0.9 "
+        "--mu-out 0.2,1 --azimuth 0,120";
+    const auto body = [&](const char* threads) {
+        const auto run = support::run_program(arguments + std::string(" --threads ") + threads);
+        return run.out.substr(run.out.find("wavelength_nm,"));
+    };
+    const std::string one = body("1");
+    CHECK(body("2") == one);
+    CHECK(body("7") == one);
+}

@@ -1,0 +1,78 @@
+#include "tools/miebrdf/command.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "pipeline/atomic_file.h"
+#include "pipeline/error.h"
+#include "pipeline/version.h"
+#include "tools/miebrdf/interrupt.h"
+#include "tools/miebrdf/progress_line.h"
+
+namespace miebrdf::program {
+
+void Shell::add_common_options(CLI::App& command) {
+    command.add_option("-o,--output", common_.output,
+                       "write to FILE instead of standard output (whole or not at all)")
+        ->type_name("FILE");
+    command.add_flag("--json", common_.json, "write JSON instead of CSV");
+    command.add_option("--threads", common_.threads, "most threads to use; 0: one per processor")
+        ->type_name("N")
+        ->check(CLI::Range(0, 4096));
+    command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");
+    command.add_option("--progress", common_.progress, "auto, none or json, on standard error")
+        ->capture_default_str();
+    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+}
+
+void Shell::on_run(CLI::App& command, std::function<int()> action) {
+    command.callback([this, action = std::move(action)] { action_ = action; });
+}
+
+void Shell::write(Table table) const {
+    table.facts.insert(table.facts.begin(), {{"version", fmt::format("miebrdf {}", kVersion)},
+                                             {"command", command_line_}});
+    std::ostringstream text;
+    if (common_.json) {
+        write_json(table, text);
+    } else {
+        write_csv(table, text);
+    }
+    write_text(text.str());
+}
+
+void Shell::write_text(const std::string& text) const {
+    if (common_.output.empty() || common_.output == "-") {
+        std::cout.write(text.data(), static_cast<std::streamsize>(text.size()));
+        std::cout.flush();
+        if (!std::cout) throw InputError("cannot write to standard output");
+        return;
+    }
+    AtomicFile file(common_.output);
+    file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.commit();
+}
+
+RunControl Shell::control() const {
+    const ProgressStyle style =
+        common_.quiet ? ProgressStyle::none : parse_progress_style(common_.progress);
+    auto line = std::make_shared<ProgressLine>(style);
+    RunControl control;
+    control.threads = common_.threads;
+    control.cancelled = &watch_for_interrupts();
+    if (style != ProgressStyle::none) {
+        control.progress = [line](const std::string& stage, std::size_t done, std::size_t total) {
+            line->update(stage, done, total);
+        };
+    }
+    return control;
+}
+
+void Shell::note(const std::string& line) const {
+    if (!common_.quiet) std::cerr << "miebrdf: " << line << '\n';
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,73 @@
+// What every subcommand shares: its common options, how it writes a table, and its exit codes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "pipeline/run_control.h"
+#include "pipeline/table.h"
+
+namespace miebrdf::program {
+
+/// Exit codes of the program; scripts depend on them (docs/command-line.md).
+enum ExitCode { kGood = 0, kCheckFailed = 1, kUsage = 2, kBadInput = 3, kNotConverged = 4 };
+
+/// Options that every command has.
+struct CommonOptions {
+    std::string output;  ///< -o FILE; empty or "-": standard output
+    bool json = false;
+    bool quiet = false;
+    int threads = 0;
+    std::string progress = "auto";
+};
+
+/// What main() gives to commands and takes from them.
+class Shell {
+  public:
+    /// @param command_line  as typed, for the header of every file written
+    explicit Shell(std::string command_line) : command_line_(std::move(command_line)) {}
+
+    /// Adds -o, --json, --threads, --quiet and --version to a command.
+    void add_common_options(CLI::App& command);
+
+    /// Runs `action` when this command is the one typed; what it returns is the exit code.
+    void on_run(CLI::App& command, std::function<int()> action);
+
+    /// Writes a table as CSV, or as JSON with --json, to -o FILE or standard output; version and
+    /// command line are put before its own facts.
+    /// @throws InputError  when it cannot be written; nothing is left half-written
+    void write(Table table) const;
+
+    /// Writes text that is no table (an export, a plot) to -o FILE or standard output.
+    void write_text(const std::string& text) const;
+
+    /// One line on stderr, unless --quiet.
+    void note(const std::string& line) const;
+
+    /// Threads, progress on a terminal's stderr, and Ctrl-C for a computation.
+    RunControl control() const;
+
+    const CommonOptions& common() const { return common_; }
+    const std::string& command_line() const { return command_line_; }
+    int run() const { return action_ ? action_() : kGood; }
+
+  private:
+    std::string command_line_;
+    CommonOptions common_;
+    std::function<int()> action_;
+};
+
+void add_sphere_command(CLI::App& program, Shell& shell);
+void add_optics_command(CLI::App& program, Shell& shell);
+void add_phase_command(CLI::App& program, Shell& shell);
+void add_brdf_command(CLI::App& program, Shell& shell);
+void add_albedo_command(CLI::App& program, Shell& shell);
+void add_table1_command(CLI::App& program, Shell& shell);
+void add_materials_command(CLI::App& program, Shell& shell);
+void add_run_command(CLI::App& program, Shell& shell);
+
+/// All of them.
+void add_commands(CLI::App& program, Shell& shell);
+
+}  // namespace miebrdf::program

@@ -1,0 +1,32 @@
+// The parts of `miebrdf materials`, one function per group of subcommands.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "materials/database.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+
+/// Which database a subcommand reads or writes.
+class DatabaseArgument {
+  public:
+    void add_to(CLI::App& command);
+    /// The user's own materials over the embedded ones. @throws InputError
+    materials::Database open() const;
+    /// Where changes go: --database, $MIEBRDF_DATABASE or the default place.
+    std::filesystem::path file() const;
+
+  private:
+    std::string file_;
+};
+
+void add_materials_query_commands(CLI::App& materials, Shell& shell);  ///< list, search, show
+void add_materials_nk_command(CLI::App& materials, Shell& shell);
+void add_materials_edit_commands(CLI::App& materials,
+                                 Shell& shell);  ///< import, alias, default, remove
+
+void add_materials_check_commands(CLI::App& materials, Shell& shell);  ///< export, diff, verify
+
+}  // namespace miebrdf::program

@@ -1,0 +1,149 @@
+// miebrdf optics and miebrdf phase: single scattering by one medium.
+#include <fmt/format.h>
+
+#include "pipeline/error.h"
+#include "pipeline/medium_optics.h"
+#include "pipeline/number_list.h"
+#include "pipeline/parallel.h"
+#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/scene_options.h"
+
+namespace miebrdf::program {
+namespace {
+
+constexpr double kDefaultMieTolerance = 1e-4;
+
+struct MediumArguments {
+    std::string medium;
+    int highest_moment = -1;
+    std::string angles;
+    MaterialArguments materials;
+    ParticleArguments particles;
+};
+
+struct MediumSpectrum {
+    std::string source;
+    std::vector<double> wavelength_nm;
+    std::vector<MediumOptics> optics;
+    bool converged = true;
+};
+
+MediumSpectrum compute(const MediumArguments& arguments, const std::vector<double>& angles_deg,
+                       const RunControl& control) {
+    const ParticleOptions particles = arguments.particles.parse();
+    validate(particles);
+    OpticsDemand demand;
+    demand.highest_moment = arguments.highest_moment;
+    demand.angles_deg = angles_deg;
+    demand.tolerance = particles.tolerance > 0.0 ? particles.tolerance : kDefaultMieTolerance;
+
+    MediumSpectrum spectrum;
+    spectrum.wavelength_nm = arguments.materials.wavelengths_nm();
+    const MediumResolver resolver(arguments.materials.database());
+    const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
+    spectrum.source = medium.source;
+    spectrum.optics.resize(spectrum.wavelength_nm.size());
+    run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
+        spectrum.optics[w] = medium_optics(medium, spectrum.wavelength_nm[w], particles, demand);
+    });
+    for (const MediumOptics& optics : spectrum.optics) {
+        spectrum.converged = spectrum.converged && optics.converged;
+    }
+    return spectrum;
+}
+
+void add_facts(Table& table, const MediumSpectrum& spectrum, const std::string& units) {
+    table.facts.emplace_back("units", units);
+    table.facts.emplace_back("source", spectrum.source);
+    if (!spectrum.converged) {
+        table.facts.emplace_back("not converged", "the size average missed its tolerance");
+    }
+}
+
+Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
+
+int run_optics(const MediumArguments& arguments, const Shell& shell) {
+    const MediumSpectrum spectrum = compute(arguments, {}, shell.control());
+    Table table;
+    add_facts(table, spectrum, "wavelength_nm: nm in vacuum; all others dimensionless");
+    table.columns = {"wavelength_nm", "n",     "k",             "single_scattering_albedo",
+                     "asymmetry",     "q_ext", "error_estimate"};
+    for (int l = 0; l <= arguments.highest_moment; ++l) table.columns.push_back(fmt::format("chi_{}", l));
+    for (std::size_t w = 0; w < spectrum.optics.size(); ++w) {
+        const MediumOptics& o = spectrum.optics[w];
+        std::vector<Cell> row = {spectrum.wavelength_nm[w],
+                                 o.refractive_index ? Cell(o.refractive_index->real()) : Cell(),
+                                 o.refractive_index ? Cell(o.refractive_index->imag()) : Cell(),
+                                 o.optics.single_scattering_albedo,
+                                 o.asymmetry,
+                                 cell_of(o.q_ext),
+                                 o.error_estimate};
+        for (int l = 0; l <= arguments.highest_moment; ++l) {
+            const auto& chi = o.optics.chi;
+            row.emplace_back(l < static_cast<int>(chi.size()) ? chi[l] : 0.0);
+        }
+        table.rows.push_back(std::move(row));
+    }
+    shell.write(std::move(table));
+    return spectrum.converged ? kGood : kNotConverged;
+}
+
+int run_phase(const MediumArguments& arguments, const Shell& shell) {
+    const auto angles =
+        parse_number_list(arguments.angles, "scattering angle (degrees)", 0.0, 180.0);
+    const MediumSpectrum spectrum = compute(arguments, angles, shell.control());
+    Table table;
+    add_facts(table, spectrum,
+              "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1");
+    table.columns = {"wavelength_nm", "angle_deg", "phase"};
+    for (std::size_t w = 0; w < spectrum.optics.size(); ++w) {
+        for (std::size_t a = 0; a < angles.size(); ++a) {
+            table.rows.push_back(
+                {spectrum.wavelength_nm[w], angles[a], spectrum.optics[w].phase[a]});
+        }
+    }
+    shell.write(std::move(table));
+    return spectrum.converged ? kGood : kNotConverged;
+}
+
+CLI::App* add_medium_command(CLI::App& program, const std::string& name, const std::string& title,
+                             MediumArguments& arguments) {
+    auto* command = program.add_subcommand(name, title);
+    command->add_option("medium", arguments.medium,
+                        "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
+                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
+        ->type_name("MEDIUM")
+        ->required();
+    arguments.materials.add_to(*command, "rgb");
+    arguments.particles.add_to(*command);
+    return command;
+}
+
+}  // namespace
+
+void add_optics_command(CLI::App& program, Shell& shell) {
+    auto arguments = std::make_shared<MediumArguments>();
+    auto* command = add_medium_command(
+        program, "optics", "albedo, asymmetry, extinction and moments of a medium", *arguments);
+    command->add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
+        ->type_name("L")
+        ->check(CLI::Range(0, 100000));
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
+    shell.on_run(*command, [arguments, &shell] { return run_optics(*arguments, shell); });
+}
+
+void add_phase_command(CLI::App& program, Shell& shell) {
+    auto arguments = std::make_shared<MediumArguments>();
+    auto* command =
+        add_medium_command(program, "phase", "the phase function of a medium", *arguments);
+    arguments->angles = "0:180:1";
+    command->add_option("--angles", arguments->angles, "scattering angles in degrees")
+        ->type_name("LIST")
+        ->capture_default_str();
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
+    shell.on_run(*command, [arguments, &shell] { return run_phase(*arguments, shell); });
+}
+
+}  // namespace miebrdf::program

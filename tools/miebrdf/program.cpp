@@ -1,0 +1,90 @@
+#include "tools/miebrdf/program.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "pipeline/error.h"
+#include "pipeline/version.h"
+#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/interrupt.h"
+
+namespace miebrdf::program {
+namespace {
+
+int complain(int code, const std::string& message) {
+    std::string line = message;
+    for (char& c : line) {
+        if (c == '\n') c = ' ';
+    }
+    std::cerr << "miebrdf: error: " << line << '\n';
+    return code;
+}
+
+int parse_and_run(const std::vector<std::string>& arguments) {
+    CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
+    program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    program.require_subcommand(1);
+    program.footer("miebrdf COMMAND --help explains a command and shows an example.");
+    Shell shell(command_line_of(arguments));
+    add_commands(program, shell);
+    try {
+        // CLI11 takes its arguments from the back.
+        program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    } catch (const CLI::Success& success) {
+        return program.exit(success);  // --help, --version
+    } catch (const CLI::ParseError& error) {
+        return complain(kUsage, std::string(error.what()) + " (see miebrdf --help)");
+    }
+    return shell.run();
+}
+
+}  // namespace
+
+void add_commands(CLI::App& program, Shell& shell) {
+    add_brdf_command(program, shell);
+    add_albedo_command(program, shell);
+    add_optics_command(program, shell);
+    add_phase_command(program, shell);
+    add_sphere_command(program, shell);
+    add_table1_command(program, shell);
+    add_materials_command(program, shell);
+    add_run_command(program, shell);
+}
+
+std::string command_line_of(const std::vector<std::string>& arguments) {
+    constexpr char kSpecial[] = " \t\n\"'\\$&|;<>()*?[]{}#~`!";
+    std::string line = "miebrdf";
+    for (const std::string& word : arguments) {
+        if (!word.empty() && word.find_first_of(kSpecial) == std::string::npos) {
+            line += " " + word;
+            continue;
+        }
+        line += " '";
+        for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        line += "'";
+    }
+    return line;
+}
+
+int run_program(const std::vector<std::string>& arguments) {
+    try {
+        return parse_and_run(arguments);
+    } catch (const Cancelled&) {
+        return complain(interrupt_exit_code(), "interrupted; nothing was written");
+    } catch (const UsageError& error) {
+        return complain(kUsage, error.what());
+    } catch (const InputError& error) {
+        return complain(kBadInput, error.what());
+    } catch (const std::invalid_argument& error) {
+        return complain(kUsage, error.what());
+    } catch (const std::bad_alloc&) {
+        return complain(kBadInput, "not enough memory for this request");
+    } catch (const std::exception& error) {
+        return complain(kBadInput, error.what());
+    }
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,38 @@
+// Progress on standard error: a line that is rewritten, or JSON for programs.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace miebrdf::program {
+
+enum class ProgressStyle { none, line, json };
+
+/// `auto` (a line on a terminal, else nothing), `none`, `json`.
+/// @throws UsageError
+ProgressStyle parse_progress_style(const std::string& text);
+
+/// Prints at most ten times a second, and the end of every stage.
+class ProgressLine {
+  public:
+    explicit ProgressLine(ProgressStyle style) : style_(style) {}
+    /// Wipes the line, so that what follows starts on a clean one.
+    ~ProgressLine();
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+    void update(const std::string& stage, std::size_t done, std::size_t total);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    void print(std::size_t done, std::size_t total, double elapsed_s);
+
+    ProgressStyle style_;
+    std::string stage_;
+    Clock::time_point stage_start_;
+    Clock::time_point last_print_;
+    bool line_shown_ = false;
+};
+
+}  // namespace miebrdf::program

@@ -1,0 +1,69 @@
+// The options that describe a scene, the same for every command that takes one.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "pipeline/request.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+
+/// Texts of the Mie options, shared with commands that take a MEDIUM without a scene.
+class ParticleArguments {
+  public:
+    void add_to(CLI::App& command);
+    /// @throws UsageError
+    ParticleOptions parse() const;
+
+  private:
+    std::string distribution_ = "power-law";
+    ParticleOptions options_;
+};
+
+/// A wavelength list and the database to look materials up in.
+class MaterialArguments {
+  public:
+    void add_to(CLI::App& command, const std::string& default_wavelengths);
+    std::vector<double> wavelengths_nm() const;
+    /// --database, else the environment variable MIEBRDF_DATABASE, else empty (embedded).
+    std::string database() const;
+
+  private:
+    std::string wavelengths_;
+    std::string database_;
+};
+
+/// Base, coats, surface and solver options.
+class SceneArguments {
+  public:
+    void add_to(CLI::App& command);
+    /// The request without directions and threads.
+    /// @throws UsageError, InputError
+    Request parse() const;
+
+  private:
+    void add_surface_options(CLI::App& command);
+    void add_solver_options(CLI::App& command);
+    void parse_surface(Scene& scene) const;
+
+    std::string base_;
+    std::vector<std::string> coats_;
+    double roughness_ = 0.0;
+    std::string coupling_ = "paper";
+    std::string surface_index_;
+    std::string grid_ = "auto";
+    std::string half_space_method_ = "auto";
+    std::string coat_method_ = "auto";
+    rte::SolverOptions solver_;
+    bool no_delta_m_ = false;
+    bool no_correction_ = false;
+    ParticleArguments particles_;
+    MaterialArguments materials_;
+};
+
+/// Reads `N,K` or `N`.
+std::complex<double> parse_index(const std::string& text, const std::string& what);
+
+}  // namespace miebrdf::program

@@ -1,0 +1,49 @@
+# Shared by tools/quickstart and tools/check: packages and builds. Sourced, not run.
+
+say() { printf '\n== %s\n' "$*"; }
+
+# Debian's packages, each with its reason in docs/dependencies.md.
+packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev libsqlite3-dev
+                  libfmt-dev libtbb-dev nlohmann-json3-dev libcli11-dev
+                  libtomlplusplus-dev libyaml-dev)
+packages_tests=("${packages_program[@]}" catch2)
+
+# install_missing_packages program|tests
+install_missing_packages() {
+    local -n wanted="packages_$1"
+    local missing=()
+    for package in "${wanted[@]}"; do
+        dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+            missing+=("$package")
+    done
+    if [ ${#missing[@]} -eq 0 ]; then
+        say "all ${#wanted[@]} packages are there"
+        return
+    fi
+    if ! command -v apt-get >/dev/null; then
+        echo "No apt-get here. Install these Debian packages' equivalents, then run this again:" >&2
+        echo "  ${missing[*]}" >&2
+        exit 1
+    fi
+    say "installing ${#missing[@]} missing packages: ${missing[*]}"
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || { echo "Neither root nor sudo: install them by hand." >&2; exit 1; }
+        as_root=(sudo)
+        [ -t 0 ] || as_root=(sudo -n)
+    fi
+    "${as_root[@]}" apt-get update -qq
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+        "${missing[@]}" >/dev/null
+}
+
+# build_preset PRESET TARGET
+build_preset() {
+    say "configuring and building preset '$1' ($(nproc) processors)"
+    local log="build/$1-configure.log"
+    mkdir -p build
+    cmake --preset "$1" >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
+    local started=$SECONDS
+    cmake --build --preset "$1" --target "$2"
+    say "built in $((SECONDS - started)) s"
+}
