@@ -43,6 +43,10 @@ struct EnsembleOptics {
     bool converged = false;  ///< both estimates within their tolerances
 };
 
+/// Degree of the last Legendre moment that is not zero within rounding: twice the number of partial
+/// waves of the largest sphere.
+int highest_moment_of(const EnsembleRequest& request);
+
 /// Averages Mie theory over the sizes.
 ///
 /// @throws std::invalid_argument  for an index, wavelength, angle or distribution out of range,
