@@ -93,7 +93,7 @@ Slab layer_of(const Order& order, const Directions& d, const OrderLayer& layer, 
     return slab;
 }
 
-// Stops when doubling adds less than rounding; 80 doublings from 1e-7 are an optical depth of 1e17.
+// Stops when doubling adds less than rounding; 80 doublings from 1e-8 are an optical depth of 1e16.
 Eigen::MatrixXd half_space(const Order& order, const Directions& d, const OrderLayer& layer,
                            double thin) {
     Slab slab = thin_layer(order, d, layer, thin);

@@ -57,10 +57,11 @@ std::vector<double> plane_albedo(const MomentStack& stack, int streams,
                                  const std::vector<double>& mu_in, const OrderSolver& solver);
 
 /// Doubling from a thin layer and adding (van de Hulst 1963; de Haan, Bosma & Hovenier 1987, eq.
-/// 69-80, scalar). The thin layer scatters once, so the error is of the order of its optical depth.
+/// 69-80, scalar). The thin layer scatters once, so light of the order of its optical depth is lost in
+/// every unit of depth; a thinner start loses as much to rounding.
 /// A half-space is a layer that is doubled until nothing changes.
 /// @param thin  optical depth to start from
-Eigen::MatrixXd adding_doubling(const Order& order, double thin = 1e-7);
+Eigen::MatrixXd adding_doubling(const Order& order, double thin = 1e-8);
 
 /// Discrete ordinates (Chandrasekhar 1960; Stamnes et al. 1988): eigenvectors of every layer, a
 /// particular solution for the beam and the boundary conditions as one linear system, all done
