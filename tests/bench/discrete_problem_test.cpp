@@ -57,17 +57,18 @@ TEST_CASE("textbook plane albedos agree with the table of half-spaces", "[bench]
     const support::ReferenceTable table("rte/albedo_halfspace_HG.csv");
     int compared = 0;
     for (std::size_t row = 0; row < table.size(); ++row) {
-        if (table.number(row, "g") != 0.5 || table.text(row, "quantity") != "plane_albedo") continue;
+        if (table.number(row, "g") != 0.5 || table.text(row, "quantity") != "plane_albedo")
+            continue;
         const double mu = table.number(row, "mu_i"), albedo = table.number(row, "alpha");
         if (mu != 0.2 && mu != 0.9) continue;
         const auto A = bench::plane_albedo({henyey_greenstein(albedo, 0.5, kEndless)}, 16, {mu},
                                            solver(doubling));
         const double truth = table.number(row, "value");
         CAPTURE(doubling, albedo, mu, A[0], truth);
-        // Gauss nodes resolve the mu ln mu at grazing to ~3e-7 (16 nodes). At albedo 1 the ordinates
-        // have 1e-10 of absorption instead: 1 - A ~ 4/sqrt(3) sqrt(1e-10 / (1 - g)) ~ 6e-5.
-        // Doubling starts from single scattering by an optical depth of 1e-8 and so loses about 1e-8 of
-        // the light per unit depth, which counts where absorption is as small.
+        // Gauss nodes resolve the mu ln mu at grazing to ~3e-7 (16 nodes). At albedo 1 the
+        // ordinates have 1e-10 of absorption instead: 1 - A ~ 4/sqrt(3) sqrt(1e-10 / (1 - g)) ~
+        // 6e-5. Doubling starts from single scattering by an optical depth of 1e-8 and so loses
+        // about 1e-8 of the light per unit depth, which counts where absorption is as small.
         const double lost = doubling && albedo < 1 ? 1e-9 / (1 - albedo) : 0;
         CHECK(std::abs(A[0] - truth) <= (albedo == 1 ? 7e-5 : 1e-6 + lost));
         ++compared;

@@ -34,7 +34,8 @@ TEST_CASE("more work takes more time, and errors are those of the answers", "[be
     REQUIRE(points.size() == 2);
     CHECK(points[0].error == Approx(1e-3).epsilon(1e-9));
     CHECK(points[1].error == Approx(1e-5).epsilon(1e-9));
-    // A hundred times the work: ten times the time even on a machine that is busy with other things.
+    // A hundred times the work: ten times the time even on a machine that is busy with other
+    // things.
     CHECK(points[1].seconds > 10 * points[0].seconds);
     CHECK(points[0].spread >= 0);
 }
@@ -42,9 +43,9 @@ TEST_CASE("more work takes more time, and errors are those of the answers", "[be
 TEST_CASE("peak memory sees a large vector come and go", "[bench][measure]") {
     bench::BenchCase c{"suite", "case", "q", "t", {1.0}, {}, {}};
     c.contenders.push_back({"large", "64 MiB", [] {
-        const std::vector<double> large(8 << 20, 1.0);
-        return std::vector<double>{large[12345]};
-    }});
+                                const std::vector<double> large(8 << 20, 1.0);
+                                return std::vector<double>{large[12345]};
+                            }});
     const auto points = bench::measure(c, {.repeats = 1, .longest_total = 0.1});
     if (std::isnan(points[0].memory)) {
         WARN("skipped: this system does not tell the memory of a process");

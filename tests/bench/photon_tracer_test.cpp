@@ -78,7 +78,8 @@ TEST_CASE("photons reproduce the plane albedo of coated half-spaces", "[bench][t
         stack.base = {0.95, ScatteringLaw::henyey_greenstein(0.7), 0};
         if (tau > 0) {
             stack.coats.push_back({table.number(row, "coat_alpha"),
-                                   ScatteringLaw::henyey_greenstein(table.number(row, "coat_g")), tau});
+                                   ScatteringLaw::henyey_greenstein(table.number(row, "coat_g")),
+                                   tau});
         }
         const auto traced = bench::trace_photons(stack, mu, {}, {.photons = 10000});
         const double truth = table.number(row, "value");

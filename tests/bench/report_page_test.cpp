@@ -18,8 +18,10 @@ bench::Results some_results() {
     bench::Results results;
     results.facts = {{"version", "miebrdf <test>"}, {"case suite/first", "what & why"}};
     for (int i = 1; i <= 4; ++i) {
-        results.measurements.push_back({"suite", "first", "exact", "n=" + std::to_string(i), std::pow(10.0, -2 * i), 1e-3 * i, 0, 0});
-        results.measurements.push_back({"suite", "first", "rough & <ready>", "n=" + std::to_string(i), 0.1 / i, 1e-4 * i, 0, 0});
+        results.measurements.push_back({"suite", "first", "exact", "n=" + std::to_string(i),
+                                        std::pow(10.0, -2 * i), 1e-3 * i, 0, 0});
+        results.measurements.push_back({"suite", "first", "rough & <ready>",
+                                        "n=" + std::to_string(i), 0.1 / i, 1e-4 * i, 0, 0});
     }
     results.measurements.push_back({"suite", "first", "silent", "-", std::nan(""), 1e-5, 0, 0});
     return results;
@@ -43,9 +45,11 @@ std::string output_of(const std::string& command) {
 
 }  // namespace
 
-TEST_CASE("a plot labels every point with its knob and lists methods without an answer", "[bench][page]") {
+TEST_CASE("a plot labels every point with its knob and lists methods without an answer",
+          "[bench][page]") {
     const auto results = some_results();
-    const auto svg = bench::curve_plot_svg("t", results.measurements, bench::MethodStyles(results.measurements));
+    const auto svg =
+        bench::curve_plot_svg("t", results.measurements, bench::MethodStyles(results.measurements));
     CHECK(count(svg, "class='knob'") == 8);
     CHECK(count(svg, "class='curve'") == 3);  // one of them empty
     CHECK(count(svg, "<circle class='front'") == bench::pareto_front(results.measurements).size());
@@ -77,18 +81,24 @@ TEST_CASE("a browser draws the curves and no script fails", "[bench][page]") {
     const support::TemporaryFolder folder;
     // The page's own script first; then one that says what it sees and whether clicking works.
     std::string page = bench::report_page(some_results());
-    page.insert(page.find("<style>"), "<script>window.failed=0;window.onerror=()=>{window.failed++}</script>");
-    page.insert(page.find("</body>"),
-                "<script>const e=document.querySelector('.legend');e.dispatchEvent(new Event('click'));"
-                "document.body.setAttribute('data-seen',[...document.querySelectorAll('.curve')].filter("
-                "c=>c.getTotalLength()>50).length+' curves, '+document.querySelectorAll('.point').length+' points, '"
-                "+[...document.querySelectorAll('.series')].filter(s=>s.style.display==='none').length+' hidden, '"
-                "+window.failed+' failed')</script>");
+    page.insert(page.find("<style>"),
+                "<script>window.failed=0;window.onerror=()=>{window.failed++}</script>");
+    page.insert(
+        page.find("</body>"),
+        "<script>const e=document.querySelector('.legend');e.dispatchEvent(new Event('click'));"
+        "document.body.setAttribute('data-seen',[...document.querySelectorAll('.curve')].filter("
+        "c=>c.getTotalLength()>50).length+' curves, '+document.querySelectorAll('.point').length+' "
+        "points, '"
+        "+[...document.querySelectorAll('.series')].filter(s=>s.style.display==='none').length+' "
+        "hidden, '"
+        "+window.failed+' failed')</script>");
     const auto path = folder.write("page.html", page);
     const std::string dom = output_of(
         "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-        "--disable-background-networking --disable-component-update --disable-sync --enable-logging=stderr "
-        "--user-data-dir=" + (folder / "profile") + " --dump-dom file://" + path + " 2>" + (folder / "log"));
+        "--disable-background-networking --disable-component-update --disable-sync "
+        "--enable-logging=stderr "
+        "--user-data-dir=" +
+        (folder / "profile") + " --dump-dom file://" + path + " 2>" + (folder / "log"));
     CAPTURE(dom.substr(0, 200));
     CHECK_THAT(dom, Catch::Contains("2 curves, 8 points, 1 hidden, 0 failed"));
     CHECK(count(support::read_file(folder / "log"), "CONSOLE") == 0);

@@ -19,9 +19,9 @@ bench::Measurement point(const char* method, double error, double seconds, doubl
 }  // namespace
 
 TEST_CASE("the Pareto front is what no point beats in both", "[bench][results]") {
-    const std::vector<bench::Measurement> points = {point("a", 1e-2, 1), point("b", 1e-1, 0.5), point("c", 1e-1, 2),
-                                                    point("d", 1e-5, 3), point("e", std::nan(""), 0.1),
-                                                    point("f", 1e-2, 4)};
+    const std::vector<bench::Measurement> points = {
+        point("a", 1e-2, 1), point("b", 1e-1, 0.5),         point("c", 1e-1, 2),
+        point("d", 1e-5, 3), point("e", std::nan(""), 0.1), point("f", 1e-2, 4)};
     CHECK(bench::pareto_front(points) == std::vector<std::size_t>{1, 0, 3});
     CHECK(bench::best_for(points, 1e-1)->method == "b");
     CHECK(bench::best_for(points, 1e-3)->method == "d");
@@ -48,11 +48,13 @@ TEST_CASE("results come back from their file", "[bench][results]") {
 
 TEST_CASE("a comparison tells faster, slower, better and worse from noise", "[bench][results]") {
     bench::Results before, after;
-    before.measurements = {point("quick", 1e-2, 2), point("slow", 1e-2, 1), point("noisy", 1e-2, 1, 0.5),
-                           point("good", 1e-2, 1),  point("bad", 1e-2, 1),  point("rounding", 1e-16, 1),
+    before.measurements = {point("quick", 1e-2, 2),      point("slow", 1e-2, 1),
+                           point("noisy", 1e-2, 1, 0.5), point("good", 1e-2, 1),
+                           point("bad", 1e-2, 1),        point("rounding", 1e-16, 1),
                            point("gone", 1e-2, 1)};
-    after.measurements = {point("quick", 1e-2, 1), point("slow", 1e-2, 1.5), point("noisy", 1e-2, 1.4),
-                          point("good", 1e-3, 1), point("bad", 1e-1, 2),    point("rounding", 1e-14, 1)};
+    after.measurements = {point("quick", 1e-2, 1),   point("slow", 1e-2, 1.5),
+                          point("noisy", 1e-2, 1.4), point("good", 1e-3, 1),
+                          point("bad", 1e-1, 2),     point("rounding", 1e-14, 1)};
     const auto changes = bench::compare(before, after);
     REQUIRE(changes.size() == 6);
     CHECK(changes[0].verdict == "faster");

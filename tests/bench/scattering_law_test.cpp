@@ -12,11 +12,16 @@ namespace {
 
 ScatteringLaw some_law(int which) {
     switch (which) {
-        case 0: return ScatteringLaw::isotropic();
-        case 1: return ScatteringLaw::rayleigh();
-        case 2: return ScatteringLaw::henyey_greenstein(0.75);
-        case 3: return ScatteringLaw::henyey_greenstein(-0.4);
-        default: return ScatteringLaw::tabulated({-1, -0.5, 0.2, 0.9, 1}, {1, 0, 0.5, 2, 30});
+        case 0:
+            return ScatteringLaw::isotropic();
+        case 1:
+            return ScatteringLaw::rayleigh();
+        case 2:
+            return ScatteringLaw::henyey_greenstein(0.75);
+        case 3:
+            return ScatteringLaw::henyey_greenstein(-0.4);
+        default:
+            return ScatteringLaw::tabulated({-1, -0.5, 0.2, 0.9, 1}, {1, 0, 0.5, 2, 30});
     }
 }
 
@@ -49,7 +54,8 @@ TEST_CASE("the asymmetry of a law is the mean of its cosine", "[bench][law]") {
     CHECK(some_law(2).asymmetry() == 0.75);
     CHECK(some_law(1).asymmetry() == 0.0);
     // A straight line P = 1 + x: g = 1/3.
-    CHECK(std::abs(ScatteringLaw::tabulated({-1, 0.3, 1}, {0, 1.3, 2}).asymmetry() - 1.0 / 3) <= 1e-15);
+    CHECK(std::abs(ScatteringLaw::tabulated({-1, 0.3, 1}, {0, 1.3, 2}).asymmetry() - 1.0 / 3) <=
+          1e-15);
 }
 
 TEST_CASE("laws that no light could follow are refused", "[bench][law][errors]") {

@@ -16,7 +16,8 @@ TEST_CASE("every suite has truths, contenders and a source for each", "[bench][s
             CHECK(c.suite == name);
             CHECK_FALSE(c.truth.empty());
             CHECK_FALSE(c.true_values.empty());
-            CHECK(std::all_of(c.true_values.begin(), c.true_values.end(), [](double v) { return v > 0; }));
+            CHECK(std::all_of(c.true_values.begin(), c.true_values.end(),
+                              [](double v) { return v > 0; }));
             CHECK(c.contenders.size() >= 6);
         }
     }

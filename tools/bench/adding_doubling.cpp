@@ -87,7 +87,8 @@ Slab doubled(const Directions& d, const Slab& slab) {
 }
 
 Slab layer_of(const Order& order, const Directions& d, const OrderLayer& layer, double thin) {
-    const int doublings = std::max(0, static_cast<int>(std::ceil(std::log2(layer.optical_depth / thin))));
+    const int doublings =
+        std::max(0, static_cast<int>(std::ceil(std::log2(layer.optical_depth / thin))));
     Slab slab = thin_layer(order, d, layer, std::ldexp(layer.optical_depth, -doublings));
     for (int i = 0; i < doublings; ++i) slab = doubled(d, slab);
     return slab;

@@ -65,7 +65,8 @@ struct TwoStream {
         const double up = (1 - k * mu) * (a2 + k * g3) - (1 + k * mu) * (a2 - k * g3) * e2 -
                           2 * k * (g3 - a2 * mu) * direct * e1;
         const double down = (1 + k * mu) * (a1 + k * g4) * direct -
-                            (1 - k * mu) * (a1 - k * g4) * direct * e2 - 2 * k * (g4 + a1 * mu) * e1;
+                            (1 - k * mu) * (a1 - k * g4) * direct * e2 -
+                            2 * k * (g4 + a1 * mu) * e1;
         return {factor * up, -factor * down, direct};
     }
 };

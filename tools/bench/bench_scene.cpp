@@ -46,8 +46,8 @@ std::vector<double> single_scattering(const SimpleStack& s, const Wanted& w) {
     for (const double i : w.mu_in) {
         for (const double o : w.mu_out) {
             for (const double azimuth : w.azimuth_deg) {
-                const double x = -i * o + std::sqrt((1 - i * i) * (1 - o * o)) *
-                                              std::cos(azimuth * M_PI / 180);
+                const double x =
+                    -i * o + std::sqrt((1 - i * i) * (1 - o * o)) * std::cos(azimuth * M_PI / 180);
                 const double coat = s.coat ? henyey_greenstein(s.coat->asymmetry, x) : 0;
                 values.push_back(single_scattering_reflection(
                     s, i, o, coat, henyey_greenstein(s.base.asymmetry, x)));
@@ -61,7 +61,8 @@ std::vector<double> two_stream(const SimpleStack& s, const Wanted& w) {
     std::vector<double> values;
     for (const double mu : w.mu_in) {
         const double albedo = two_stream_plane_albedo(s, mu);
-        values.insert(values.end(), w.is_albedo() ? 1 : w.mu_out.size() * w.azimuth_deg.size(), albedo);
+        values.insert(values.end(), w.is_albedo() ? 1 : w.mu_out.size() * w.azimuth_deg.size(),
+                      albedo);
     }
     return values;
 }
@@ -80,7 +81,8 @@ std::vector<double> photons(const TracedStack& stack, const Wanted& w, int numbe
     return values;
 }
 
-std::vector<double> textbook(const MomentStack& stack, const Wanted& w, int n, const OrderSolver& solver) {
+std::vector<double> textbook(const MomentStack& stack, const Wanted& w, int n,
+                             const OrderSolver& solver) {
     return w.is_albedo() ? plane_albedo(stack, n, w.mu_in, solver)
                          : sum_orders(stack, n, w.mu_in, w.mu_out, w.azimuth_deg, solver);
 }
@@ -112,7 +114,8 @@ TracedStack BenchScene::for_photons() const {
     return stack;
 }
 
-std::vector<double> run_solver(const BenchScene& scene, const Wanted& w, const rte::SolverOptions& options) {
+std::vector<double> run_solver(const BenchScene& scene, const Wanted& w,
+                               const rte::SolverOptions& options) {
     if (w.is_albedo()) return rte::albedo(scene.for_solver(), w.mu_in, options).plane_albedo;
     return rte::reflect(scene.for_solver(), {w.mu_in, w.mu_out, w.azimuth_deg}, options).reflection;
 }
@@ -145,15 +148,19 @@ std::vector<Contender> library_methods(const BenchScene& scene, const Wanted& wa
     paper.half_space_method = rte::HalfSpaceMethod::fixed_point;
     paper.delta_m = false;
     paper.single_scattering_correction = false;
-    if (scene.coat) paper.coat_method = rte::CoatMethod::first_order_patched;
+    const char* name = "paper: eq. 3 on its grid";
+    if (scene.coat) {
+        paper.coat_method = rte::CoatMethod::first_order_patched;
+        name = "paper: eq. 2 and 3 on its grid";
+    }
     for (const int n : {8, 16, 32}) {
         paper.streams = n;
         paper.tolerance = 1e-6;
-        add("paper: eq. 3 on its grid", fmt::format("n={}", n), paper);
+        add(name, fmt::format("n={}", n), paper);
     }
     for (const double t : {1e-2, 1e-4}) {
         paper.tolerance = t;
-        add("paper: eq. 3 on its grid", fmt::format("n=32, tol={:.0e}", t), paper);
+        add(name, fmt::format("n=32, tol={:.0e}", t), paper);
     }
     return all;
 }
@@ -181,13 +188,15 @@ std::vector<Contender> outside_methods(const BenchScene& scene, const Wanted& wa
     const auto stack = scene.for_textbooks();
     for (const int n : {4, 8, 16}) {
         all.push_back({"adding-doubling", fmt::format("n={}", n), [=] {
-            return textbook(stack, wanted, n, [](const Order& o) { return adding_doubling(o); });
-        }});
+                           return textbook(stack, wanted, n,
+                                           [](const Order& o) { return adding_doubling(o); });
+                       }});
     }
     for (const int n : {4, 8, 16, 32}) {
         all.push_back({"discrete ordinates per angle", fmt::format("n={}", n), [=] {
-            return textbook(stack, wanted, n, [](const Order& o) { return discrete_ordinates(o); });
-        }});
+                           return textbook(stack, wanted, n,
+                                           [](const Order& o) { return discrete_ordinates(o); });
+                       }});
     }
     const auto traced = scene.for_photons();
     for (const int number : {100, 1000, 10000}) {
@@ -205,7 +214,8 @@ std::vector<Contender> outside_methods(const BenchScene& scene, const Wanted& wa
     }
     all.push_back({"two-stream", "-", [=] { return two_stream(simple, wanted); }});
     if (!wanted.is_albedo()) {
-        all.push_back({"single scattering", "-", [=] { return single_scattering(simple, wanted); }});
+        all.push_back(
+            {"single scattering", "-", [=] { return single_scattering(simple, wanted); }});
     }
     return all;
 }

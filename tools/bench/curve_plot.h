@@ -25,8 +25,8 @@ class MethodStyles {
 
 /// Log-log plot of the points of one case: a line for each method, every point labelled with its
 /// knob, points of the Pareto front ringed and joined by a dotted staircase. Errors below 1e-17
-/// (and exact zeros) are drawn at 1e-17; points without an answer are listed below the plot.
-/// Self-contained: no fonts, scripts or styles from outside.
+/// (exact zeros too) and above 10, and times below 1 us, are drawn at these limits; points without
+/// an answer are listed below the plot. Self-contained: no fonts, scripts or styles from outside.
 std::string curve_plot_svg(const std::string& title, const std::vector<Measurement>& points,
                            const MethodStyles& styles);
 

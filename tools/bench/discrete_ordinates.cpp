@@ -15,7 +15,7 @@ constexpr double kLargestAlbedo = 1 - 1e-10;
 //     ds/dt = B d - M^-1 (Q+ - Q-) e^(-t/mu0),   dd/dt = A s - M^-1 (Q+ + Q-) e^(-t/mu0),
 // homogeneous s = x e^(-kt), d = -A x / k e^(-kt), k^2 x = B A x.
 struct LayerSolution {
-    Eigen::MatrixXd up, down;      // decaying modes at the nodes; growing ones have them swapped
+    Eigen::MatrixXd up, down;  // decaying modes at the nodes; growing ones have them swapped
     Eigen::VectorXd k;
     Eigen::VectorXd beam_up, beam_down;  // particular solution, amplitude at the layer's top
     double depth = 0.0, top = 0.0;
@@ -68,8 +68,8 @@ Eigen::VectorXd amplitudes(const std::vector<LayerSolution>& layers, double mu0)
     const Eigen::Index unknowns = n * (2 * count - 1);
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd right(unknowns);
-    const auto put_top = [&](Eigen::Index row, const LayerSolution& s, Eigen::Index column,
-                             bool up, double sign) {
+    const auto put_top = [&](Eigen::Index row, const LayerSolution& s, Eigen::Index column, bool up,
+                             double sign) {
         system.block(row, column, n, n) = sign * (up ? s.up : s.down);
         if (!s.endless) {
             system.block(row, column + n, n, n) =
@@ -88,16 +88,19 @@ Eigen::VectorXd amplitudes(const std::vector<LayerSolution>& layers, double mu0)
             system.block(r, column, n, n) = (up ? a.up : a.down) * a.decay().asDiagonal();
             system.block(r, column + n, n, n) = up ? a.down : a.up;
             put_top(r, b, column + 2 * n, up, -1);
-            right.segment(r, n) = up ? b.beam_up - beam * a.beam_up : b.beam_down - beam * a.beam_down;
+            right.segment(r, n) =
+                up ? b.beam_up - beam * a.beam_up : b.beam_down - beam * a.beam_down;
         }
     }
     return system.partialPivLu().solve(right);
 }
 
-// (exp(-k h) - exp(-h / mu)) / (1 - k mu), also where k mu = 1.
+// (exp(-k h) - exp(-h / mu)) / (1 - k mu), also where k mu = 1. The second form loses digits only
+// within 1e-3 of it, and the first one overflows far from it.
 double growing_integral(double k, double h, double mu) {
     const double z = h * (1 / mu - k);
-    const double ratio = std::abs(z) < 1e-12 ? 1.0 : -std::expm1(-z) / z;
+    if (std::abs(z) > 1e-3 * h / mu) return (std::exp(-k * h) - std::exp(-h / mu)) / (1 - k * mu);
+    const double ratio = z == 0 ? 1.0 : -std::expm1(-z) / z;
     return std::exp(-k * h) * ratio * h / mu;
 }
 
@@ -127,7 +130,8 @@ double leaving(const Order& order, const std::vector<LayerSolution>& layers,
             const double growing = same.dot(s.down.col(j)) + other.dot(s.up.col(j));
             radiance += amplitude[column + n + j] * growing * growing_integral(s.k[j], h, mu);
         }
-        const double q = albedo / 4 * std::exp(-s.top / mu0) * order.phase(layer, y, y0, true)(0, 0);
+        const double q =
+            albedo / 4 * std::exp(-s.top / mu0) * order.phase(layer, y, y0, true)(0, 0);
         const double beam = same.dot(s.beam_up) + other.dot(s.beam_down) + q;
         radiance += beam * -std::expm1(-h * (1 / mu + 1 / mu0)) * mu0 / (mu + mu0);
         sum += std::exp(-s.top / mu) * radiance;

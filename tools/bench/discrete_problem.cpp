@@ -15,7 +15,8 @@ Eigen::MatrixXd legendre_table(int m, int degrees, const Eigen::VectorXd& mu) {
     Eigen::MatrixXd y(mu.size(), degrees - m);
     Eigen::ArrayXd start = Eigen::ArrayXd::Ones(mu.size());
     for (int i = 1; i <= m; ++i) {
-        start *= std::sqrt((2.0 * i - 1) / (2.0 * i)) * ((1 - mu.array()) * (1 + mu.array())).sqrt();
+        start *=
+            std::sqrt((2.0 * i - 1) / (2.0 * i)) * ((1 - mu.array()) * (1 + mu.array())).sqrt();
     }
     y.col(0) = start.matrix();
     for (int l = m; l + 1 < degrees; ++l) {
@@ -34,7 +35,8 @@ struct Scaled {
 
 Scaled delta_scale(const MomentLayer& layer, int moments) {
     const auto chi = [&](int l) {
-        return l < static_cast<int>(layer.chi.size()) ? layer.chi[static_cast<std::size_t>(l)] : 0.0;
+        return l < static_cast<int>(layer.chi.size()) ? layer.chi[static_cast<std::size_t>(l)]
+                                                      : 0.0;
     };
     const double f = std::max(0.0, chi(moments));
     Scaled s;
@@ -50,8 +52,9 @@ double truncated_phase(const Eigen::VectorXd& chi, double x) {
     double sum = 0, before = 1, now = x;
     for (Eigen::Index l = 0; l < chi.size(); ++l) {
         sum += static_cast<double>(2 * l + 1) * chi[l] * before;
-        const double next = (static_cast<double>(2 * l + 3) * x * now -
-                             static_cast<double>(l + 1) * before) / static_cast<double>(l + 2);
+        const double next =
+            (static_cast<double>(2 * l + 3) * x * now - static_cast<double>(l + 1) * before) /
+            static_cast<double>(l + 2);
         before = now;
         now = next;
     }
@@ -147,9 +150,10 @@ std::vector<double> sum_orders(const MomentStack& stack, int streams,
     for (const double i : mu_in) {
         for (const double o : mu_out) {
             for (const double azimuth : azimuth_deg) {
-                const double x = -i * o + std::sqrt((1 - i * i) * (1 - o * o)) *
-                                              std::cos(azimuth * M_PI / 180);
-                table[at++] += first_order_correction(stack, scaled, i, o, std::clamp(x, -1.0, 1.0));
+                const double x =
+                    -i * o + std::sqrt((1 - i * i) * (1 - o * o)) * std::cos(azimuth * M_PI / 180);
+                table[at++] +=
+                    first_order_correction(stack, scaled, i, o, std::clamp(x, -1.0, 1.0));
             }
         }
     }

@@ -33,7 +33,7 @@ struct Order {
     Eigen::MatrixXd nodes;
     Eigen::VectorXd user_mu;  ///< incident cosines first
     Eigen::MatrixXd user;
-    Eigen::Index incident = 0;  ///< how many of them are incident: columns that are wanted
+    Eigen::Index incident = 0;       ///< how many of them are incident: columns that are wanted
     std::vector<OrderLayer> layers;  ///< from the top down
 
     /// p^m(a, b) = sum strength Y(a) Y(b), or with (-1)^(l-m) for opposite hemispheres.
@@ -41,7 +41,8 @@ struct Order {
                           const Eigen::MatrixXd& b, bool opposite) const;
 };
 
-/// R^m(user, user), columns of incident cosines at least, with everything scattered at least once by the truncated phase function.
+/// R^m(user, user), columns of incident cosines at least, with everything scattered at least once
+/// by the truncated phase function.
 using OrderSolver = std::function<Eigen::MatrixXd(const Order&)>;
 
 /// R at mu_in x mu_out x azimuth (laid out as rte::ReflectionTable) by a solver for one order:
@@ -57,9 +58,9 @@ std::vector<double> plane_albedo(const MomentStack& stack, int streams,
                                  const std::vector<double>& mu_in, const OrderSolver& solver);
 
 /// Doubling from a thin layer and adding (van de Hulst 1963; de Haan, Bosma & Hovenier 1987, eq.
-/// 69-80, scalar). The thin layer scatters once, so light of the order of its optical depth is lost in
-/// every unit of depth; a thinner start loses as much to rounding.
-/// A half-space is a layer that is doubled until nothing changes.
+/// 69-80, scalar). The thin layer scatters once, so light of the order of its optical depth is lost
+/// in every unit of depth; a thinner start loses as much to rounding. A half-space is a layer that
+/// is doubled until nothing changes.
 /// @param thin  optical depth to start from
 Eigen::MatrixXd adding_doubling(const Order& order, double thin = 1e-8);
 

@@ -44,9 +44,9 @@ std::string error_table(const Results& results, const std::string& suite, const 
             if (q.method != p.method || !std::isfinite(q.error)) continue;
             if (best == nullptr || q.error < best->error) best = &q;
         }
-        text += best == nullptr
-                    ? fmt::format("| {} | no answer | | |\n", p.method)
-                    : fmt::format("| {} | {:.1e} | {} | {:.2g} s |\n", p.method, best->error, best->parameter, best->seconds);
+        text += best == nullptr ? fmt::format("| {} | no answer | | |\n", p.method)
+                                : fmt::format("| {} | {:.1e} | {} | {:.2g} s |\n", p.method,
+                                              best->error, best->parameter, best->seconds);
     }
     return text;
 }
@@ -57,17 +57,21 @@ std::string plot_name(std::size_t index, const std::string& suite) {
 
 }  // namespace
 
-std::string with_generated_part(const std::string& page, const std::string& name, const std::string& text) {
-    const std::string open = "<!-- generated " + name + " -->\n", close = "<!-- end " + name + " -->";
+std::string with_generated_part(const std::string& page, const std::string& name,
+                                const std::string& text) {
+    const std::string open = "<!-- generated " + name + " -->\n",
+                      close = "<!-- end " + name + " -->";
     const auto from = page.find(open);
     const auto to = page.find(close);
     if (from == std::string::npos || to == std::string::npos || to < from) {
-        throw InputError(fmt::format("the marks '<!-- generated {0} -->' and '<!-- end {0} -->' are not there", name));
+        throw InputError(fmt::format(
+            "the marks '<!-- generated {0} -->' and '<!-- end {0} -->' are not there", name));
     }
     return page.substr(0, from + open.size()) + text + page.substr(to);
 }
 
-void update_document(const std::filesystem::path& path, const std::string& name, const std::string& text) {
+void update_document(const std::filesystem::path& path, const std::string& name,
+                     const std::string& text) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw InputError(fmt::format("cannot read {}", path.string()));
     const std::string page{std::istreambuf_iterator<char>(file), {}};
@@ -82,13 +86,15 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
     std::size_t index = 0;
     for (const auto& [suite, name] : cases_of(results)) {
         if (suite != suite_before) {
-            performance += fmt::format("### {}\n\n{}\n", suite, choice_table_markdown(results, suite));
+            performance +=
+                fmt::format("### {}\n\n{}\n", suite, choice_table_markdown(results, suite));
             accuracy += fmt::format("### {}\n\n", suite);
             index = 0;
         }
         suite_before = suite;
         const std::string plot = plot_name(index++, suite);
-        write_text(folder / "plots" / plot, curve_plot_svg(suite + ": " + name, of_case(results, suite, name), styles));
+        write_text(folder / "plots" / plot,
+                   curve_plot_svg(suite + ": " + name, of_case(results, suite, name), styles));
         performance += fmt::format("![{} {}](plots/{})\n\n", suite, name, plot);
         accuracy += fmt::format("**{}.** {}\n\n{}\n", name, description_of(results, suite, name),
                                 error_table(results, suite, name));

@@ -57,12 +57,14 @@ BenchCase conservative_albedo() {
     return c;
 }
 
-double from_table(const ReferenceData& table, double g, double albedo, double in, double out, double azimuth) {
+double from_table(const ReferenceData& table, double g, double albedo, double in, double out,
+                  double azimuth) {
     // The table lists mu_o >= mu_i; R is reciprocal.
     for (std::size_t row = 0; row < table.size(); ++row) {
         if (table.number(row, "g") == g && table.number(row, "alpha") == albedo &&
             table.number(row, "mu_i") == std::min(in, out) &&
-            table.number(row, "mu_o") == std::max(in, out) && table.number(row, "phi_deg") == azimuth) {
+            table.number(row, "mu_o") == std::max(in, out) &&
+            table.number(row, "phi_deg") == azimuth) {
             return table.number(row, "R");
         }
     }
@@ -73,7 +75,8 @@ BenchCase peaked(double g, double albedo) {
     BenchCase c;
     c.suite = "half-space";
     c.name = fmt::format("g {}, albedo {}, R", g, albedo);
-    c.quantity = "R of a Henyey-Greenstein half-space at cosines 0.2, 0.5, 0.9, azimuths 0, 90, 180.";
+    c.quantity =
+        "R of a Henyey-Greenstein half-space at cosines 0.2, 0.5, 0.9, azimuths 0, 90, 180.";
     c.truth = "tests/reference/rte/R_halfspace_HG.csv, 10 digits or more, checked against CDISORT.";
     const Wanted wanted{{0.2, 0.5, 0.9}, {0.2, 0.5, 0.9}, {0, 90, 180}};
     const ReferenceData table("rte/R_halfspace_HG.csv");
@@ -93,7 +96,8 @@ BenchCase peaked(double g, double albedo) {
 }  // namespace
 
 std::vector<BenchCase> half_space_suite() {
-    return {isotropic(), peaked(0.5, 0.9), peaked(0.75, 0.9), peaked(0.75, 0.9999), peaked(0.9, 0.99), conservative_albedo()};
+    return {isotropic(),          peaked(0.5, 0.9),  peaked(0.75, 0.9),
+            peaked(0.75, 0.9999), peaked(0.9, 0.99), conservative_albedo()};
 }
 
 }  // namespace miebrdf::bench

@@ -30,11 +30,15 @@ void ensemble(benchmark::State& state) {
     request.tolerance = 1e-3;
     for (auto _ : state) benchmark::DoNotOptimize(mie::average_over_sizes(request));
 }
-BENCHMARK(ensemble)->ArgNames({"absorbing", "moments"})->ArgsProduct({{0, 1}, {16, 64}})->Unit(benchmark::kMillisecond);
+BENCHMARK(ensemble)
+    ->ArgNames({"absorbing", "moments"})
+    ->ArgsProduct({{0, 1}, {16, 64}})
+    ->Unit(benchmark::kMillisecond);
 
 void legendre_functions(benchmark::State& state) {
     const auto rule = math::gauss_legendre(static_cast<int>(state.range(0)), 0, 1);
-    const Eigen::VectorXd mu = Eigen::Map<const Eigen::VectorXd>(rule.nodes.data(), Eigen::Index(rule.nodes.size()));
+    const Eigen::VectorXd mu =
+        Eigen::Map<const Eigen::VectorXd>(rule.nodes.data(), Eigen::Index(rule.nodes.size()));
     Eigen::MatrixXd table;
     for (auto _ : state) {
         math::legendre_functions(0, 2 * static_cast<int>(state.range(0)), mu, table);
@@ -61,7 +65,10 @@ void half_space_order(benchmark::State& state) {
         benchmark::DoNotOptimize(rte::solve_half_space(method, medium, mode, grid, requested));
     }
 }
-BENCHMARK(half_space_order)->ArgNames({"n", "method"})->ArgsProduct({{16, 32, 64}, {0, 1, 2}})->Unit(benchmark::kMicrosecond);
+BENCHMARK(half_space_order)
+    ->ArgNames({"n", "method"})
+    ->ArgsProduct({{16, 32, 64}, {0, 1, 2}})
+    ->Unit(benchmark::kMicrosecond);
 
 void coated_reflection(benchmark::State& state) {
     rte::Stack stack;

@@ -43,21 +43,22 @@ struct BenchCase {
 };
 
 struct MeasureOptions {
-    int repeats = 5;               ///< rounds over all contenders, at least 1
+    int repeats = 5;                ///< rounds over all contenders, at least 1
     double shortest_sample = 2e-3;  ///< s; quicker runs are repeated inside one sample
-    double longest_total = 4.0;    ///< s per contender: slow ones are repeated less, at least once
+    double longest_total = 4.0;     ///< s per contender: slow ones are repeated less, at least once
 };
 
-/// Runs every contender of a case: once to warm up, for its error and its memory, then in rounds in
-/// which all take turns, so that a change of the machine's mood hits all alike.
+/// Runs every contender of a case: once to warm up and for its error, once for its memory, then in
+/// rounds in which all take turns, so that a change of the machine's mood hits all alike.
 /// Time is the CPU time of the process: other programs on the machine do not count.
 std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptions& options = {});
 
 /// CPU time of this process in seconds.
 double cpu_seconds();
 
-/// Peak resident memory since the last reset, and resident memory now, in bytes (Linux; NaN
-/// elsewhere or where /proc is closed).
+/// Returns free memory to the system and starts the peak of resident memory anew, and the peak
+/// since then; both in bytes. The kernel counts in batches: good to some hundred KiB. Linux; NaN
+/// elsewhere.
 double reset_peak_memory();
 double peak_memory();
 

@@ -52,7 +52,8 @@ std::vector<double> sphere_by_sphere(std::complex<double> index, const math::Qua
 const std::vector<int> kMoments = {1, 2, 8, 32, 64};
 
 // The textbook way to moments: intensities on Gauss angles, then projected on Legendre polynomials.
-std::vector<double> moments_by_angles(std::complex<double> index, const math::Quadrature& sizes, int angles) {
+std::vector<double> moments_by_angles(std::complex<double> index, const math::Quadrature& sizes,
+                                      int angles) {
     const auto rule = math::gauss_legendre(angles, -1.0, 1.0);
     std::vector<double> degrees, phase(rule.nodes.size(), 0.0);
     for (const double x : rule.nodes) degrees.push_back(std::acos(x) * 180 / M_PI);
@@ -68,8 +69,9 @@ std::vector<double> moments_by_angles(std::complex<double> index, const math::Qu
         double before = 1, now = rule.nodes[a];
         for (std::size_t l = 0; l < sums.size(); ++l) {
             sums[l] += rule.weights[a] * phase[a] * before;
-            const double next = ((2 * double(l) + 3) * rule.nodes[a] * now - (double(l) + 1) * before) /
-                                (double(l) + 2);
+            const double next =
+                ((2 * double(l) + 3) * rule.nodes[a] * now - (double(l) + 1) * before) /
+                (double(l) + 2);
             before = now;
             now = next;
         }
@@ -100,7 +102,8 @@ std::size_t row_of(const ReferenceData& table, std::complex<double> index) {
 }
 
 constexpr char kTruth[] =
-    "tests/reference/mie/poly_*.csv: 25,600 to 204,800 sizes, good to 1e-6 (k = 0) or 1e-12 (k > 0); "
+    "tests/reference/mie/poly_*.csv: 25,600 to 204,800 sizes, good to 1e-6 (k = 0) or 1e-12 (k > "
+    "0); "
     "extinction at k = 0 by an integral off the real axis.";
 
 BenchCase efficiencies(std::complex<double> index) {
@@ -112,13 +115,15 @@ BenchCase efficiencies(std::complex<double> index) {
     c.quantity = "Extinction efficiency, albedo and g of spheres of 50 um at 550 nm.";
     c.truth = kTruth;
     const bool exact = index.imag() == 0;
-    c.true_values = {table.number(row, exact ? "Qext_contour" : "Qext"), table.number(row, "albedo"),
-                     table.number(row, exact ? "g_corr" : "g")};
+    c.true_values = {table.number(row, exact ? "Qext_contour" : "Qext"),
+                     table.number(row, "albedo"), table.number(row, exact ? "g_corr" : "g")};
     for (const double t : {1e-2, 1e-3, 1e-4, 1e-5}) {
         c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-            const auto optics = library(index, t, 1);
-            return std::vector<double>{optics.q_ext, optics.single_scattering_albedo, optics.asymmetry};
-        }});
+                                    const auto optics = library(index, t, 1);
+                                    return std::vector<double>{optics.q_ext,
+                                                               optics.single_scattering_albedo,
+                                                               optics.asymmetry};
+                                }});
     }
     for (const int n : {20, 80, 320, 1280}) {
         c.contenders.push_back({"spheres, Gauss in ln r", fmt::format("{} sizes", n),
@@ -146,11 +151,12 @@ BenchCase moments(std::complex<double> index) {
     }
     for (const double t : {1e-2, 1e-3, 1e-4, 1e-5}) {
         c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-            const auto optics = library(index, t, 64);
-            std::vector<double> chi;
-            for (const int l : kMoments) chi.push_back(optics.chi[static_cast<std::size_t>(l)]);
-            return chi;
-        }});
+                                    const auto optics = library(index, t, 64);
+                                    std::vector<double> chi;
+                                    for (const int l : kMoments)
+                                        chi.push_back(optics.chi[static_cast<std::size_t>(l)]);
+                                    return chi;
+                                }});
     }
     for (const int n : {5, 20, 80}) {
         // Twice as many angles as partial waves of the largest sphere integrate |S|^2 exactly.
@@ -163,7 +169,8 @@ BenchCase moments(std::complex<double> index) {
 }  // namespace
 
 std::vector<BenchCase> mie_suite() {
-    return {efficiencies({2.6, 0.0}), efficiencies({3.3, 0.02}), moments({2.6, 0.0}), moments({3.3, 0.02})};
+    return {efficiencies({2.6, 0.0}), efficiencies({3.3, 0.02}), moments({2.6, 0.0}),
+            moments({3.3, 0.02})};
 }
 
 }  // namespace miebrdf::bench

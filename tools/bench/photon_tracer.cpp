@@ -24,7 +24,8 @@ void require(bool good, const char* what, double value, const char* allowed) {
 void check(const TracedLayer& layer, bool is_coat) {
     const double a = layer.single_scattering_albedo;
     require(a >= 0 && a <= 1, "albedo", a, "[0, 1]");
-    if (is_coat) require(layer.optical_depth >= 0, "optical depth", layer.optical_depth, "[0, inf)");
+    if (is_coat)
+        require(layer.optical_depth >= 0, "optical depth", layer.optical_depth, "[0, inf)");
 }
 
 struct Direction {
@@ -145,8 +146,7 @@ class Tracer {
     void look(const ScatteringLaw& law, const Direction& d, double depth, double weight) {
         for (std::size_t i = 0; i < eyes_.size(); ++i) {
             const Direction& eye = eyes_[i];
-            const double cos_theta =
-                std::clamp(d.x * eye.x + d.y * eye.y + d.z * eye.z, -1.0, 1.0);
+            const double cos_theta = std::clamp(d.x * eye.x + d.y * eye.y + d.z * eye.z, -1.0, 1.0);
             const double mu = -eye.z;
             seen_[i] += weight * law.value(cos_theta) * std::exp(-depth / mu) / (4 * mu);
         }

@@ -15,7 +15,8 @@
 namespace miebrdf::bench {
 namespace {
 
-const std::vector<double> kMuIn = {0.2, 0.5, 0.8}, kMuOut = {0.2, 0.5, 0.8}, kAzimuth = {0, 60, 120, 180};
+const std::vector<double> kMuIn = {0.2, 0.5, 0.8}, kMuOut = {0.2, 0.5, 0.8},
+                          kAzimuth = {0, 60, 120, 180};
 
 Request paper_scene(double tolerance) {
     Request request;
@@ -52,7 +53,9 @@ double error_by_incidence(const std::vector<double>& values, const std::vector<d
 ScatteringLaw law_of(const MediumOptics& optics, const std::vector<double>& angles_deg) {
     std::vector<double> x, p;
     for (std::size_t i = angles_deg.size(); i-- > 0;) {
-        x.push_back(i + 1 == angles_deg.size() ? -1 : i == 0 ? 1 : std::cos(angles_deg[i] * M_PI / 180));
+        x.push_back(i + 1 == angles_deg.size() ? -1
+                    : i == 0                   ? 1
+                                               : std::cos(angles_deg[i] * M_PI / 180));
         p.push_back(optics.phase[i]);
     }
     return ScatteringLaw::tabulated(std::move(x), std::move(p));
@@ -78,7 +81,9 @@ std::vector<double> by_photons(int photons) {
     }
     std::vector<double> values;
     for (const double mu : kMuIn) {
-        for (const Estimate& e : trace_photons(stack, mu, detectors, {.photons = photons, .most_collisions = 2000}).reflection) {
+        for (const Estimate& e :
+             trace_photons(stack, mu, detectors, {.photons = photons, .most_collisions = 2000})
+                 .reflection) {
             values.push_back(e.value);
         }
     }
@@ -89,9 +94,13 @@ BenchCase painted_sample() {
     BenchCase c;
     c.suite = "pipeline";
     c.name = "TiO2 + AlGaAs7 at 450 nm";
-    c.quantity = "R of TiO2 under AlGaAs7 of depth 0.1 (paper, Fig. 1), 50 um spheres, cosines 0.2, 0.5, 0.8, "
-                 "azimuths 0 to 180; error relative to the largest value at that incidence.";
-    c.truth = "tests/reference/pipeline/tio2_algaas_reflection_450nm.csv, all 2,900 moments, 1e-3 or better.";
+    c.quantity =
+        "R of TiO2 under AlGaAs7 of depth 0.1 (paper, Fig. 1), 50 um spheres, cosines 0.2, 0.5, "
+        "0.8, "
+        "azimuths 0 to 180; error relative to the largest value at that incidence.";
+    c.truth =
+        "tests/reference/pipeline/tio2_algaas_reflection_450nm.csv, all 2,900 moments, 1e-3 or "
+        "better.";
     c.error = error_by_incidence;
     const ReferenceData table("pipeline/tio2_algaas_reflection_450nm.csv");
     for (const double i : kMuIn) {
@@ -109,28 +118,32 @@ BenchCase painted_sample() {
     }
     if (c.true_values.size() != 36) throw std::logic_error("reference table lacks a direction");
     for (const double t : {1e-1, 1e-2, 3e-3, 1e-3}) {
-        c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] { return run(paper_scene(t)); }});
+        c.contenders.push_back(
+            {"miebrdf", fmt::format("tol={:.0e}", t), [=] { return run(paper_scene(t)); }});
     }
     for (const int n : {16, 32}) {
         c.contenders.push_back({"paper: eq. 2 and 3 on its grid", fmt::format("n={}", n), [=] {
-            Request request = paper_scene(1e-3);
-            request.solver.streams = n;
-            request.solver.grid = rte::GridKind::paper;
-            request.solver.half_space_method = rte::HalfSpaceMethod::fixed_point;
-            request.solver.coat_method = rte::CoatMethod::first_order_patched;
-            request.solver.delta_m = false;
-            request.solver.single_scattering_correction = false;
-            return run(request);
-        }});
+                                    Request request = paper_scene(1e-3);
+                                    request.solver.streams = n;
+                                    request.solver.grid = rte::GridKind::paper;
+                                    request.solver.half_space_method =
+                                        rte::HalfSpaceMethod::fixed_point;
+                                    request.solver.coat_method =
+                                        rte::CoatMethod::first_order_patched;
+                                    request.solver.delta_m = false;
+                                    request.solver.single_scattering_correction = false;
+                                    return run(request);
+                                }});
         c.contenders.push_back({"no single-scattering correction", fmt::format("n={}", n), [=] {
-            Request request = paper_scene(1e-3);
-            request.solver.streams = n;
-            request.solver.single_scattering_correction = false;
-            return run(request);
-        }});
+                                    Request request = paper_scene(1e-3);
+                                    request.solver.streams = n;
+                                    request.solver.single_scattering_correction = false;
+                                    return run(request);
+                                }});
     }
     for (const int n : {300, 3000}) {
-        c.contenders.push_back({"Monte Carlo", fmt::format("{} photons", n), [=] { return by_photons(n); }});
+        c.contenders.push_back(
+            {"Monte Carlo", fmt::format("{} photons", n), [=] { return by_photons(n); }});
     }
     return c;
 }

@@ -44,7 +44,8 @@ std::string time_text(double seconds) {
 
 std::string choice_text(const std::vector<Measurement>& points, double error) {
     const Measurement* best = best_for(points, error);
-    return best ? fmt::format("{} {}, {}", best->method, best->parameter, time_text(best->seconds)) : "none";
+    return best ? fmt::format("{} {}, {}", best->method, best->parameter, time_text(best->seconds))
+                : "none";
 }
 
 std::vector<std::string> suites_of(const Results& results) {
@@ -63,7 +64,8 @@ std::string choice_table_html(const Results& results, const std::string& suite) 
         if (s != suite) continue;
         const auto points = of_case(results, s, name);
         html += "<tr><td>" + escape_markup(name) + "</td>";
-        for (const double e : wanted_errors()) html += "<td>" + escape_markup(choice_text(points, e)) + "</td>";
+        for (const double e : wanted_errors())
+            html += "<td>" + escape_markup(choice_text(points, e)) + "</td>";
         html += "</tr>\n";
     }
     return html + "</table>\n";
@@ -79,22 +81,28 @@ std::string changes_html(const std::vector<Change>& changes) {
             continue;
         }
         const std::string first_word = c.verdict.substr(0, c.verdict.find(';'));
-        rows += fmt::format("<tr><td>{} / {}</td><td>{} {}</td><td>{} &rarr; {}</td><td>{:.2e} &rarr; {:.2e}</td><td class='{}'>{}</td></tr>\n",
-                            escape_markup(c.after.suite), escape_markup(c.after.test_case),
-                            escape_markup(c.after.method), escape_markup(c.after.parameter),
-                            time_text(c.before.seconds), time_text(c.after.seconds), c.before.error,
-                            c.after.error, first_word, c.verdict);
+        rows += fmt::format(
+            "<tr><td>{} / {}</td><td>{} {}</td><td>{} &rarr; {}</td><td>{:.2e} &rarr; "
+            "{:.2e}</td><td class='{}'>{}</td></tr>\n",
+            escape_markup(c.after.suite), escape_markup(c.after.test_case),
+            escape_markup(c.after.method), escape_markup(c.after.parameter),
+            time_text(c.before.seconds), time_text(c.after.seconds), c.before.error, c.after.error,
+            first_word, c.verdict);
     }
-    return fmt::format("<h2 id='changes'>Since the earlier run</h2>\n<p>{} points compared, {} the same within 10 % and their spread.</p>\n"
-                       "<table><tr><th>case</th><th>method</th><th>time</th><th>error</th><th></th></tr>\n{}</table>\n",
-                       changes.size(), same, rows);
+    return fmt::format(
+        "<h2 id='changes'>Since the earlier run</h2>\n<p>{} points compared, {} the same within 10 "
+        "% and their spread.</p>\n"
+        "<table><tr><th>case</th><th>method</th><th>time</th><th>error</th><th></th></tr>\n{}</"
+        "table>\n",
+        changes.size(), same, rows);
 }
 
 std::string facts_html(const Results& results) {
     std::string rows;
     for (const auto& [name, value] : results.facts) {
         if (name.rfind("case ", 0) == 0) continue;
-        rows += "<tr><td>" + escape_markup(name) + "</td><td>" + escape_markup(value) + "</td></tr>\n";
+        rows +=
+            "<tr><td>" + escape_markup(name) + "</td><td>" + escape_markup(value) + "</td></tr>\n";
     }
     return "<h2>Machine and versions</h2>\n<table>" + rows + "</table>\n";
 }
@@ -106,7 +114,8 @@ const std::vector<double>& wanted_errors() {
     return errors;
 }
 
-std::string description_of(const Results& results, const std::string& suite, const std::string& name) {
+std::string description_of(const Results& results, const std::string& suite,
+                           const std::string& name) {
     for (const auto& [fact, value] : results.facts) {
         if (fact == "case " + suite + "/" + name) return value;
     }
@@ -115,10 +124,12 @@ std::string description_of(const Results& results, const std::string& suite, con
 
 std::string report_page(const Results& results, const std::vector<Change>& changes) {
     std::string html = kHead;
-    html += "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
-            "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
-            "what no other point beats in both. Click a method to hide it.</p>\n<nav>";
-    for (const std::string& suite : suites_of(results)) html += fmt::format("<a href='#{0}'>{0}</a>", suite);
+    html +=
+        "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
+        "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
+        "what no other point beats in both. Click a method to hide it.</p>\n<nav>";
+    for (const std::string& suite : suites_of(results))
+        html += fmt::format("<a href='#{0}'>{0}</a>", suite);
     html += "</nav>\n" + changes_html(changes);
     const MethodStyles styles(results.measurements);
     for (const std::string& suite : suites_of(results)) {

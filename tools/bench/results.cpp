@@ -55,7 +55,9 @@ auto key_of(const Measurement& m) { return std::tie(m.suite, m.test_case, m.meth
 
 std::string verdict_of(const Change& c) {
     std::string verdict;
-    const auto say = [&](const char* word) { verdict += (verdict.empty() ? "" : "; ") + std::string(word); };
+    const auto say = [&](const char* word) {
+        verdict += (verdict.empty() ? "" : "; ") + std::string(word);
+    };
     const double noise = std::max({kNotable, c.before.spread, c.after.spread});
     if (c.time_ratio < 1 / (1 + noise)) say("faster");
     if (c.time_ratio > 1 + noise) say("slower");
@@ -75,8 +77,8 @@ void write_results(const Results& results, std::ostream& out) {
     table.facts = results.facts;
     table.columns = kColumns;
     for (const Measurement& m : results.measurements) {
-        table.rows.push_back({m.suite, m.test_case, m.method, m.parameter, m.error, m.seconds,
-                              m.memory, m.spread});
+        table.rows.push_back(
+            {m.suite, m.test_case, m.method, m.parameter, m.error, m.seconds, m.memory, m.spread});
     }
     write_csv(table, out);
 }
@@ -103,10 +105,11 @@ Results read_results(const std::filesystem::path& path) {
             header_seen = true;
         } else if (fields.size() == kColumns.size()) {
             results.measurements.push_back({fields[0], fields[1], fields[2], fields[3],
-                                            number(fields[4]), number(fields[5]),
-                                            number(fields[6]), number(fields[7])});
+                                            number(fields[4]), number(fields[5]), number(fields[6]),
+                                            number(fields[7])});
         } else {
-            throw InputError(fmt::format("{}: {} fields in '{}'", path.string(), fields.size(), line));
+            throw InputError(
+                fmt::format("{}: {} fields in '{}'", path.string(), fields.size(), line));
         }
     }
     if (!header_seen) throw InputError(fmt::format("{}: no table in it", path.string()));
@@ -138,7 +141,8 @@ std::vector<std::size_t> pareto_front(const std::vector<Measurement>& points) {
         if (std::isfinite(points[i].error)) order.push_back(i);
     }
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return std::tie(points[a].seconds, points[a].error) < std::tie(points[b].seconds, points[b].error);
+        return std::tie(points[a].seconds, points[a].error) <
+               std::tie(points[b].seconds, points[b].error);
     });
     std::vector<std::size_t> front;
     double best = std::numeric_limits<double>::infinity();

@@ -24,14 +24,16 @@ ScatteringLaw ScatteringLaw::henyey_greenstein(double asymmetry) {
 ScatteringLaw ScatteringLaw::tabulated(std::vector<double> x, std::vector<double> value) {
     const std::size_t n = x.size();
     if (n < 2 || value.size() != n || x.front() != -1 || x.back() != 1) {
-        throw std::invalid_argument("a phase function table needs cosines from -1 to 1, each with a value");
+        throw std::invalid_argument(
+            "a phase function table needs cosines from -1 to 1, each with a value");
     }
     ScatteringLaw law(Kind::tabulated);
     law.cumulative_.assign(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
         if (!(value[i] >= 0) || (i > 0 && !(x[i] > x[i - 1]))) {
             throw std::invalid_argument(fmt::format(
-                "phase function table: value {} at cosine {} is negative or out of order", value[i], x[i]));
+                "phase function table: value {} at cosine {} is negative or out of order", value[i],
+                x[i]));
         }
         if (i > 0) {
             law.cumulative_[i] =
@@ -49,13 +51,16 @@ ScatteringLaw ScatteringLaw::tabulated(std::vector<double> x, std::vector<double
 
 double ScatteringLaw::value(double x) const {
     switch (kind_) {
-        case Kind::isotropic: return 1.0;
-        case Kind::rayleigh: return 0.75 * (1 + x * x);
+        case Kind::isotropic:
+            return 1.0;
+        case Kind::rayleigh:
+            return 0.75 * (1 + x * x);
         case Kind::henyey_greenstein: {
             const double base = (1 - g_) * (1 - g_) + 2 * g_ * (1 - x);
             return (1 - g_ * g_) / (base * std::sqrt(base));
         }
-        case Kind::tabulated: break;
+        case Kind::tabulated:
+            break;
     }
     const auto above = std::upper_bound(cos_theta_.begin() + 1, cos_theta_.end() - 1, x);
     const auto i = static_cast<std::size_t>(above - cos_theta_.begin());
@@ -66,7 +71,8 @@ double ScatteringLaw::value(double x) const {
 double ScatteringLaw::sample(double u) const {
     double x = 0;
     switch (kind_) {
-        case Kind::isotropic: return 2 * u - 1;
+        case Kind::isotropic:
+            return 2 * u - 1;
         case Kind::rayleigh: {
             // x^3 + 3 x = 8 u - 4, by Cardano's formula.
             const double half = 4 * u - 2;

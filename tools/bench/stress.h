@@ -14,7 +14,7 @@ struct StressCheck {
     std::string quantity;
     double value = 0.0;
     double bound = 0.0;
-    std::string cause;  ///< why the bound is what it is
+    std::string cause;                          ///< why the bound is what it is
     bool ok() const { return value <= bound; }  // not-a-number is not ok
 };
 
@@ -25,8 +25,8 @@ class StressLog {
         : suite_(std::move(suite)), checks_(checks) {}
 
     /// value <= bound must hold.
-    void at_most(const std::string& test_case, const std::string& quantity, double value, double bound,
-                 const std::string& cause);
+    void at_most(const std::string& test_case, const std::string& quantity, double value,
+                 double bound, const std::string& cause);
 
     /// `action` must throw std::exception: 0 if it does, 1 if it returns something.
     void refused(const std::string& test_case, const std::function<void()>& action);

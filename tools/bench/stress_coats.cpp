@@ -45,11 +45,13 @@ void check_same_material(StressLog& log) {
         const auto medium = optics(albedo, 0.6);
         const auto bare = reflection(on(medium, medium, 0));
         for (const double depth : kDepths) {
-            const std::string name = fmt::format("coat of the base's material, albedo {}, depth {:.0e}", albedo, depth);
+            const std::string name =
+                fmt::format("coat of the base's material, albedo {}, depth {:.0e}", albedo, depth);
             log.run(name, [&] {
                 log.at_most(name, "R against the bare base, relative",
                             largest_difference(reflection(on(medium, medium, depth)), bare), 1e-9,
-                            "the same half-space; rounding of the impedances, 6e-12 as measured by its authors");
+                            "the same half-space; rounding of the impedances, 6e-12 as measured by "
+                            "its authors");
             });
         }
     }
@@ -73,7 +75,8 @@ void check_black_coat(StressLog& log) {
                     }
                 }
             }
-            log.at_most(name, "R against Beer's law, over the largest", scale > 1e-290 ? worst / scale : worst, 1e-10,
+            log.at_most(name, "R against Beer's law, over the largest",
+                        scale > 1e-290 ? worst / scale : worst, 1e-10,
                         "closed form exp(-tau (1/mu_in + 1/mu_out)); rounding");
         });
     }
@@ -87,8 +90,8 @@ void check_limits(StressLog& log) {
         log.run(name, [&] {
             // First order in the depth: (1/mu + 1/mu') and the peak of P over R at most.
             log.at_most(name, "R against the bare base, relative",
-                        largest_difference(reflection(on(base, coat, depth)), bare), 3e3 * depth + 1e-10,
-                        "first order in the depth over mu; rounding");
+                        largest_difference(reflection(on(base, coat, depth)), bare),
+                        3e3 * depth + 1e-10, "first order in the depth over mu; rounding");
         });
     }
     for (const double depth : {1e2, 1e4, 1e8, 1e12, double(INFINITY)}) {
@@ -106,18 +109,23 @@ void check_energy(StressLog& log) {
         for (const double depth : kDepths) {
             const std::string name = fmt::format("white on white, g {}, depth {:.0e}", g, depth);
             log.run(name, [&] {
-                const auto a = rte::albedo(on(optics(1, 0.5), optics(1, g), depth), kCosines, kSolver);
+                const auto a =
+                    rte::albedo(on(optics(1, 0.5), optics(1, g), depth), kCosines, kSolver);
                 double worst = 0;
-                for (const double plane : a.plane_albedo) worst = std::max(worst, std::abs(plane - 1));
-                log.at_most(name, "1 - plane albedo", worst, 1e-9, "energy; quadrature between 16 mapped nodes");
-                log.at_most(name, "1 - spherical albedo", std::abs(a.spherical_albedo - 1), 1e-10, "energy; rounding");
+                for (const double plane : a.plane_albedo)
+                    worst = std::max(worst, std::abs(plane - 1));
+                log.at_most(name, "1 - plane albedo", worst, 1e-9,
+                            "energy; quadrature between 16 mapped nodes");
+                log.at_most(name, "1 - spherical albedo", std::abs(a.spherical_albedo - 1), 1e-10,
+                            "energy; rounding");
             });
         }
     }
     for (const double depth : kDepths) {
         const std::string name = fmt::format("dark on white, depth {:.0e}", depth);
         log.run(name, [&] {
-            const auto a = rte::albedo(on(optics(1, 0.5), optics(0.1, 0.5), depth), kCosines, kSolver);
+            const auto a =
+                rte::albedo(on(optics(1, 0.5), optics(0.1, 0.5), depth), kCosines, kSolver);
             double worst = 0;
             for (const double plane : a.plane_albedo) worst = std::max(worst, outside(plane, 0, 1));
             log.at_most(name, "plane albedo outside [0, 1]", worst, 1e-12, "energy; rounding");
@@ -130,8 +138,10 @@ void check_continuity(StressLog& log) {
     for (const double depth : {1e-8, 1e-3, 0.1, 1.0, 5.0, 20.0, 100.0}) {
         const std::string name = fmt::format("step of 1e-9 at depth {:.0e}", depth);
         log.run(name, [&] {
-            const auto a = reflection(on(base, coat, depth)), b = reflection(on(base, coat, depth * (1 + 1e-9)));
-            // d ln R / d ln tau is at most tau (1/mu + 1/mu') where light still comes through, and 1.
+            const auto a = reflection(on(base, coat, depth)),
+                       b = reflection(on(base, coat, depth * (1 + 1e-9)));
+            // d ln R / d ln tau is at most tau (1/mu + 1/mu') where light still comes through,
+            // and 1.
             log.at_most(name, "R, relative change", largest_difference(a, b), 1e-7,
                         "slope below 40 times a step of 1e-9; rounding");
         });
@@ -141,8 +151,8 @@ void check_continuity(StressLog& log) {
         log.run(name, [&] {
             const auto a = reflection(on(optics(0.9, 0.5), optics(0.9, 0.5), 1)),
                        b = reflection(on(optics(0.9, 0.5), optics(0.9 - difference, 0.5), 1));
-            log.at_most(name, "R, relative change", largest_difference(a, b), 20 * difference + 1e-10,
-                        "d ln R / d albedo below 20; rounding");
+            log.at_most(name, "R, relative change", largest_difference(a, b),
+                        20 * difference + 1e-10, "d ln R / d albedo below 20; rounding");
         });
     }
 }
@@ -153,14 +163,18 @@ void check_reference(StressLog& log) {
         if (table.text(row, "mu_o") == "plane_albedo") continue;
         const double depth = table.number(row, "coat_tau");
         const double in = table.number(row, "mu_i"), out = table.number(row, "mu_o");
-        const std::string name = fmt::format("{}, {} {} {}", table.text(row, "case"), in, out, table.text(row, "phi_deg"));
+        const std::string name = fmt::format("{}, {} {} {}", table.text(row, "case"), in, out,
+                                             table.text(row, "phi_deg"));
         log.run(name, [&] {
-            const auto stack = on(optics(table.number(row, "base_alpha"), table.number(row, "base_g")),
-                                  optics(table.number(row, "coat_alpha"), table.number(row, "coat_g")), depth);
-            const auto r = rte::reflect(stack, {{in}, {out}, {table.number(row, "phi_deg")}}, {.tolerance = 1e-9, .streams = 64});
+            const auto stack =
+                on(optics(table.number(row, "base_alpha"), table.number(row, "base_g")),
+                   optics(table.number(row, "coat_alpha"), table.number(row, "coat_g")), depth);
+            const auto r = rte::reflect(stack, {{in}, {out}, {table.number(row, "phi_deg")}},
+                                        {.tolerance = 1e-9, .streams = 64});
             log.at_most(name, "R against the table, relative",
                         relative_difference(r.reflection[0], table.number(row, "R")),
-                        1e-8 + 2 * table.number(row, "dev_quad"), "64 nodes at grazing; digits of the table");
+                        1e-8 + 2 * table.number(row, "dev_quad"),
+                        "64 nodes at grazing; digits of the table");
         });
     }
 }

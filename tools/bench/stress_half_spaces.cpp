@@ -25,13 +25,15 @@ void check_albedo(StressLog& log, double absorption, double g) {
     log.run(name, [&] {
         const auto a = rte::albedo(medium(absorption, g), kCosines, {.streams = 16});
         for (std::size_t i = 0; i < kCosines.size(); ++i) {
-            log.at_most(fmt::format("{}, mu {:.0e}", name, kCosines[i]), "plane albedo outside [0, 1]",
-                        outside(a.plane_albedo[i], 0, 1), 1e-12, "energy; rounding of 16 nodes");
+            log.at_most(fmt::format("{}, mu {:.0e}", name, kCosines[i]),
+                        "plane albedo outside [0, 1]", outside(a.plane_albedo[i], 0, 1), 1e-12,
+                        "energy; rounding of 16 nodes");
         }
         if (absorption == 0) {
             for (std::size_t i = 2; i < kCosines.size(); ++i) {
-                log.at_most(fmt::format("{}, mu {}", name, kCosines[i]), "1 - plane albedo without absorption",
-                            std::abs(1 - a.plane_albedo[i]), 1e-11, "energy; rounding, amplified by 1 / (1 - g)");
+                log.at_most(fmt::format("{}, mu {}", name, kCosines[i]),
+                            "1 - plane albedo without absorption", std::abs(1 - a.plane_albedo[i]),
+                            1e-11, "energy; rounding, amplified by 1 / (1 - g)");
             }
         }
     });
@@ -54,11 +56,13 @@ void check_reflection(StressLog& log, double absorption, double g) {
                 }
             }
         }
-        // Truncating the phase function may leave negative ripple where nothing is reflected: then the
-        // report has to say that the tolerance was not met.
+        // Truncating the phase function may leave negative ripple where nothing is reflected: then
+        // the report has to say that the tolerance was not met.
         log.at_most(name, "values negative or not finite without a warning",
-                    table.report.converged ? negative : 0, 0, "physics; or flagged as not converged");
-        log.at_most(name, "R(i, o) - R(o, i), relative", unequal, 1e-9, "symmetric by construction; sums of azimuths");
+                    table.report.converged ? negative : 0, 0,
+                    "physics; or flagged as not converged");
+        log.at_most(name, "R(i, o) - R(o, i), relative", unequal, 1e-9,
+                    "symmetric by construction; sums of azimuths");
     });
 }
 
@@ -67,9 +71,11 @@ void check_square_root_law(StressLog& log, double g) {
     double before = 0;
     for (int decade = 3; decade <= 15; ++decade) {
         const double absorption = std::pow(10.0, -decade);
-        const std::string name = fmt::format("1 - albedo 1e-{} to 1e-{}, g {}", decade - 1, decade, g);
+        const std::string name =
+            fmt::format("1 - albedo 1e-{} to 1e-{}, g {}", decade - 1, decade, g);
         log.run(name, [&] {
-            const double lost = 1 - rte::albedo(medium(absorption, g), {0.5}, {.streams = 16}).plane_albedo[0];
+            const double lost =
+                1 - rte::albedo(medium(absorption, g), {0.5}, {.streams = 16}).plane_albedo[0];
             if (before > 0) {
                 // Next term of the expansion in sqrt(absorption / (1 - g)); rounding of 1 - A.
                 const double bound = 8 * std::sqrt(10 * absorption / (1 - g)) + 1e-12 / lost;
@@ -85,21 +91,26 @@ void check_square_root_law(StressLog& log, double g) {
 void check_nodes(StressLog& log, const StressOptions& options) {
     for (const int n : {2, 3, 4, 5, 8, 16, 32, 64, 128, 256}) {
         if (options.fast && n > 64) continue;
-        for (const auto grid : {rte::GridKind::gauss, rte::GridKind::mapped_gauss, rte::GridKind::paper}) {
+        for (const auto grid :
+             {rte::GridKind::gauss, rte::GridKind::mapped_gauss, rte::GridKind::paper}) {
             const std::string name = fmt::format("{} nodes, grid {}", n, static_cast<int>(grid));
             log.run(name, [&] {
                 rte::SolverOptions solver{.streams = n};
                 solver.grid = grid;
                 const auto a = rte::albedo(medium(0, 0.5), {0.1, 0.5, 1.0}, solver);
                 double worst = 0;
-                for (const double plane : a.plane_albedo) worst = std::max(worst, std::abs(plane - 1));
-                log.at_most(name, "1 - spherical albedo without absorption", std::abs(a.spherical_albedo - 1),
-                            1e-12 * n, "energy; rounding of n nodes");
-                // Plane albedo between the nodes is a quadrature of few nodes: only judged from 8 on.
+                for (const double plane : a.plane_albedo)
+                    worst = std::max(worst, std::abs(plane - 1));
+                log.at_most(name, "1 - spherical albedo without absorption",
+                            std::abs(a.spherical_albedo - 1), 1e-12 * n,
+                            "energy; rounding of n nodes");
+                // Plane albedo between the nodes is a quadrature of few nodes: only judged from 8
+                // on.
                 if (n >= 8) {
-                    log.at_most(name, "1 - plane albedo without absorption", worst,
-                                grid == rte::GridKind::gauss ? 1e-12 * n : 1e-6 / n,
-                                "Gauss conserves energy to rounding, mapped rules to their quadrature");
+                    log.at_most(
+                        name, "1 - plane albedo without absorption", worst,
+                        grid == rte::GridKind::gauss ? 1e-12 * n : 1e-6 / n,
+                        "Gauss conserves energy to rounding, mapped rules to their quadrature");
                 }
             });
         }
@@ -118,14 +129,19 @@ void check_weak_scattering(StressLog& log) {
                 const double phase = (1 - g * g) / std::pow(1 + g * g - 2 * g * x, 1.5);
                 // Two scatterings bring albedo^2 times at most P(0) / P(Theta).
                 const double peak = (1 + std::abs(g)) / std::pow(1 - std::abs(g), 2);
-                log.at_most(name, "R against single scattering, relative", std::abs(r / (albedo * phase / 4) - 1),
-                            4 * albedo * peak / phase + 1e-13, "second order of scattering; rounding");
+                log.at_most(name, "R against single scattering, relative",
+                            std::abs(r / (albedo * phase / 4) - 1),
+                            4 * albedo * peak / phase + 1e-13,
+                            "second order of scattering; rounding");
             });
         }
     }
     log.run("albedo 0", [&] {
-        log.at_most("albedo 0", "R", rte::reflect(medium(1, 0.5), {{0.3}, {0.7}, {60}}, {}).reflection[0], 0, "black");
-        log.at_most("albedo 0", "plane albedo", rte::albedo(medium(1, 0.5), {0.3}, {}).plane_albedo[0], 0, "black");
+        log.at_most("albedo 0", "R",
+                    rte::reflect(medium(1, 0.5), {{0.3}, {0.7}, {60}}, {}).reflection[0], 0,
+                    "black");
+        log.at_most("albedo 0", "plane albedo",
+                    rte::albedo(medium(1, 0.5), {0.3}, {}).plane_albedo[0], 0, "black");
     });
 }
 
@@ -138,16 +154,19 @@ void check_honesty(StressLog& log) {
             const double in = table.number(row, "mu_i"), out = table.number(row, "mu_o");
             const double azimuth = table.number(row, "phi_deg");
             if (in < 0.1) continue;
-            const std::string name = fmt::format("tolerance {:.0e}, g {}, albedo {}, {} {} {}", tolerance, g, albedo, in, out, azimuth);
+            const std::string name = fmt::format("tolerance {:.0e}, g {}, albedo {}, {} {} {}",
+                                                 tolerance, g, albedo, in, out, azimuth);
             log.run(name, [&] {
                 rte::Stack stack;
                 stack.base = rte::henyey_greenstein_optics(albedo, g);
-                const auto r = rte::reflect(stack, {{in}, {out, 0.5}, {azimuth, 0, 180}}, {.tolerance = tolerance});
+                const auto r = rte::reflect(stack, {{in}, {out, 0.5}, {azimuth, 0, 180}},
+                                            {.tolerance = tolerance});
                 double largest = 0;
                 for (const double v : r.reflection) largest = std::max(largest, std::abs(v));
                 const double error = std::abs(r.reflection[0] - table.number(row, "R")) / largest;
                 log.at_most(name, "error over the largest value, if called converged",
-                            r.report.converged ? error : 0, tolerance, "the tolerance that was asked for");
+                            r.report.converged ? error : 0, tolerance,
+                            "the tolerance that was asked for");
             });
         }
     }

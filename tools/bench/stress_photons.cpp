@@ -25,7 +25,8 @@ void compare(StressLog& log, const std::string& name, const BenchScene& scene, i
         const auto solved = run_solver(scene, {cosines, cosines, azimuths}, options);
         const auto albedos = run_solver(scene, {cosines, {}, {}}, options);
         for (std::size_t i = 0; i < cosines.size(); ++i) {
-            const auto traced = trace_photons(scene.for_photons(), cosines[i], detectors, {.photons = photons});
+            const auto traced =
+                trace_photons(scene.for_photons(), cosines[i], detectors, {.photons = photons});
             const auto sigmas = [](const Estimate& e, double truth) {
                 // What was given up can only have made the estimate too small.
                 const double missing = truth - e.value;
@@ -39,7 +40,8 @@ void compare(StressLog& log, const std::string& name, const BenchScene& scene, i
                 const double off = sigmas(traced.reflection[d], solved[i * detectors.size() + d]);
                 if (!(off <= worst)) worst = off;
             }
-            log.at_most(where, "largest R off the photons', standard errors", worst, kSigmas, "noise of the photons");
+            log.at_most(where, "largest R off the photons', standard errors", worst, kSigmas,
+                        "noise of the photons");
         }
     });
 }
@@ -52,9 +54,11 @@ void stress_photons(const StressOptions& options, std::vector<StressCheck>& chec
     compare(log, "isotropic 0.9", {{0.9, 0, 0}, {}}, photons);
     compare(log, "g -0.5, albedo 0.8", {{0.8, -0.5, 0}, {}}, photons);
     compare(log, "g 0.75, albedo 0.95", {{0.95, 0.75, 0}, {}}, photons);
-    compare(log, "bright coat of depth 0.1", {{0.95, 0.7, 0}, SimpleLayer{0.9, 0.46, 0.1}}, photons);
+    compare(log, "bright coat of depth 0.1", {{0.95, 0.7, 0}, SimpleLayer{0.9, 0.46, 0.1}},
+            photons);
     compare(log, "dark coat of depth 1", {{0.95, 0.7, 0}, SimpleLayer{0.1, 0.54, 1}}, photons);
-    compare(log, "forward coat of depth 3 on a black base", {{0.0, 0, 0}, SimpleLayer{0.99, 0.8, 3}}, photons);
+    compare(log, "forward coat of depth 3 on a black base",
+            {{0.0, 0, 0}, SimpleLayer{0.99, 0.8, 3}}, photons);
 }
 
 }  // namespace miebrdf::bench

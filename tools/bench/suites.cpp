@@ -7,7 +7,8 @@
 namespace miebrdf::bench {
 
 const std::vector<std::string>& suite_names() {
-    static const std::vector<std::string> names = {"mie", "half-space", "coat", "surface", "pipeline"};
+    static const std::vector<std::string> names = {"mie", "half-space", "coat", "surface",
+                                                   "pipeline"};
     return names;
 }
 
@@ -17,7 +18,8 @@ std::vector<BenchCase> suite(const std::string& name) {
     if (name == "coat") return coat_suite();
     if (name == "surface") return surface_suite();
     if (name == "pipeline") return pipeline_suite();
-    throw UsageError(fmt::format("unknown suite '{}'; allowed: mie, half-space, coat, surface, pipeline", name));
+    throw UsageError(
+        fmt::format("unknown suite '{}'; allowed: mie, half-space, coat, surface, pipeline", name));
 }
 
 Results run_cases(const std::vector<BenchCase>& cases, const MeasureOptions& options,
@@ -26,7 +28,8 @@ Results run_cases(const std::vector<BenchCase>& cases, const MeasureOptions& opt
     results.facts = machine_facts();
     for (const BenchCase& c : cases) {
         if (watch) watch(c.suite + ": " + c.name);
-        results.facts.emplace_back("case " + c.suite + "/" + c.name, c.quantity + " Truth: " + c.truth);
+        results.facts.emplace_back("case " + c.suite + "/" + c.name,
+                                   c.quantity + " Truth: " + c.truth);
         for (Measurement& m : measure(c, options)) results.measurements.push_back(std::move(m));
     }
     return results;

@@ -48,25 +48,30 @@ BenchCase reflectance(double alpha, std::complex<double> index) {
     c.suite = "surface";
     c.name = fmt::format("rho, alpha {}, n {} k {}", alpha, index.real(), index.imag());
     c.quantity = "Directional reflectance rho_dt at cosines 0.1, 0.4, 0.7, 1.";
-    c.truth = "the lobe itself on 700 x 700 Gauss nodes in (sqrt mu_out, azimuth), 1e-10 by doubling.";
+    c.truth =
+        "the lobe itself on 700 x 700 Gauss nodes in (sqrt mu_out, azimuth), 1e-10 by doubling.";
     rte::SurfaceOptions options;
     options.beckmann_alpha = alpha;
     const rte::SurfaceLobe lobe(index, options);
     c.true_values = at_all([&](double mu) { return by_product_rule(lobe, mu, 700, true); });
     for (const double t : {1e-2, 1e-4, 1e-6, 1e-8}) {
-        c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-            return at_all([&](double mu) { return rte::directional_reflectance(index, options, mu, t).value; });
-        }});
+        c.contenders.push_back(
+            {"miebrdf", fmt::format("tol={:.0e}", t), [=] {
+                 return at_all([&](double mu) {
+                     return rte::directional_reflectance(index, options, mu, t).value;
+                 });
+             }});
     }
     for (const int n : {8, 16, 32, 64, 128}) {
-        c.contenders.push_back({"Gauss in mu_out and azimuth", fmt::format("{0} x {0}", n), [=] {
-            return at_all([&](double mu) { return by_product_rule(lobe, mu, n, false); });
-        }});
+        c.contenders.push_back(
+            {"Gauss in mu_out and azimuth", fmt::format("{0} x {0}", n), [=] {
+                 return at_all([&](double mu) { return by_product_rule(lobe, mu, n, false); });
+             }});
     }
     for (const int n : {1000, 10000, 100000}) {
-        c.contenders.push_back({"Monte Carlo", fmt::format("{} rays", n), [=] {
-            return at_all([&](double mu) { return by_chance(lobe, mu, n); });
-        }});
+        c.contenders.push_back(
+            {"Monte Carlo", fmt::format("{} rays", n),
+             [=] { return at_all([&](double mu) { return by_chance(lobe, mu, n); }); }});
     }
     return c;
 }
@@ -75,7 +80,8 @@ BenchCase reflectance(double alpha, std::complex<double> index) {
 
 std::vector<BenchCase> surface_suite() {
     // The roughness of the paper's figures and one of its logo; TiO2-like and a metal.
-    return {reflectance(0.3, {2.6, 0.0}), reflectance(0.1, {1.5, 0.0}), reflectance(0.3, {0.2, 3.4})};
+    return {reflectance(0.3, {2.6, 0.0}), reflectance(0.1, {1.5, 0.0}),
+            reflectance(0.3, {0.2, 3.4})};
 }
 
 }  // namespace miebrdf::bench

@@ -53,8 +53,10 @@ bench::Results measured(const BenchArguments& arguments, const Shell& shell) {
     for (const std::string& name : split_list(arguments.suites)) {
         for (auto& c : bench::suite(name)) cases.push_back(std::move(c));
     }
-    const bench::MeasureOptions options{.repeats = arguments.repeats, .longest_total = arguments.longest};
-    auto results = bench::run_cases(cases, options, [&](const std::string& name) { shell.note(name); });
+    const bench::MeasureOptions options{.repeats = arguments.repeats,
+                                        .longest_total = arguments.longest};
+    auto results =
+        bench::run_cases(cases, options, [&](const std::string& name) { shell.note(name); });
     results.facts.emplace_back("command", shell.command_line());
     return results;
 }
@@ -63,15 +65,17 @@ void write_folder(const fs::path& folder, const bench::Results& results,
                   const std::vector<bench::Change>& changes) {
     std::error_code error;
     fs::create_directories(folder, error);
-    write_file(folder / "results.csv", [&](std::ostream& out) { bench::write_results(results, out); });
+    write_file(folder / "results.csv",
+               [&](std::ostream& out) { bench::write_results(results, out); });
     write_file(folder / "index.html",
                [&](std::ostream& out) { out << bench::report_page(results, changes); });
     const bench::MethodStyles styles(results.measurements);
     for (const auto& [suite, name] : bench::cases_of(results)) {
         const auto points = bench::of_case(results, suite, name);
-        write_file(folder / file_name(suite, name), [&, suite = suite, name = name](std::ostream& out) {
-            out << bench::curve_plot_svg(suite + ": " + name, points, styles);
-        });
+        write_file(folder / file_name(suite, name),
+                   [&, suite = suite, name = name](std::ostream& out) {
+                       out << bench::curve_plot_svg(suite + ": " + name, points, styles);
+                   });
     }
     if (!changes.empty()) {
         write_file(folder / "comparison.csv",
@@ -80,8 +84,10 @@ void write_folder(const fs::path& folder, const bench::Results& results,
 }
 
 int run(const BenchArguments& arguments, const Shell& shell) {
-    if (shell.common().output.empty()) throw UsageError("bench writes several files: give a folder with -o DIR");
-    if (arguments.repeats < 1) throw UsageError(fmt::format("{} repeats; at least 1", arguments.repeats));
+    if (shell.common().output.empty())
+        throw UsageError("bench writes several files: give a folder with -o DIR");
+    if (arguments.repeats < 1)
+        throw UsageError(fmt::format("{} repeats; at least 1", arguments.repeats));
     std::vector<bench::Change> changes;
     bench::Results before;
     if (!arguments.compare_with.empty()) before = bench::read_results(arguments.compare_with);
@@ -90,8 +96,8 @@ int run(const BenchArguments& arguments, const Shell& shell) {
     write_folder(shell.common().output, results, changes);
     for (const auto& c : changes) {
         if (c.verdict != "same") {
-            shell.note(fmt::format("{} / {}, {} {}: {}", c.after.suite, c.after.test_case, c.after.method,
-                                   c.after.parameter, c.verdict));
+            shell.note(fmt::format("{} / {}, {} {}: {}", c.after.suite, c.after.test_case,
+                                   c.after.method, c.after.parameter, c.verdict));
         }
     }
     if (!arguments.docs.empty()) bench::update_bench_documents(arguments.docs, results);
@@ -104,20 +110,30 @@ int run(const BenchArguments& arguments, const Shell& shell) {
 void add_bench_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("bench", "Error against run time of every method");
     auto arguments = std::make_shared<BenchArguments>();
-    command->add_option("--suite", arguments->suites, "mie, half-space, coat, surface, pipeline; default all")
+    command
+        ->add_option("--suite", arguments->suites,
+                     "mie, half-space, coat, surface, pipeline; default all")
         ->type_name("LIST");
-    command->add_option("--compare", arguments->compare_with, "results.csv of an earlier run: what changed since")
+    command
+        ->add_option("--compare", arguments->compare_with,
+                     "results.csv of an earlier run: what changed since")
         ->type_name("OLD.csv");
-    command->add_option("--repeats", arguments->repeats, "rounds in which all methods take turns; default 5");
-    command->add_option("--longest", arguments->longest, "CPU seconds for the repeats of one point; default 4");
-    command->add_option("--read", arguments->read, "measure nothing: plots and page of this results.csv")
+    command->add_option("--repeats", arguments->repeats,
+                        "rounds in which all methods take turns; default 5");
+    command->add_option("--longest", arguments->longest,
+                        "CPU seconds for the repeats of one point; default 4");
+    command
+        ->add_option("--read", arguments->read,
+                     "measure nothing: plots and page of this results.csv")
         ->type_name("FILE");
-    command->add_option("--docs", arguments->docs,
-                        "rewrite the generated parts of accuracy.md and performance.md in this folder")
+    command
+        ->add_option("--docs", arguments->docs,
+                     "rewrite the generated parts of accuracy.md and performance.md in this folder")
         ->type_name("FOLDER");
     shell.add_common_options(*command);
-    command->footer("Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n"
-                    "  miebrdf bench --suite half-space -o bench-results");
+    command->footer(
+        "Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n"
+        "  miebrdf bench --suite half-space -o bench-results");
     shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
 }
 

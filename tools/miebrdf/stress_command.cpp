@@ -33,13 +33,14 @@ int run(const StressArguments& arguments, const Shell& shell) {
     for (const auto& c : checks) {
         if (c.ok()) continue;
         ++failed;
-        shell.note(fmt::format("not ok: {} / {}: {} is {:.3g}, bound {:.3g}", c.suite, c.test_case, c.quantity,
-                               c.value, c.bound));
+        shell.note(fmt::format("not ok: {} / {}: {} is {:.3g}, bound {:.3g}", c.suite, c.test_case,
+                               c.quantity, c.value, c.bound));
     }
     shell.note(fmt::format("{} checks, {} not ok", checks.size(), failed));
     if (!arguments.docs.empty()) {
         bench::update_document(arguments.docs + "/stability.md", "stress",
-                               fmt::format("{} checks, {} not ok.\n\n{}", checks.size(), failed, bench::stress_tally(checks)));
+                               fmt::format("{} checks, {} not ok.\n\n{}", checks.size(), failed,
+                                           bench::stress_tally(checks)));
     }
     return failed == 0 ? kGood : kCheckFailed;
 }
@@ -47,13 +48,17 @@ int run(const StressArguments& arguments, const Shell& shell) {
 }  // namespace
 
 void add_stress_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("stress", "Stiff and extreme cases, each with a bound that has a cause");
+    auto* command = program.add_subcommand(
+        "stress", "Stiff and extreme cases, each with a bound that has a cause");
     auto arguments = std::make_shared<StressArguments>();
     command->add_flag("--fast", arguments->fast, "leave out what takes longest");
-    command->add_option("--docs", arguments->docs, "rewrite the generated part of stability.md in this folder")
+    command
+        ->add_option("--docs", arguments->docs,
+                     "rewrite the generated part of stability.md in this folder")
         ->type_name("FOLDER");
     shell.add_common_options(*command);
-    command->footer("Exit code 1 when a bound is broken.\nExample:\n  miebrdf stress -o stress.csv");
+    command->footer(
+        "Exit code 1 when a bound is broken.\nExample:\n  miebrdf stress -o stress.csv");
     shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
 }
 
