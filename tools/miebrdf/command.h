@@ -74,5 +74,7 @@ void add_cache_command(CLI::App& program, Shell& shell);
 
 /// All of them.
 void add_commands(CLI::App& program, Shell& shell);
+void add_bench_command(CLI::App& program, Shell& shell);
+void add_stress_command(CLI::App& program, Shell& shell);
 
 }  // namespace miebrdf::program
