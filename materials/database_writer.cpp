@@ -25,7 +25,12 @@ sqlite::Connection open_for_writing(const std::filesystem::path& file) {
     create_or_migrate_schema(connection);
     // After the tables exist: in this mode readers go on reading while we write. FULL: a commit
     // that was reported survives a power cut.
-    connection.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+    sqlite::Statement mode = connection.prepare("PRAGMA journal_mode");
+    if (mode.step() && mode.text(0) != "wal") {
+        mode.reset();
+        connection.execute("PRAGMA journal_mode = WAL");
+    }
+    connection.execute("PRAGMA synchronous = FULL");
     return connection;
 }
 
@@ -47,6 +52,14 @@ void check_dataset(const Dataset& dataset) {
 
 DatabaseWriter::DatabaseWriter(const std::filesystem::path& file)
     : connection_(open_for_writing(file)) {}
+
+DatabaseWriter::~DatabaseWriter() {
+    try {
+        connection_.execute("PRAGMA busy_timeout = 100; PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (const DatabaseError&) {
+        // The log stays beside the file; the next writer takes it in.
+    }
+}
 
 std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
                                             const AddOptions& options) {

@@ -25,6 +25,10 @@ class DatabaseWriter {
     /// Creates the file (and its folder) when missing.
     /// @throws DatabaseError  when it cannot be written or is no database of ours
     explicit DatabaseWriter(const std::filesystem::path& file);
+    /// Leaves everything in the one file, when nobody else is using it.
+    ~DatabaseWriter();
+    DatabaseWriter(const DatabaseWriter&) = delete;
+    DatabaseWriter& operator=(const DatabaseWriter&) = delete;
 
     /// Adds all datasets or none. A dataset that is there already (same material, label and
     /// figures) is left alone, so adding twice changes nothing.

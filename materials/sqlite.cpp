@@ -168,8 +168,11 @@ Connection Connection::open_read_only(const std::filesystem::path& file) {
         const Connection repair(name, name, SQLITE_OPEN_READWRITE);
         if (readable(repair) == SQLITE_OK) return Connection(name, name, SQLITE_OPEN_READONLY);
     }
-    const bool log_left =
-        std::filesystem::exists(name + "-wal") || std::filesystem::exists(name + "-journal");
+    const auto not_empty = [](const std::string& path) {
+        std::error_code error;
+        return std::filesystem::exists(path, error) && std::filesystem::file_size(path, error) > 0;
+    };
+    const bool log_left = not_empty(name + "-wal") || not_empty(name + "-journal");
     if (((code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY) && !log_left) {
         // Write-ahead logging wants a shared-memory file beside the database. Where the folder is
         // read-only nobody can be writing either, so the file may be read as it is.

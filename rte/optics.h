@@ -11,8 +11,8 @@ namespace miebrdf::rte {
 /// Single scattering by a homogeneous medium.
 struct Optics {
     double single_scattering_albedo = 0.0;  ///< scattering / extinction, in [0, 1]
-    double one_minus_albedo = 1.0;  ///< absorption / extinction; its own number, so that it keeps its
-                                    ///< digits when the albedo is close to 1
+    double one_minus_albedo = 1.0;  ///< absorption / extinction; its own number, so that it keeps
+                                    ///< its digits when the albedo is close to 1
     std::vector<double> chi = {1.0};  ///< Legendre moments chi_0 = 1, chi_1 = g, ...; zero beyond
     /// Optional exact phase function P(cos Theta), mean over the sphere = 1, for the exact first
     /// order of scattering. Empty: the moments are the whole phase function.

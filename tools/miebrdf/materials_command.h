@@ -24,5 +24,7 @@ class DatabaseArgument {
 
 void add_materials_query_commands(CLI::App& materials, Shell& shell);  ///< list, search, show
 void add_materials_nk_command(CLI::App& materials, Shell& shell);
+void add_materials_edit_commands(CLI::App& materials,
+                                 Shell& shell);  ///< import, alias, default, remove
 
 }  // namespace miebrdf::program

@@ -1,0 +1,136 @@
+#include "materials/readers/catalogue.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "materials/errors.h"
+#include "materials/readers/markup.h"
+#include "materials/readers/raw_table.h"
+#include "materials/readers/yaml_node.h"
+
+namespace miebrdf::materials {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Pages = std::vector<CataloguePage>;
+
+const std::vector<YamlNode>& content_of(const YamlNode& node, const std::string& file) {
+    const YamlNode* content = node.find("content");
+    if (content == nullptr || content->kind != YamlNode::Kind::sequence) {
+        throw ImportError(file, node.line, "an entry of the catalogue without content");
+    }
+    return content->items;
+}
+
+// Manufacturers' data sheets: there a book is a maker and every page another glass.
+bool pages_are_materials(const std::string& shelf) { return shelf == "specs"; }
+
+CataloguePage name_page(const std::string& shelf, const std::string& book,
+                        const std::string& page) {
+    CataloguePage entry;
+    entry.label = page;
+    entry.key = fmt::format("{}/{}/{}", shelf, book, page);
+    entry.material = pages_are_materials(shelf) ? book + " " + page : book;
+    return entry;
+}
+
+CataloguePage make_page(const std::string& shelf, const YamlNode& book, const YamlNode& page) {
+    CataloguePage entry = name_page(shelf, book.text_of("BOOK"), page.text_of("PAGE"));
+    entry.data = page.text_of("data");
+    entry.title = without_markup(book.text_of("name"));
+    if (pages_are_materials(shelf)) entry.title += " " + without_markup(page.text_of("name"));
+    return entry;
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) {
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    }
+    return text;
+}
+
+// A page of one book that points into the folder of another book is an error of the catalogue
+// (MgO/Synowicki and ZrO2/Synowicki point to a file of As2S3).
+void check_folder(CataloguePage& page, const std::string& book,
+                  const std::set<std::string>& books) {
+    std::string stranger;
+    for (const std::string_view part : split_words(page.data, "/")) {
+        if (part.ends_with(".yml")) continue;
+        if (lower(std::string(part)) == lower(book)) return;
+        if (books.count(std::string(part)) > 0) stranger = part;
+    }
+    if (!stranger.empty()) {
+        page.refusal =
+            fmt::format("{}: the catalogue lists a file of {} under {}", page.data, stranger, book);
+    }
+}
+
+void check_page(CataloguePage& page, const std::string& book, const std::set<std::string>& books) {
+    if (page.label.empty() || book.empty() || page.data.empty()) {
+        page.refusal = fmt::format("{}: a page without name or data file", page.key);
+    } else if (page.data.find("..") != std::string::npos || page.data.front() == '/') {
+        page.refusal =
+            fmt::format("{}: the data file '{}' lies outside the database", page.key, page.data);
+    } else {
+        check_folder(page, book, books);
+    }
+}
+
+}  // namespace
+
+std::optional<fs::path> find_catalogue(const fs::path& folder) {
+    for (const char* name :
+         {"catalog-nk.yml", "library.yml", "database/catalog-nk.yml", "database/library.yml"}) {
+        if (fs::exists(folder / name)) return folder / name;
+    }
+    return std::nullopt;
+}
+
+Pages read_catalogue(std::string_view text, const std::string& file) {
+    const YamlNode root = parse_yaml(text, file);
+    if (root.kind != YamlNode::Kind::sequence)
+        throw ImportError(file, root.line, "is no catalogue");
+    Pages pages;
+    std::vector<std::string> owners;  // the book of each page
+    std::set<std::string> books;
+    for (const YamlNode& shelf : root.items) {
+        if (shelf.find("SHELF") == nullptr) continue;  // a divider
+        for (const YamlNode& book : content_of(shelf, file)) {
+            if (book.find("BOOK") == nullptr) continue;
+            books.insert(book.text_of("BOOK"));
+            for (const YamlNode& page : content_of(book, file)) {
+                if (page.find("PAGE") == nullptr) continue;
+                pages.push_back(make_page(shelf.text_of("SHELF"), book, page));
+                owners.push_back(book.text_of("BOOK"));
+            }
+        }
+    }
+    for (std::size_t i = 0; i < pages.size(); ++i) check_page(pages[i], owners[i], books);
+    return pages;
+}
+
+std::optional<CataloguePage> page_of_path(const fs::path& file) {
+    const std::string stem = file.stem().string();
+    const fs::path above = file.parent_path();
+    if (above.filename() == "nk" && above.parent_path().has_parent_path()) {
+        const fs::path book = above.parent_path();
+        return name_page(book.parent_path().filename().string(), book.filename().string(), stem);
+    }
+    const std::size_t mark = stem.find("_nk_");
+    const std::size_t shelf_end = stem.find('_');
+    if (mark == std::string::npos || mark == 0 || shelf_end >= mark) return std::nullopt;
+    return name_page(stem.substr(0, shelf_end), stem.substr(shelf_end + 1, mark - shelf_end - 1),
+                     stem.substr(mark + 4));
+}
+
+fs::path page_file(const fs::path& folder, const CataloguePage& page) {
+    for (const char* data : {"data", "data-nk", ""}) {
+        const fs::path file = folder / data / page.data;
+        if (fs::exists(file)) return file;
+    }
+    throw ImportError(page.data, 0, "listed in the catalogue, but there is no such file");
+}
+
+}  // namespace miebrdf::materials

@@ -1,0 +1,148 @@
+// SOPRA .nk: `code min max intervals`, then intervals + 1 pairs n k on a uniform grid.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "materials/readers/raw_table.h"
+#include "materials/readers/readers.h"
+
+namespace miebrdf::materials {
+namespace {
+
+constexpr std::string_view separators = " \t\r\n\f\v,;";
+
+/// The stream of words of the file, each with its line. DOS files end at Ctrl-Z.
+class Words {
+  public:
+    explicit Words(std::string_view text) : text_(text.substr(0, text.find('\x1a'))) {}
+
+    /// The next word, empty at the end.
+    std::string_view next() {
+        while (at_ < text_.size() && separators.find(text_[at_]) != std::string_view::npos) {
+            if (text_[at_] == '\n') ++line_;
+            ++at_;
+        }
+        const std::size_t start = at_;
+        while (at_ < text_.size() && separators.find(text_[at_]) == std::string_view::npos) ++at_;
+        return text_.substr(start, at_ - start);
+    }
+
+    int line() const { return line_; }
+    std::string_view rest() const { return text_.substr(at_); }
+
+  private:
+    std::string_view text_;
+    std::size_t at_ = 0;
+    int line_ = 1;
+};
+
+struct Header {
+    int code = 0;
+    double first = 0.0, last = 0.0;
+    int intervals = 0;
+};
+
+std::optional<Header> read_header(Words& words) {
+    const auto code = parse_number(words.next());
+    const auto first = parse_number(words.next());
+    const auto last = parse_number(words.next());
+    const auto intervals = parse_number(words.next());
+    if (!code || !first || !last || !intervals) return std::nullopt;
+    if (!(*code >= 1 && *code <= 4 && *code == std::floor(*code))) return std::nullopt;
+    if (!(*first > 0 && *last > *first && std::isfinite(*last))) return std::nullopt;
+    if (!(*intervals >= 1 && *intervals < most_rows && *intervals == std::floor(*intervals))) {
+        return std::nullopt;
+    }
+    return Header{static_cast<int>(*code), *first, *last, static_cast<int>(*intervals)};
+}
+
+Unit unit_of(int code) {
+    switch (code) {
+        case 1:
+            return Unit::electronvolt;
+        case 2:
+            return Unit::micrometre;
+        case 3:
+            return Unit::per_centimetre;
+        default:
+            return Unit::nanometre;
+    }
+}
+
+// The collection's INAS.NK declares micrometres for a grid of photon energies; read as eV it is the
+// table of Aspnes & Studna, Phys. Rev. B 27, 985 (1983). Recognised by its header and first row, so
+// that a renamed copy is read right and nothing else is touched.
+bool is_mislabelled_inas(const Header& header, const RawTable& table) {
+    return header.code == 2 && header.first == 1 && header.last == 6 && header.intervals == 200 &&
+           table.rows.front().n == 3.548 && table.rows.front().k == 0.278;
+}
+
+// What follows the announced rows: surplus numbers, or words such as "Dispersion law".
+void read_trailer(Words& words, Dataset& dataset) {
+    std::string remark;
+    int surplus = 0;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+        if (remark.empty() && parse_number(word)) {
+            ++surplus;
+        } else if (remark.size() < 500) {
+            remark += (remark.empty() ? "" : " ") + std::string(word);
+        }
+    }
+    if (surplus > 0) {
+        dataset.corrections.push_back(
+            fmt::format("{} numbers after the last announced row ignored", surplus));
+    }
+    dataset.note = remark;
+}
+
+}  // namespace
+
+bool looks_like_sopra(std::string_view text) {
+    Words words(text);
+    if (!read_header(words)) return false;
+    return parse_number(words.next()) && parse_number(words.next());
+}
+
+Dataset read_sopra(std::string_view text, const std::string& file, const ReadOptions& options) {
+    Words words(text);
+    const std::optional<Header> header = read_header(words);
+    if (!header) {
+        throw ImportError(
+            file, 1,
+            "no SOPRA header: expected a unit code 1-4, first, last and the number of "
+            "intervals");
+    }
+    Dataset dataset;
+    dataset.format = "sopra";
+    dataset.source = "SOPRA";
+    RawTable table;
+    table.unit = unit_of(header->code);
+    for (int i = 0; i <= header->intervals; ++i) {
+        RawRow row;
+        // Both ends exactly as printed; between them the grid is uniform in its unit.
+        row.x = i == header->intervals
+                    ? header->last
+                    : header->first + (header->last - header->first) * i / header->intervals;
+        for (double* value : {&row.n, &row.k}) {
+            const std::string_view word = words.next();
+            if (word.empty()) {
+                throw ImportError(
+                    file, words.line(),
+                    fmt::format("ends after {} of the {} rows that its header announces", i,
+                                header->intervals + 1));
+            }
+            row.line = words.line();
+            *value = require_number(word, file, row.line);
+        }
+        table.rows.push_back(row);
+    }
+    if (is_mislabelled_inas(*header, table)) {
+        table.unit = Unit::electronvolt;
+        dataset.corrections.push_back("header says um, but the grid is photon energy: read as eV");
+    }
+    read_trailer(words, dataset);
+    add_table(dataset, std::move(table), file, options);
+    return dataset;
+}
+
+}  // namespace miebrdf::materials

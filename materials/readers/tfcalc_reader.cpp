@@ -1,0 +1,69 @@
+// TFCalc .MAT: lines of fields between asterisks; wavelengths in nm.
+#include <fmt/format.h>
+
+#include "materials/delimited.h"
+#include "materials/readers/raw_table.h"
+#include "materials/readers/readers.h"
+
+namespace miebrdf::materials {
+namespace {
+
+// "DATA1*1*206.6*0.91*2.28*" -> {"DATA1", "1", "206.6", "0.91", "2.28"}; the last '*' may be
+// missing.
+std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    while (!line.empty()) {
+        const std::size_t end = std::min(line.find('*'), line.size());
+        fields.push_back(without_blanks(line.substr(0, end)));
+        line.remove_prefix(std::min(end + 1, line.size()));
+    }
+    return fields;
+}
+
+}  // namespace
+
+bool looks_like_tfcalc(std::string_view text) {
+    const std::string_view start = without_blanks(text.substr(0, 200));
+    return start.starts_with("VERSION*") || start.starts_with("FORMAT*") ||
+           start.starts_with("POINTS*");
+}
+
+Dataset read_tfcalc(std::string_view text, const std::string& file, const ReadOptions& options) {
+    Dataset dataset;
+    dataset.format = "tfcalc";
+    RawTable table;
+    table.unit = Unit::nanometre;
+    std::optional<double> announced;
+    bool ended = false;
+    int line = 0;
+    for (const std::string_view raw : split_lines(text)) {
+        ++line;
+        const auto fields = fields_of(without_blanks(raw.substr(0, raw.find('\x1a'))));
+        if (fields.empty() || ended) continue;
+        if (fields[0] == "DATA1") {
+            if (fields.size() < 5)
+                throw ImportError(file, line, "DATA1 needs index, wavelength, n, k");
+            table.rows.push_back({require_number(fields[2], file, line),
+                                  require_number(fields[3], file, line),
+                                  require_number(fields[4], file, line), line});
+        } else if (fields[0] == "POINTS" && fields.size() > 1) {
+            announced = require_number(fields[1], file, line);
+        } else if (fields[0] == "FORMAT" && fields.size() > 1 && fields[1] != "1") {
+            throw ImportError(file, line,
+                              fmt::format("TFCalc format {}; only 1 is known", fields[1]));
+        } else if (fields[0] == "COMMENT" && fields.size() > 1 && dataset.note.size() < 2000) {
+            dataset.note += (dataset.note.empty() ? "" : " ") + std::string(fields[1]);
+        } else if (fields[0] == "EOF") {
+            ended = true;
+        }
+    }
+    if (announced && *announced != static_cast<double>(table.rows.size())) {
+        throw ImportError(
+            file, 0, fmt::format("announces {} points and has {}", *announced, table.rows.size()));
+    }
+    if (!ended) dataset.corrections.push_back("no EOF line at the end of the file");
+    add_table(dataset, std::move(table), file, options);
+    return dataset;
+}
+
+}  // namespace miebrdf::materials

@@ -1,0 +1,65 @@
+#include "rte/discretisation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace miebrdf::rte {
+namespace {
+
+std::size_t most_moments(const Stack& stack) {
+    std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
+    for (const Coat& coat : stack.coats) most = std::max(most, coat.optics.chi.size());
+    return most;
+}
+
+}  // namespace
+
+Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
+                                     int streams) {
+    Discretisation choice;
+    choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
+    choice.streams = streams;
+    choice.moments = int(std::min<std::size_t>(most_moments(stack), 2 * std::size_t(streams)));
+    return choice;
+}
+
+std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
+    const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+    const bool simple = most_moments(stack) <= 8;
+    const int start = simple ? 8 : options.tolerance >= 1e-3 ? 16 : 24;
+    std::vector<int> ladder;
+    for (const int n : steps) {
+        if (n >= start) ladder.push_back(n);
+    }
+    return ladder;
+}
+
+int coarser_streams(int streams) {
+    return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
+}
+
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
+    ScaledStack scaled;
+    scaled.moments = moments;
+    scaled.base = stack.base_kind;
+    scaled.ground_albedo = stack.ground_albedo;
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const auto add = [&](const Optics& optics, double optical_depth) {
+        ScaledOptics medium = scale_optics(optics, moments, delta_m);
+        const double depth = optical_depth * medium.depth_factor;
+        scaled.media.push_back({optics, std::move(medium), depth});
+    };
+    if (stack.base_kind == BaseKind::half_space) add(stack.base, infinite);
+    for (const Coat& coat : stack.coats) {
+        if (coat.optical_depth == 0.0) continue;
+        if (std::isinf(coat.optical_depth)) {
+            scaled.media.clear();
+            scaled.base = BaseKind::half_space;
+        }
+        add(coat.optics, coat.optical_depth);
+    }
+    return scaled;
+}
+
+}  // namespace miebrdf::rte

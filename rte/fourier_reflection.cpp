@@ -1,0 +1,130 @@
+#include "rte/fourier_reflection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rte/coat_steps.h"
+#include "rte/half_space.h"
+#include "rte/layer.h"
+
+namespace miebrdf::rte {
+namespace {
+
+ScatteringMode scattering_mode(const ScaledMedium& medium, const PhaseMode& mode) {
+    // Degrees that this medium has no moments for scatter nothing.
+    Eigen::VectorXd strengths = Eigen::VectorXd::Zero(mode.at_nodes.cols());
+    const Eigen::VectorXd all = medium.scaled.strengths();
+    const Eigen::Index count = std::max<Eigen::Index>(0, all.size() - mode.order);
+    strengths.head(count) = all.tail(count);
+    return {std::move(strengths), medium.scaled.one_minus_albedo};
+}
+
+Reflector solve_base(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,
+                     const RequestedDirections& requested, const SolverOptions& options) {
+    switch (stack.base) {
+        case BaseKind::lambertian:
+            return lambertian_ground(stack.ground_albedo, mode, grid, requested);
+        case BaseKind::none:
+            return no_reflection(grid, requested);
+        case BaseKind::half_space:
+            break;
+    }
+    return solve_half_space(options.half_space_method, scattering_mode(stack.media.front(), mode),
+                            mode, grid, requested, 0.01 * options.tolerance);
+}
+
+Reflector solve_stack(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,
+                      const RequestedDirections& requested, const SolverOptions& options) {
+    Reflector reflector = solve_base(stack, mode, grid, requested, options);
+    const std::size_t first_coat = stack.base == BaseKind::half_space ? 1 : 0;
+    for (std::size_t c = first_coat; c < stack.media.size() && reflector.physical; ++c) {
+        const ScaledMedium& coat = stack.media[c];
+        const ScatteringMode medium = scattering_mode(coat, mode);
+        if (options.coat_method == CoatMethod::automatic) {
+            const LayerOperator layer =
+                solve_layer(coat.optical_depth, medium, mode, grid, requested);
+            if (!layer.physical) return {};
+            reflector = put_on(layer, reflector, grid, requested);
+        } else {
+            const std::vector<ScaledMedium> below(stack.media.begin(),
+                                                  stack.media.begin() + std::ptrdiff_t(c));
+            reflector =
+                step_through_coat(options.coat_method, options.coat_substeps, coat.optical_depth,
+                                  medium, first_order_of(below, mode, requested), mode, grid,
+                                  requested, std::move(reflector));
+        }
+    }
+    return reflector;
+}
+
+double largest_bounded(const Eigen::MatrixXd& reflection, const RequestedDirections& requested) {
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
+        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
+            const double sum = requested.mu[requested.out[o]] + requested.mu[requested.in[i]];
+            largest = std::max(largest, sum * std::abs(reflection(o, i)));
+        }
+    }
+    return largest;
+}
+
+bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
+    return std::all_of(indices.begin(), indices.end(),
+                       [&](int index) { return requested.mu[index] == 1.0; });
+}
+
+}  // namespace
+
+MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                              const RequestedDirections& requested,
+                              std::span<const double> azimuth_deg, double tail_tolerance,
+                              const SolverOptions& options) {
+    const std::size_t azimuths = azimuth_deg.size();
+    MultipleScattering sum;
+    sum.reflection.assign(requested.in.size() * requested.out.size() * azimuths, 0.0);
+    const bool zeroth_only =
+        all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
+    const int highest = zeroth_only ? 1 : stack.moments;
+
+    PhaseMode mode;
+    double order_zero = 0.0;
+    int small_orders = 0;
+    for (int m = 0; m < highest && small_orders < 2; ++m) {
+        make_phase_mode(m, stack.moments, grid, requested, mode);
+        const Reflector reflector = solve_stack(stack, mode, grid, requested, options);
+        if (!reflector.physical) {
+            sum.physical = false;
+            return sum;
+        }
+        sum.orders = m + 1;
+        sum.iterations = std::max(sum.iterations, reflector.iterations);
+        sum.residual = std::max(sum.residual, reflector.residual);
+        sum.converged = sum.converged && reflector.converged;
+        std::size_t index = 0;
+        for (Eigen::Index i = 0; i < reflector.multiple.cols(); ++i) {
+            for (Eigen::Index o = 0; o < reflector.multiple.rows(); ++o) {
+                for (const double azimuth : azimuth_deg) {
+                    const double cosine = std::cos(m * azimuth * (std::numbers::pi / 180.0));
+                    sum.reflection[index++] +=
+                        (m == 0 ? 1.0 : 2.0 * cosine) * reflector.multiple(o, i);
+                }
+            }
+        }
+        const double largest = largest_bounded(reflector.multiple, requested);
+        if (m == 0) order_zero = largest;
+        sum.tail = order_zero > 0.0 ? largest / order_zero : 0.0;
+        small_orders = largest <= tail_tolerance * order_zero ? small_orders + 1 : 0;
+    }
+    if (sum.orders == highest) sum.tail = 0.0;  // every order there is
+    return sum;
+}
+
+Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
+                       const RequestedDirections& requested, const SolverOptions& options) {
+    PhaseMode mode;
+    make_phase_mode(0, stack.moments, grid, requested, mode);
+    return solve_stack(stack, mode, grid, requested, options);
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,43 @@
+// Reflection by a semi-infinite homogeneous medium: the base of a BRDF.
+// Symbols, signs and normalisation: docs/conventions.md.
+#pragma once
+
+#include "rte/phase_mode.h"
+#include "rte/reflector.h"
+#include "rte/solver_options.h"
+#include "rte/zenith_grid.h"
+
+namespace miebrdf::rte {
+
+/// What the half-space solvers need to know of the medium for one azimuthal order.
+struct ScatteringMode {
+    Eigen::VectorXd strengths;      ///< alpha (2l+1) chi_l, l = m ... L - 1
+    double one_minus_albedo = 1.0;  ///< its own number
+};
+
+/// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one azimuthal order.
+///
+/// `automatic`: in closed form. The equation is a symmetric algebraic Riccati equation whose
+/// physical solution is a matrix geometric mean: with the matrices of transfer_modes.h,
+/// Z = F k F^T solves Z V Z = U, and X = 2 (I + Z)^-1 - I; then one application of eq. (3) removes
+/// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1.
+/// `fixed_point`: the paper's iteration from single scattering; the number of steps grows without
+/// bound as the albedo tends to 1.
+/// `doubling`: structured doubling from a thin layer, quadratically convergent; independent of any
+/// eigenproblem.
+///
+/// @param tolerance  of the iterative methods: remaining error of (mu + mu') R, relative
+/// Not converging is an outcome: read `converged` and `physical`.
+Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
+                           const PhaseMode& mode, const ZenithGrid& grid,
+                           const RequestedDirections& requested, double tolerance = 1e-12);
+
+/// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.
+Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+                             const ZenithGrid& grid, double tolerance);
+
+/// X by structured doubling; fills the same.
+Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+                               const ZenithGrid& grid, double tolerance);
+
+}  // namespace miebrdf::rte

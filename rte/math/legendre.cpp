@@ -1,0 +1,58 @@
+#include "rte/math/legendre.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace miebrdf::math {
+
+void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
+                        Eigen::MatrixXd& table) {
+    if (!(order >= 0 && degrees > order)) {
+        throw std::invalid_argument(
+            fmt::format("Legendre functions of order {} and degrees below {}: the order must not "
+                        "be negative and "
+                        "smaller than the number of degrees",
+                        order, degrees));
+    }
+    const int m = order;
+    table.resize(mu.size(), degrees - m);
+
+    // Y_m^m = prod_{i<=m} sqrt((2i-1)/(2i)) (1-mu^2)^{m/2}; the product stays above 0.01 for any m
+    // in use, and the power may underflow to zero, which is then its value.
+    double product = 1.0;
+    for (int i = 1; i <= m; ++i) product *= std::sqrt((2.0 * i - 1.0) / (2.0 * i));
+    for (Eigen::Index p = 0; p < mu.size(); ++p) {
+        const double sine_squared = (1.0 - mu[p]) * (1.0 + mu[p]);
+        table(p, 0) = m == 0 ? 1.0 : product * std::pow(sine_squared, 0.5 * m);
+    }
+    for (int l = m; l + 1 < degrees; ++l) {
+        const double next = 1.0 / std::sqrt((l + 1.0 - m) * (l + 1.0 + m));
+        const double previous = std::sqrt(double(l - m) * double(l + m)) * next;
+        const double here = (2.0 * l + 1.0) * next;
+        const auto column = l - m;
+        if (column == 0) {
+            table.col(1) = here * mu.cwiseProduct(table.col(0));
+        } else {
+            table.col(column + 1) =
+                here * mu.cwiseProduct(table.col(column)) - previous * table.col(column - 1);
+        }
+    }
+}
+
+double legendre_series(std::span<const double> chi, double x) {
+    // b_l = beta_l + (2l+1)/(l+1) x b_{l+1} - (l+1)/(l+2) b_{l+2}; the sum is b_0.
+    double b_next = 0.0;
+    double b_after = 0.0;
+    for (std::size_t i = chi.size(); i-- > 0;) {
+        const double l = static_cast<double>(i);
+        const double b =
+            (2.0 * l + 1.0) * (chi[i] + x * b_next / (l + 1.0)) - (l + 1.0) / (l + 2.0) * b_after;
+        b_after = b_next;
+        b_next = b;
+    }
+    return b_next;
+}
+
+}  // namespace miebrdf::math

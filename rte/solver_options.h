@@ -1,0 +1,34 @@
+// What a caller may choose, and what the solver says about how it went.
+#pragma once
+
+#include <string>
+
+namespace miebrdf::rte {
+
+enum class GridKind { automatic, gauss, mapped_gauss, paper };
+enum class HalfSpaceMethod { automatic, fixed_point, doubling };
+enum class CoatMethod { automatic, first_order, first_order_patched, exponential };
+
+struct SolverOptions {
+    double tolerance = 1e-3;  ///< relative to the largest value at that incidence
+    GridKind grid = GridKind::automatic;
+    int streams = 0;  ///< zenith nodes per hemisphere, 2 to 256; 0: from the tolerance
+    HalfSpaceMethod half_space_method = HalfSpaceMethod::automatic;
+    CoatMethod coat_method = CoatMethod::automatic;
+    int coat_substeps = 1;  ///< for the stepwise coat methods
+    bool delta_m = true;
+    bool single_scattering_correction = true;
+};
+
+/// How a result came about; numbers to read, not exceptions.
+struct SolverReport {
+    int streams = 0;
+    int moments = 0;              ///< Legendre moments kept
+    int azimuthal_orders = 0;     ///< Fourier orders summed, m = 0 included
+    int iterations = 0;           ///< most of any order, for iterative methods
+    double error_estimate = 0.0;  ///< relative to the largest value at that incidence
+    bool converged = false;       ///< error_estimate <= tolerance
+    std::string method;
+};
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,39 @@
+// The eigenmodes of the radiance inside one homogeneous medium.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rte/phase_mode.h"
+
+namespace miebrdf::rte {
+
+/// The discrete equation of transfer in symmetric form. With i = (W M)^(1/2) I, s = i_up + i_down
+/// and a = i_down - i_up it reads ds/dtau = -V a, da/dtau = -U s,
+///     U = M^-1 - sum_{l-m even} alpha (2l+1) chi_l y y^T,  y = (W/M)^(1/2) Y_l^m,
+///     V = M^-1 - sum_{l-m odd}  (the same).
+/// Both are symmetric positive definite (U is singular for m = 0 without absorption), and
+///     U = F k^2 F^T,  V^-1 = F F^T,
+/// so that any function of the medium is F h(k) F^T.
+///
+/// For m = 0 and little absorption the slowest mode (the diffusion mode f, k0 -> 0) comes from
+/// inverse iteration with the absorption as its own number; the eigenproblem is solved with k0
+/// moved to 1, and the other vectors are made V-orthogonal to f, so that energy is conserved to
+/// rounding whatever the eigensolver left behind. F has then n + 1 columns, one of them (nearly)
+/// zero.
+struct TransferModes {
+    Eigen::MatrixXd vectors;  ///< F, n x K with K = n or n + 1
+    Eigen::VectorXd rates;    ///< k >= 0, K
+    Eigen::MatrixXd even;     ///< U, n x n
+    Eigen::MatrixXd odd;      ///< V, n x n
+    bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
+
+    /// F diag(h) F^T for values h_j = h(k_j).
+    Eigen::MatrixXd function(const Eigen::Ref<const Eigen::ArrayXd>& values) const;
+};
+
+/// @param strengths         alpha (2l+1) chi_l for the columns l = m ... L - 1 of `mode`
+/// @param one_minus_albedo  its own number; 0 for a conservative medium
+TransferModes decompose(const PhaseMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                        double one_minus_albedo, const ZenithGrid& grid);
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,104 @@
+#include "rte/layered_reflection.h"
+
+#include <cmath>
+
+#include "rte/zenith_grid.h"
+#include "tests/rte/reference_cases.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+TEST_CASE("reflection is reciprocal to rounding", "[rte][reflect]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.99, 0.75),
+                           .coats = {{rte::henyey_greenstein_optics(0.6, 0.2), 0.3}}};
+    const std::vector<double> mu{1e-4, 0.02, 0.3, 0.77, 1.0};
+    const auto table =
+        rte::reflect(stack, {mu, mu, {0.0, 40.0, 180.0}}, {.tolerance = 1e-6, .streams = 20});
+    const auto at = [&](std::size_t i, std::size_t o, std::size_t a) {
+        return table.reflection[(i * mu.size() + o) * 3 + a];
+    };
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+        for (std::size_t o = 0; o < i; ++o) {
+            for (std::size_t a = 0; a < 3; ++a) {
+                CHECK(std::abs(at(i, o, a) - at(o, i, a)) <= 1e-13 * std::abs(at(i, o, a)));
+            }
+        }
+    }
+}
+
+TEST_CASE("integrating the reflection over the hemisphere gives the plane albedo",
+          "[rte][reflect]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.9, 0.5),
+                           .coats = {{rte::rayleigh_optics(0.7), 0.4}}};
+    const auto grid = rte::make_mapped_gauss_grid(40);
+    const std::vector<double> mu_out(grid.mu.data(), grid.mu.data() + grid.size());
+    std::vector<double> azimuths;
+    const int count = 64;  // the rectangle rule is exact for orders below 64
+    for (int a = 0; a < count; ++a) azimuths.push_back(360.0 * a / count);
+    const rte::SolverOptions options{.tolerance = 1e-11, .streams = 32};
+    const double mu_in = GENERATE(0.05, 0.6, 1.0);
+    const auto table = rte::reflect(stack, {{mu_in}, mu_out, azimuths}, options);
+    double flux = 0.0;
+    for (std::size_t o = 0; o < mu_out.size(); ++o) {
+        double mean = 0.0;
+        for (int a = 0; a < count; ++a) mean += table.reflection[o * count + a] / count;
+        flux += 2.0 * grid.weights[o] * mu_out[o] * mean;
+    }
+    // 40 mapped nodes integrate the smooth order 0 to about 1e-10 of its value.
+    CHECK(flux == Approx(rte::albedo(stack, {mu_in}, options).plane_albedo[0]).epsilon(1e-9));
+}
+
+TEST_CASE("only order 0 is computed when it is all there is", "[rte][reflect]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.9, 0.5)};
+    const rte::SolverOptions options{.streams = 16};
+    CHECK(rte::reflect(stack, {{1.0}, {0.2, 0.5}, {0.0, 90.0}}, options).report.azimuthal_orders ==
+          1);
+    CHECK(rte::reflect(stack, {{0.2, 0.5}, {1.0}, {0.0}}, options).report.azimuthal_orders == 1);
+    CHECK(rte::reflect(stack, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders > 3);
+    const rte::Stack isotropic{.base = rte::isotropic_optics(0.9)};
+    CHECK(rte::reflect(isotropic, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders == 1);
+    const rte::Stack rayleigh{.base = rte::rayleigh_optics(0.9)};
+    CHECK(rte::reflect(rayleigh, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders == 3);
+}
+
+TEST_CASE("automatic choices meet the tolerance they report", "[rte][reflect]") {
+    const double tolerance = GENERATE(1e-2, 1e-3, 1e-5);
+    for (const char* file :
+         {"R_halfspace_isotropic.csv", "R_halfspace_HG.csv", "R_coated_halfspace.csv"}) {
+        for (const auto& reference : support::reflection_cases(file)) {
+            rte::SolverReport report;
+            const double error =
+                support::largest_scaled_error(reference, {.tolerance = tolerance}, 0.0, &report);
+            CAPTURE(file, reference.name, tolerance, report.streams, report.error_estimate);
+            CHECK(report.converged);
+            CHECK(error <= 3.0 * report.error_estimate);
+            CHECK(error <= tolerance);
+        }
+    }
+}
+
+TEST_CASE("albedo 0 reflects nothing", "[rte][reflect]") {
+    const rte::Stack black{.base = rte::henyey_greenstein_optics(0.0, 0.8)};
+    for (const double reflection :
+         rte::reflect(black, {{0.1, 1.0}, {0.4}, {0.0, 180.0}}).reflection) {
+        CHECK(reflection == 0.0);
+    }
+    CHECK(rte::albedo(black, {0.5}).spherical_albedo == 0.0);
+}
+
+TEST_CASE("reflect refuses nonsense with the value in the message", "[rte][reflect][errors]") {
+    const rte::Stack stack{.base = rte::isotropic_optics(0.9)};
+    CHECK_THROWS_WITH(rte::reflect(stack, {{0.0}, {0.5}, {0.0}}),
+                      Catch::Contains("mu_in") && Catch::Contains("(0, 1]"));
+    CHECK_THROWS_WITH(rte::reflect(stack, {{0.5}, {1.5}, {0.0}}), Catch::Contains("1.5"));
+    CHECK_THROWS_WITH(rte::reflect(stack, {{0.5}, {0.5}, {std::nan("")}}), Catch::Contains("nan"));
+    CHECK_THROWS_WITH(rte::reflect(stack, {{0.5}, {0.5}, {0.0}}, {.streams = 1}),
+                      Catch::Contains("2 to 256"));
+    CHECK_THROWS_WITH(rte::reflect(stack, {{0.5}, {0.5}, {0.0}}, {.tolerance = 0.0}),
+                      Catch::Contains("tolerance"));
+    rte::Stack coated = stack;
+    coated.coats = {{rte::isotropic_optics(0.5), -0.1}};
+    CHECK_THROWS_WITH(rte::reflect(coated, {{0.5}, {0.5}, {0.0}}), Catch::Contains("-0.1"));
+    coated.coats[0].optical_depth = std::nan("");
+    CHECK_THROWS_WITH(rte::albedo(coated, {0.5}), Catch::Contains("nan"));
+}

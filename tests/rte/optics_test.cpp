@@ -1,0 +1,73 @@
+#include "rte/optics.h"
+
+#include <cmath>
+
+#include "rte/delta_m.h"
+#include "rte/math/legendre.h"
+#include "rte/math/quadrature.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+TEST_CASE("Henyey-Greenstein moments are those of its phase function", "[rte][optics]") {
+    const double g = GENERATE(-0.7, 0.0, 0.3, 0.85);
+    const auto optics = rte::henyey_greenstein_optics(0.5, g);
+    const auto rule = math::gauss_legendre(400, -1.0, 1.0);
+    for (std::size_t l = 0; l < std::min<std::size_t>(20, optics.chi.size()); ++l) {
+        std::vector<double> only(l + 1, 0.0);
+        only[l] = 1.0 / (2.0 * double(l) + 1.0);
+        double chi = 0.0;
+        for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+            chi += 0.5 * rule.weights[k] * optics.phase(rule.nodes[k]) *
+                   math::legendre_series(only, rule.nodes[k]);
+        }
+        CAPTURE(g, l);
+        // 400 Gauss nodes resolve the peak of g = 0.85 to rounding.
+        CHECK(std::abs(chi - optics.chi[l]) <= 1e-13);
+    }
+}
+
+TEST_CASE("the phase function is the sum of its moments", "[rte][optics]") {
+    const double g = GENERATE(-0.9, 0.0, 0.5, 0.9);
+    const auto optics = rte::henyey_greenstein_optics(0.5, g);
+    const double x = GENERATE(-1.0, -0.3, 0.0, 0.9, 1.0);
+    const double exact = optics.phase(x);
+    CAPTURE(g, x);
+    // The moments stop at (2l+1) |chi| = 1e-17; terms of both signs as large as the peak cancel.
+    CHECK(std::abs(math::legendre_series(optics.chi, x) - exact) <=
+          1e-13 * optics.phase(g < 0 ? -1 : 1));
+}
+
+TEST_CASE("validate refuses impossible optics with the value in the message",
+          "[rte][optics][errors]") {
+    rte::Optics optics;
+    optics.single_scattering_albedo = 1.5;
+    CHECK_THROWS_WITH(rte::validate(optics), Catch::Contains("1.5") && Catch::Contains("[0, 1]"));
+    optics.single_scattering_albedo = std::nan("");
+    CHECK_THROWS_WITH(rte::validate(optics), Catch::Contains("nan"));
+    optics = rte::isotropic_optics(0.5);
+    optics.one_minus_albedo = 0.4;
+    CHECK_THROWS_WITH(rte::validate(optics), Catch::Contains("0.4"));
+    optics = rte::isotropic_optics(0.5);
+    optics.chi = {0.9};
+    CHECK_THROWS_WITH(rte::validate(optics), Catch::Contains("0.9"));
+    optics.chi = {};
+    CHECK_THROWS_AS(rte::validate(optics), std::invalid_argument);
+    optics.chi = {1.0, 0.5, -1.2};
+    CHECK_THROWS_WITH(rte::validate(optics), Catch::Contains("chi_2") && Catch::Contains("-1.2"));
+    CHECK_THROWS_WITH(rte::henyey_greenstein_optics(0.5, 1.0), Catch::Contains("(-1, 1)"));
+    CHECK_NOTHROW(rte::validate(rte::rayleigh_optics(1.0)));
+}
+
+TEST_CASE("delta-M keeps absorption's digits and every moment within bounds", "[rte][delta_m]") {
+    rte::Optics optics = rte::henyey_greenstein_optics(1.0, GENERATE(-0.99, -0.5, 0.5, 0.9, 0.999));
+    optics.single_scattering_albedo = 1.0 - 1e-15;
+    optics.one_minus_albedo = 1e-15;
+    const int moments = GENERATE(1, 2, 5, 16, 65);
+    const auto scaled = rte::scale_optics(optics, moments, true);
+    CHECK(scaled.chi[0] == 1.0);
+    CHECK(scaled.chi.cwiseAbs().maxCoeff() <= 1.0);
+    // (1 - alpha) / (1 - alpha f): two roundings.
+    CHECK(std::abs(scaled.one_minus_albedo * scaled.depth_factor / 1e-15 - 1.0) <= 1e-15);
+    CHECK(scaled.one_minus_albedo + scaled.albedo == Approx(1.0).epsilon(1e-15));
+}

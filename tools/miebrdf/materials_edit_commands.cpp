@@ -1,0 +1,193 @@
+// miebrdf materials import, alias, default, remove: what changes the user's database.
+#include <fmt/format.h>
+
+#include "materials/database_writer.h"
+#include "materials/import.h"
+#include "pipeline/error.h"
+#include "tools/miebrdf/materials_command.h"
+
+namespace miebrdf::program {
+namespace {
+
+using materials::Database;
+using materials::DatabaseWriter;
+
+struct ImportArguments {
+    DatabaseArgument database;
+    std::vector<std::string> files;
+    std::string format;
+    bool replace = false;
+    materials::ImportOptions options;
+};
+
+std::string outcome_text(const materials::ImportItem& item) {
+    if (!item.outcome) return "refused";
+    switch (*item.outcome) {
+        case materials::AddOutcome::added:
+            return "added";
+        case materials::AddOutcome::replaced:
+            return "replaced";
+        case materials::AddOutcome::unchanged:
+            return "unchanged";
+    }
+    return "";
+}
+
+Table table_of(const std::vector<materials::ImportItem>& items, const Shell& shell) {
+    Table table;
+    table.columns = {"file", "outcome", "dataset", "remarks"};
+    std::size_t refused = 0, corrected = 0, unchanged = 0;
+    for (const auto& item : items) {
+        refused += !item.outcome;
+        unchanged += item.outcome == materials::AddOutcome::unchanged;
+        corrected += !item.corrections.empty();
+        const std::string remarks =
+            item.outcome ? fmt::format("{}", fmt::join(item.corrections, "; ")) : item.reason;
+        table.rows.push_back({item.file, outcome_text(item), item.dataset, remarks});
+    }
+    const std::string summary =
+        fmt::format("{} read: {} accepted ({} with corrections, {} there already), {} refused",
+                    items.size(), items.size() - refused, corrected, unchanged, refused);
+    table.facts.emplace_back("summary", summary);
+    shell.note(summary);
+    return table;
+}
+
+int run_import(const ImportArguments& arguments, const Shell& shell) {
+    materials::ImportOptions options = arguments.options;
+    options.replace = arguments.replace;
+    if (!arguments.format.empty()) options.format = materials::parse_format(arguments.format);
+    if (arguments.files.size() > 1 && !options.label.empty()) {
+        throw UsageError("--label names one dataset, so it goes with one file");
+    }
+    const std::filesystem::path file = arguments.database.file();
+    const Database known = Database::layered(file);
+    DatabaseWriter writer(file);
+    const std::vector<std::filesystem::path> files(arguments.files.begin(), arguments.files.end());
+    shell.write(table_of(materials::import_files(known, writer, files, options), shell));
+    return kGood;
+}
+
+void add_import(CLI::App& materials, Shell& shell) {
+    auto arguments = std::make_shared<ImportArguments>();
+    auto* command =
+        materials.add_subcommand("import", "add files or folders to the user's database");
+    command
+        ->add_option("files", arguments->files,
+                     "files, folders, or a folder with the refractiveindex.info database")
+        ->required()
+        ->check(CLI::ExistingPath);
+    command->add_option("--format", arguments->format, "default: recognised by content")
+        ->check(CLI::IsMember({"sopra", "tfcalc", "rii", "csv", "imd", "spd"}));
+    command->add_option("--name", arguments->options.material, "name of the material");
+    command->add_option("--label", arguments->options.label, "name of the dataset");
+    command->add_option("--source", arguments->options.source, "collection it comes from");
+    command
+        ->add_option("--negative-k-tolerance", arguments->options.negative_k_tolerance,
+                     "negative k down to minus this is noise and set to 0")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--replace", arguments->replace,
+                      "a dataset of the same name with other figures gives way");
+    arguments->database.add_to(*command);
+    shell.add_common_options(*command);
+    command->footer(
+        "One bad file among those named: nothing is changed. In a folder bad files are refused one "
+        "by "
+        "one.\nExample:\n  miebrdf materials import my_oxide.csv --name MyOxide --source \"our "
+        "lab\"");
+    shell.on_run(*command, [arguments, &shell] { return run_import(*arguments, shell); });
+}
+
+struct EditArguments {
+    DatabaseArgument database;
+    std::string name, second;
+    bool remove = false;
+};
+
+int run_alias(const EditArguments& arguments, const Shell& shell) {
+    DatabaseWriter writer(arguments.database.file());
+    if (arguments.remove) {
+        if (!writer.remove_alias(arguments.name)) {
+            throw InputError(fmt::format("'{}' is no alias in {}", arguments.name,
+                                         arguments.database.file().string()));
+        }
+        return kGood;
+    }
+    if (arguments.second.empty())
+        throw UsageError("alias needs the alias and the material it means");
+    const Database known = Database::layered(arguments.database.file());
+    const std::string material = known.info(arguments.second).name;
+    if (const auto taken = known.resolve_exactly(arguments.name); taken && *taken != material) {
+        throw InputError(fmt::format("'{}' already means {}", arguments.name, *taken));
+    }
+    writer.add_alias(material, arguments.name);
+    shell.note(fmt::format("'{}' now means {}", arguments.name, material));
+    return kGood;
+}
+
+int run_default(const EditArguments& arguments, const Shell& shell) {
+    const Database known = Database::layered(arguments.database.file());
+    const auto dataset = known.dataset_info(arguments.name);
+    DatabaseWriter(arguments.database.file()).set_default(dataset.material, dataset.label);
+    shell.note(
+        fmt::format("{} now means {}/{}", dataset.material, dataset.material, dataset.label));
+    return kGood;
+}
+
+int run_remove(const EditArguments& arguments, const Shell& shell) {
+    const Database known = Database::layered(arguments.database.file());
+    DatabaseWriter writer(arguments.database.file());
+    const bool whole = !known.resolve(arguments.name).empty();
+    bool removed = false;
+    if (whole) {
+        removed = writer.remove_material(known.info(arguments.name).name);
+    } else {
+        const auto dataset = known.dataset_info(arguments.name);
+        removed = writer.remove_dataset(dataset.material, dataset.label);
+    }
+    if (!removed) {
+        throw InputError(fmt::format("{} is not in {}; the embedded database cannot be changed",
+                                     arguments.name, arguments.database.file().string()));
+    }
+    shell.note(fmt::format("{} removed", arguments.name));
+    return kGood;
+}
+
+CLI::App* add_edit(CLI::App& materials, Shell& shell, const std::string& name,
+                   const std::string& help, const std::shared_ptr<EditArguments>& arguments,
+                   int (*run)(const EditArguments&, const Shell&)) {
+    auto* command = materials.add_subcommand(name, help);
+    arguments->database.add_to(*command);
+    shell.add_common_options(*command);
+    shell.on_run(*command, [arguments, run, &shell] { return run(*arguments, shell); });
+    return command;
+}
+
+}  // namespace
+
+void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
+    add_import(materials, shell);
+
+    auto alias = std::make_shared<EditArguments>();
+    auto* command =
+        add_edit(materials, shell, "alias", "give a material another name", alias, run_alias);
+    command->add_option("alias", alias->name, "the new name")->required();
+    command->add_option("material", alias->second, "the material it means");
+    command->add_flag("--remove", alias->remove, "take the alias away again");
+    command->footer("Example:\n  miebrdf materials alias \"my white\" TiO2");
+
+    auto chosen = std::make_shared<EditArguments>();
+    command = add_edit(materials, shell, "default",
+                       "choose the dataset a material's name stands for", chosen, run_default);
+    command->add_option("dataset", chosen->name, "NAME/DATASET or SOURCE:KEY")->required();
+    command->footer("Example:\n  miebrdf materials default GaP/SOPRA-GAP");
+
+    auto gone = std::make_shared<EditArguments>();
+    command = add_edit(materials, shell, "remove", "remove a material or dataset of the user's",
+                       gone, run_remove);
+    command->add_option("name", gone->name, "NAME or NAME/DATASET")->required();
+    command->footer("Example:\n  miebrdf materials remove GaP/SOPRA-GAP");
+}
+
+}  // namespace miebrdf::program
