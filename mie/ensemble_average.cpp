@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mie/exact_extinction.h"
 #include "mie/moment_transform.h"
 #include "mie/terms.h"
 
@@ -16,8 +17,9 @@ namespace {
 
 constexpr int sizes_per_block = 64;  // U and V of a block stay near the cache
 constexpr int largest_chunk_count = 8;
-constexpr int smooth_start = 16;   // nodes of the first pass where efficiencies are smooth
-constexpr int smooth_limit = 256;  // more than this is for the even rule
+constexpr int smooth_start = 16;       // nodes of the first pass where efficiencies are smooth
+constexpr int smooth_limit = 256;      // more than this is for the even rule
+constexpr double first_spacing = 3.4;  // of the even rule, in ripple periods; then half of it, ...
 constexpr int node_limit = 1 << 16;
 constexpr double rounding = 1e-13;  // no estimate below what rounding leaves
 
@@ -49,6 +51,16 @@ void validate(const EnsembleRequest& r) {
 
 // What a size distribution without ends leaves out: well below what is asked of the result.
 double tail_for(double tolerance) { return std::clamp(0.02 * tolerance, 1e-16, 1e-6); }
+
+double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
+    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
+                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
+                              std::abs(a.asymmetry - b.asymmetry)});
+    for (std::size_t l = 0; l < a.chi.size(); ++l) {
+        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
+    }
+    return change;
+}
 
 }  // namespace
 
@@ -108,15 +120,24 @@ EnsembleAverage::Rule EnsembleAverage::first_rule() const {
     return damped || small ? Rule::smooth : Rule::even;
 }
 
+// Transparent spheres repeat their ripple about every atan(s)/s in x, s^2 = n^2 - 1 (Chylek 1990,
+// J. Opt. Soc. Am. A 7, 1609, eq. 1). A spacing just below a multiple of that sees the same
+// resonances again and again; 0.85 times a power of two does not, and with 0.85 itself the error
+// drops about tenfold (docs/maths-mie.md).
+double EnsembleAverage::ripple_period() const {
+    const double n = relative_index_.real();
+    if (!(n > 1)) return 1;
+    const double s = std::sqrt((n - 1) * (n + 1));
+    return s > 1e-3 ? std::atan(s) / s : 1;
+}
+
 void EnsembleAverage::start_even_rule() {
     rule_ = Rule::even;
     pass_ = 0;
-    // A quarter of the nodes that this tolerance needs by experience: errors of n = 2.6 are about
-    // 1e-3 (spacing in x)^1.5. Two or three passes follow.
+    exact_q_ext_ = exact_extinction(relative_index_, request_.sizes, range_, size_parameter(1.0));
     const double width = size_parameter(range_.largest_um) - size_parameter(range_.smallest_um);
-    const double spacing = std::pow(request_.tolerance / 1e-3, 1 / 1.5);
-    const double count = std::clamp(width / spacing / 4, 32.0, node_limit / 4.0);
-    even_count_ = static_cast<int>(std::ceil(count / 32)) * 32;
+    const double count = width / (first_spacing * ripple_period());
+    even_count_ = static_cast<int>(std::clamp(count, 16.0, node_limit / 4.0));
     set_nodes(even_size_nodes(request_.sizes, range_, even_count_, 1.0));
 }
 
@@ -197,18 +218,7 @@ EnsembleOptics EnsembleAverage::optics_of(const EnsembleSums& sums) const {
     return o;
 }
 
-double EnsembleAverage::change_between(const EnsembleOptics& a, const EnsembleOptics& b) const {
-    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
-                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
-                              std::abs(a.asymmetry - b.asymmetry)});
-    for (std::size_t l = 0; l < a.chi.size(); ++l) {
-        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
-    }
-    return change;
-}
-
 bool EnsembleAverage::finish_pass() {
-    const int nodes = static_cast<int>(parameters_.size());
     const EnsembleOptics before = std::move(optics_);
     if (rule_ == Rule::even && pass_ > 0) {
         total_.add(pass_sums_);
@@ -217,31 +227,52 @@ bool EnsembleAverage::finish_pass() {
         total_ = std::move(pass_sums_);
     }
     optics_ = optics_of(total_);
-    optics_.size_nodes = before.size_nodes + nodes;
-    if (rule_ == Rule::single) {
-        optics_.error_estimate = optics_.phase_error_estimate = rounding;
-        optics_.converged = true;
-        return false;
-    }
-    optics_.error_estimate = optics_.phase_error_estimate = 1;
-    if (pass_ > 0) {
-        const double change = change_between(before, optics_);
-        // Where passes converge faster than by halves, the last change overstates what is left.
-        const double gain = change_before_ > 0 ? std::min(1.0, 2 * change / change_before_) : 1.0;
-        optics_.error_estimate = std::max(change * gain, rounding);
-        change_before_ = change;
-        double phase_change = 0;
-        for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
-            phase_change = std::max(phase_change, std::abs(before.phase[i] / optics_.phase[i] - 1));
-        }
-        optics_.phase_error_estimate = std::max(phase_change, rounding);
-    }
+    optics_.size_nodes = before.size_nodes + static_cast<int>(parameters_.size());
+    estimate_errors(before);
+    if (rule_ == Rule::even) put_exact_extinction();
     optics_.converged =
         optics_.error_estimate <= request_.tolerance &&
         (optics_.phase.empty() || optics_.phase_error_estimate <= request_.phase_tolerance);
-    if (optics_.converged || optics_.size_nodes >= node_limit) return false;
+    if (optics_.converged || rule_ == Rule::single || optics_.size_nodes >= node_limit)
+        return false;
     refine();
     return true;
+}
+
+void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
+    if (rule_ == Rule::single) {
+        optics_.error_estimate = optics_.phase_error_estimate = rounding;
+        return;
+    }
+    optics_.error_estimate = optics_.phase_error_estimate = 1;
+    if (pass_ == 0) return;
+    const double change = largest_change(before, optics_);
+    if (rule_ == Rule::smooth) {
+        // Gauss rules gain at least what they gained last time.
+        const double gain = change_before_ > 0 ? std::min(1.0, change / change_before_) : 1.0;
+        optics_.error_estimate = std::max(change * gain, rounding);
+    } else {
+        // Sampled against exact extinction tells which resonances the nodes have missed or hit too
+        // hard. Over 336 transparent ensembles the error of the moments was below 2.0 times this in
+        // 95 %.
+        const double missed = std::abs(optics_.q_ext / exact_q_ext_ - 1);
+        optics_.error_estimate = std::max({missed, change / 4, rounding});
+    }
+    change_before_ = change;
+    double phase_change = 0;
+    for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
+        phase_change = std::max(phase_change, std::abs(before.phase[i] / optics_.phase[i] - 1));
+    }
+    optics_.phase_error_estimate = std::max(phase_change, rounding);
+}
+
+// Extinction, and with it the albedo, need not carry the error of the nodes.
+void EnsembleAverage::put_exact_extinction() {
+    optics_.q_ext = exact_q_ext_;
+    optics_.q_abs = std::min(optics_.q_abs, exact_q_ext_);
+    optics_.q_sca = exact_q_ext_ - optics_.q_abs;
+    optics_.one_minus_albedo = optics_.q_abs / optics_.q_ext;
+    optics_.single_scattering_albedo = optics_.q_sca / optics_.q_ext;
 }
 
 void EnsembleAverage::refine() {

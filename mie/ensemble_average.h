@@ -56,7 +56,9 @@ class EnsembleAverage {
     void set_nodes(SizeNodes nodes);
     void refine();
     EnsembleOptics optics_of(const EnsembleSums& sums) const;
-    double change_between(const EnsembleOptics& a, const EnsembleOptics& b) const;
+    double ripple_period() const;
+    void estimate_errors(const EnsembleOptics& before);
+    void put_exact_extinction();
 
     EnsembleRequest request_;
     std::complex<double> relative_index_;
@@ -70,6 +72,7 @@ class EnsembleAverage {
     int even_count_ = 0;              // grid of the current pass of the even rule
     EnsembleSums pass_sums_, total_;  // total: all passes so far
     double change_before_ = 0;
+    double exact_q_ext_ = 0;  // of the even rule
     EnsembleOptics optics_;
 };
 

@@ -11,11 +11,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Lanes reciprocal(double m, const Lanes& x) { return 1 / (m * x); }
-ComplexLanes reciprocal(Complex m, const Lanes& x) {
-    const Complex inverse = 1.0 / m;
-    return {inverse.real() / x, inverse.imag() / x};
+Lanes reciprocal(const Lanes& z) { return 1 / z; }
+ComplexLanes reciprocal(const ComplexLanes& z) {
+    const Lanes inverse_norm = 1 / norm(z);
+    return {z.re * inverse_norm, -z.im * inverse_norm};
 }
+
+double lane_of(const Lanes& z, int lane) { return z[lane]; }
+Complex lane_of(const ComplexLanes& z, int lane) { return {z.re[lane], z.im[lane]}; }
 
 void set_lane(Lanes& lanes, int lane, double value) { lanes[lane] = value; }
 void set_lane(ComplexLanes& lanes, int lane, Complex value) {
@@ -28,10 +31,10 @@ Lanes modulus_bound(const ComplexLanes& z) { return z.re.abs() + z.im.abs(); }
 
 // Ratio psi_{n-1} / psi_n at the highest order, when the far side cannot be seen (see
 // logarithmic_derivative.h); empty if that does not hold for every lane.
-std::optional<ComplexLanes> far_above_start(Complex m, const Lanes& x, int order) {
+std::optional<ComplexLanes> far_above_start(const ComplexLanes& all_z, int order) {
     ComplexLanes ratio;
     for (int lane = 0; lane < lane_count; ++lane) {
-        const Complex z = m * x[lane];
+        const Complex z = lane_of(all_z, lane);
         const auto D = damped_logarithmic_derivative(z, order);
         if (!D) return std::nullopt;
         set_lane(ratio, lane, *D + static_cast<double>(order) / z);
@@ -42,30 +45,31 @@ std::optional<ComplexLanes> far_above_start(Complex m, const Lanes& x, int order
 }  // namespace
 
 template <typename Number>
-InsideWave<Number>::InsideWave(Number m, const Lanes& x, int terms) : inverse_z_(reciprocal(m, x)) {
-    const double damping = std::imag(m) * x[lane_count - 1];
+InsideWave<Number>::InsideWave(const Values& z, int terms) : inverse_z_(reciprocal(z)) {
+    double damping = 0;
+    if constexpr (!std::is_same_v<Number, double>) damping = z.im.maxCoeff();
     // exp(2 * 1.5): one digit of sixteen is lost at most.
-    upward_ = damping < 1.5 && terms < 0.97 * std::real(m) * x[0];
+    upward_ = damping < 1.5 && terms < 0.97 * real_part(z).minCoeff();
     if (upward_) {
-        start_upward(m, x);
+        start_upward(z);
     } else {
-        run_downward(m, x, terms);
+        run_downward(z, terms);
     }
 }
 
 template <typename Number>
-void InsideWave<Number>::start_upward(Number m, const Lanes& x) {
+void InsideWave<Number>::start_upward(const Values& z) {
     for (int lane = 0; lane < lane_count; ++lane) {
-        set_lane(here_, lane, std::sin(m * x[lane]));
-        set_lane(before_, lane, std::cos(m * x[lane]));
+        set_lane(here_, lane, std::sin(lane_of(z, lane)));
+        set_lane(before_, lane, std::cos(lane_of(z, lane)));
     }
     first_ = here_;
     before_first_ = before_;
 }
 
 template <typename Number>
-void InsideWave<Number>::run_downward(Number m, const Lanes& x, int terms) {
-    const double modulus = std::abs(m) * x[lane_count - 1];
+void InsideWave<Number>::run_downward(const Values& z, int terms) {
+    const double modulus = std::sqrt(norm(z).maxCoeff());
     stored_.resize(terms + 1);
     int start = static_cast<int>(std::max<double>(terms, modulus) + 8 * std::cbrt(modulus) + 15);
     Values above, current;  // psi_{n+1}, psi_n
@@ -74,7 +78,7 @@ void InsideWave<Number>::run_downward(Number m, const Lanes& x, int terms) {
         set_lane(current, lane, 1.0);
     }
     if constexpr (!std::is_same_v<Number, double>) {
-        if (const auto ratio = far_above_start(m, x, terms + 1)) {
+        if (const auto ratio = far_above_start(z, terms + 1)) {
             start = terms;
             current = *ratio;  // psi_terms, with psi_{terms+1} = 1
             for (int lane = 0; lane < lane_count; ++lane) set_lane(above, lane, 1.0);

@@ -18,9 +18,9 @@ class InsideWave {
   public:
     using Values = LanesOf<Number>;
 
-    /// @param x  size parameters of the lanes, ascending
-    /// @param terms  of the largest; orders 1 ... terms can be asked for
-    InsideWave(Number m, const Lanes& x, int terms);
+    /// @param z  m x of the lanes, any order
+    /// @param terms  orders 1 ... terms can be asked for
+    InsideWave(const Values& z, int terms);
 
     /// Moves to the next order; the first call gives n = 1.
     void advance() {
@@ -63,8 +63,8 @@ class InsideWave {
         return {z.re * factor, z.im * factor};
     }
 
-    void start_upward(Number m, const Lanes& x);
-    void run_downward(Number m, const Lanes& x, int terms);
+    void start_upward(const Values& z);
+    void run_downward(const Values& z, int terms);
 
     Values inverse_z_, here_, before_, first_, before_first_;
     int order_ = 0;

@@ -10,31 +10,60 @@ namespace {
 // Orders n handled together; enough independent recurrences to hide the latency of each.
 constexpr int group = 32;
 using Group = Eigen::Array<double, group, 1>;
+using Lane = Eigen::Array<double, 8, 1>;
+
+Lane folded(const Group& g) {
+    return (g.segment<8>(0) + g.segment<8>(8)) + (g.segment<8>(16) + g.segment<8>(24));
+}
 
 // 1 / sqrt(K^2 - l^2), 0 for l >= K (there the 3j symbol vanishes), for one parity of K:
 // column l, row j for K = 2 j + parity.
 Eigen::ArrayXXd inverse_roots(int largest_j, int highest_l, int parity) {
+    const Eigen::ArrayXd K = 2 * Eigen::ArrayXd::LinSpaced(largest_j + 1, 0, largest_j) + parity;
     Eigen::ArrayXXd table(largest_j + 1, highest_l + 1);
     for (int l = 0; l <= highest_l; ++l) {
-        for (int j = 0; j <= largest_j; ++j) {
-            const double K = 2.0 * j + parity;
-            table(j, l) = K > l ? 1 / std::sqrt((K - l) * (K + l)) : 0.0;
-        }
+        const double last = l;
+        table.col(l) = (K > last).select(1 / ((K - last) * (K + last)).abs().sqrt(), 0.0);
     }
     return table;
 }
 
-// Everything for one d = |n - m|; adds to moments.
+// f_d^2 for m = n + d, all n at once: from 1/(2n + 1) at d = 0 by its ratio from d to d + 1.
+class FirstSquares {
+  public:
+    explicit FirstSquares(int count)
+        : n_(Eigen::ArrayXd::LinSpaced(count, 0, count - 1)), square_(1 / (2 * n_ + 1)) {}
+
+    const Eigen::ArrayXd& values() const { return square_; }
+
+    void next() {
+        const Eigen::ArrayXd m = n_ + d_;
+        square_ *= (2.0 * (2 * d_ + 1) / (d_ + 1)) * (m + 2) * m / ((2 * m + 3) * (2 * m + 2));
+        ++d_;
+    }
+
+  private:
+    Eigen::ArrayXd n_, square_;
+    int d_ = 0;
+};
+
+// Everything for one d = |n - m|.
 class OneDiagonal {
   public:
-    OneDiagonal(const BandCovariance& covariance, int d, const Eigen::ArrayXXd& inverse_root)
-        : covariance_(covariance), inverse_root_(inverse_root), d_(d), L_(covariance.width()) {
+    OneDiagonal(const BandCovariance& covariance, int d, const Eigen::ArrayXd& first_squares,
+                const Eigen::ArrayXXd& inverse_root)
+        : covariance_(covariance),
+          first_squares_(first_squares),
+          inverse_root_(inverse_root),
+          d_(d),
+          L_(covariance.width()) {
         for (int l = 0; l <= L_ + 1; ++l) {
             e_.push_back(l > d ? std::sqrt(static_cast<double>(l - d) * (l + d)) : 0.0);
         }
     }
 
-    void add_orders_from(int first, std::vector<double>& moments) const {
+    // Adds the orders first ... first + group - 1 to moments, eight partial sums per l.
+    void add_orders_from(int first, std::vector<Lane>& moments) const {
         Group gain_plus = Group::Zero(), gain_minus = Group::Zero(), f = Group::Zero(), K;
         const int last = std::min(first + group - 1, covariance_.terms() - d_);
         for (int i = 0; i < group; ++i) {
@@ -45,26 +74,24 @@ class OneDiagonal {
             const double weight = (d_ == 0 ? 1 : 2) * (2 * n + 1) * (2 * m + 1);
             gain_plus[i] = weight * covariance_.plus()(first + i, d_);
             gain_minus[i] = weight * covariance_.minus()(first + i, d_);
-            f[i] = std::sqrt(first_square(n));
+            f[i] = std::sqrt(first_squares_[first + i]);
         }
-        // K = 2 j + parity with parity = 1 for even d, 0 for odd.
+        // K = 2 j + parity with parity = 1 for even d, 0 for odd. C- alternates in sign with l.
         const int j = first + (d_ + 1) / 2;
         const Group K_squared = K.square();
+        const Group even = gain_plus + gain_minus, odd = gain_plus - gain_minus;
         Group f_before = Group::Zero();
         Group root_here = inverse_root_.col(d_).segment<group>(j);
         for (int l = d_; l <= L_; ++l) {
             const Group square = f.square();
-            const double same = (square * gain_plus).sum();
-            const double mirrored = (square * gain_minus).sum();
-            moments[l] += (l - d_) % 2 == 0 ? same + mirrored : same - mirrored;
+            moments[l] += folded((l - d_) % 2 == 0 ? Group(square * even) : Group(square * odd));
             if (l == L_) break;
             const Group root_next = inverse_root_.col(l + 1).segment<group>(j);
             const double alpha = 2 * (2 * l + 1) / e_[l + 1];
             const double beta = e_[l] / e_[l + 1];
+            const double l_squared = static_cast<double>(l) * l;
             const Group next =
-                root_next *
-                (alpha * f -
-                 (beta * f_before) * ((K_squared - static_cast<double>(l) * l) * root_here));
+                root_next * (alpha * f - (beta * f_before) * ((K_squared - l_squared) * root_here));
             f_before = f;
             f = next;
             root_here = root_next;
@@ -72,17 +99,8 @@ class OneDiagonal {
     }
 
   private:
-    // f_d^2 for m = n + d: from 1/(2n + 1) at d = 0 by its ratio from d to d + 1.
-    double first_square(double n) const {
-        double square = 1 / (2 * n + 1);
-        for (int d = 0; d < d_; ++d) {
-            const double m = n + d;
-            square *= 2.0 * (2 * d + 1) / (d + 1) * (m + 2) * m / ((2 * m + 3) * (2 * m + 2));
-        }
-        return square;
-    }
-
     const BandCovariance& covariance_;
+    const Eigen::ArrayXd& first_squares_;
     const Eigen::ArrayXXd& inverse_root_;
     int d_, L_;
     std::vector<double> e_;  // sqrt(l^2 - d^2)
@@ -96,13 +114,18 @@ std::vector<double> moments_from_covariance(const BandCovariance& covariance) {
     const int largest_j = terms + L + group;
     const Eigen::ArrayXXd odd_K = inverse_roots(largest_j, L, 1);
     const Eigen::ArrayXXd even_K = inverse_roots(largest_j, L, 0);
-    std::vector<double> moments(L + 1, 0.0);
+    FirstSquares first_squares(terms + group + 1);
+    std::vector<Lane> sums(L + 1, Lane::Zero());
     for (int d = 0; d <= std::min(L, terms - 1); ++d) {
-        const OneDiagonal diagonal(covariance, d, d % 2 == 0 ? odd_K : even_K);
+        const OneDiagonal diagonal(covariance, d, first_squares.values(),
+                                   d % 2 == 0 ? odd_K : even_K);
         for (int first = 1; first + d <= terms; first += group) {
-            diagonal.add_orders_from(first, moments);
+            diagonal.add_orders_from(first, sums);
         }
+        first_squares.next();
     }
+    std::vector<double> moments;
+    for (const Lane& sum : sums) moments.push_back(sum.sum());
     return moments;
 }
 

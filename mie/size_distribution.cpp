@@ -96,6 +96,26 @@ AreaDensity::AreaDensity(const SizeDistribution& distribution)
     if (distribution.kind == SizeDistributionKind::mono) {
         throw std::invalid_argument("a single size has no density");
     }
+    // The continuation is exp(log n r^2): its real values fix the constant.
+    const double r_effective = distribution.effective_radius_um;
+    log_norm_ = std::log((*this)(r_effective) / (*this)(std::complex<double>(r_effective)).real());
+}
+
+std::complex<double> AreaDensity::operator()(std::complex<double> radius_um) const {
+    const double b = distribution_.effective_variance;
+    const std::complex<double> relative = radius_um / distribution_.effective_radius_um;
+    switch (distribution_.kind) {
+        case SizeDistributionKind::gamma:  // r^(1/b - 1) exp(-r / (a b))
+            return std::exp((1 / b - 1) * std::log(relative) - (relative - 1.0) / b + log_norm_);
+        case SizeDistributionKind::log_normal: {  // exp(-(ln r - ln a + s/2)^2 / (2 s)) / r, s =
+                                                  // ln(1+b)
+            const double variance = std::log1p(b);
+            const std::complex<double> away = std::log(relative) + 0.5 * variance;
+            return std::exp(-away * away / (2 * variance) - std::log(relative) + log_norm_);
+        }
+        default:
+            return 1.0 / (radius_um * log_ratio_);
+    }
 }
 
 double AreaDensity::operator()(double radius_um) const {

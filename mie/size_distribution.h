@@ -1,6 +1,8 @@
 // How the radii of the spheres in an ensemble are distributed.
 #pragma once
 
+#include <complex>
+
 namespace miebrdf::mie {
 
 enum class SizeDistributionKind { power_law, gamma, log_normal, mono };
@@ -38,11 +40,14 @@ class AreaDensity {
     /// @throws std::invalid_argument  as radius_range; and for mono, which has no density
     explicit AreaDensity(const SizeDistribution& distribution);
     double operator()(double radius_um) const;
+    /// Its analytic continuation, for Re radius > 0.
+    std::complex<double> operator()(std::complex<double> radius_um) const;
 
   private:
     SizeDistribution distribution_;
     RadiusRange range_;
     double log_ratio_;
+    double log_norm_ = 0;  ///< of the analytic continuation
 };
 
 }  // namespace miebrdf::mie

@@ -112,6 +112,9 @@ class AbsorptionSource {
     Lanes slope_, T_;
 };
 
+Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
+ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
+
 Lanes multiply(double m, const Lanes& z) { return m * z; }
 ComplexLanes multiply(Complex m, const ComplexLanes& z) {
     return {m.real() * z.re - m.imag() * z.im, m.real() * z.im + m.imag() * z.re};
@@ -145,7 +148,7 @@ LaneSums compute_lanes(Number m, const Lanes& x, const Lanes& root_weight, Spher
     const int shortest = static_cast<int>(last_order.minCoeff());
     const int terms = static_cast<int>(last_order.maxCoeff());
 
-    InsideWave<Number> inside(m, x, terms);
+    InsideWave<Number> inside(inside_parameter(m, x), terms);
     OutsideWaves outside(x);
     const Number m_minus_inverse = m - 1.0 / m;
     const double n_r = std::real(m), k = std::imag(m);

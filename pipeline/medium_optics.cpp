@@ -6,6 +6,7 @@
 #include "mie/ensemble.h"
 #include "pipeline/error.h"
 #include "pipeline/phase_lookup.h"
+#include "rte/single_scattering.h"
 
 namespace miebrdf {
 namespace {
@@ -41,7 +42,10 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, std::complex<double> 
     result.refractive_index = index;
     result.optics.single_scattering_albedo = ensemble.single_scattering_albedo;
     result.optics.one_minus_albedo = ensemble.one_minus_albedo;
-    if (!ensemble.chi.empty()) result.optics.chi = ensemble.chi;
+    if (!ensemble.chi.empty()) {
+        result.optics.chi = ensemble.chi;
+        result.optics.has_more_moments = true;
+    }
     if (!demand.angles_deg.empty()) {
         result.phase = ensemble.phase;
         result.optics.phase = PhaseLookup(demand.angles_deg, ensemble.phase);
@@ -72,7 +76,7 @@ MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
     result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(
-            rte::phase_at(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
+            rte::exact_phase(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
     }
     return result;
 }

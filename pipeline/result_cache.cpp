@@ -64,7 +64,7 @@ void remove_files(const fs::path& file) {
 
 JobKey::JobKey(std::string_view kind) {
     add(kind);
-    add(kVersion);
+    add(std::string_view(kVersion));
     add(kSolverVersion);
 }
 

@@ -21,7 +21,7 @@ class JobKey {
     JobKey& add(std::string_view text);
     JobKey& add(double number);
     JobKey& add(int number) { return add(static_cast<double>(number)); }
-    JobKey& add(bool flag) { return add(flag ? 1.0 : 0.0); }
+    JobKey& add(bool flag) = delete;  ///< so that no text literal becomes a flag
     JobKey& add(std::span<const double> numbers);
     /// SHA-256 of the text, in hexadecimal.
     std::string hash() const;

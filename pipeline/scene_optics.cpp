@@ -16,6 +16,16 @@ namespace {
 /// The size average may err by this share of the request's tolerance, so that it does not show.
 constexpr double kMieShare = 0.1;
 
+// Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
+// the rest (docs/numerics.md).
+constexpr int kMostAutomaticStreams = 64;
+
+/// Moments that the solver can make use of: with n streams it keeps 2 n at most, and delta-M needs
+/// one more.
+int highest_moment(const rte::SolverOptions& options) {
+    return 2 * (options.streams > 0 ? options.streams : kMostAutomaticStreams);
+}
+
 /// Everything in which two Mie jobs of one request can differ.
 using JobKey = std::tuple<double, double, double>;  // n, k, wavelength
 

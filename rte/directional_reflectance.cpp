@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "rte/fresnel.h"
 #include "rte/math/quadrature.h"
 #include "rte/microfacet.h"
+#include "rte/slope_plane.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -45,57 +44,6 @@ struct GgxSlopes {
     double along_density(double u) const { return inv_pi * std::cos(u) * std::cos(u); }
 };
 
-/// One direction of incidence.
-struct Incidence {
-    double mu;
-    double sine;
-    double lowest_x(double y) const {  // tan - sqrt(1/mu^2 - y^2), without the difference
-        return (y - 1.0) * (y + 1.0) * mu / (sine + root(y));
-    }
-    double highest_x(double y) const { return (sine + root(y)) / mu; }
-
-  private:
-    double root(double y) const {
-        return std::sqrt(std::max(0.0, (1.0 - y * mu) * (1.0 + y * mu)));
-    }
-};
-
-/// Where the V-cavity's min() changes branch along a line of constant y, ascending: Gauss nodes
-/// must not straddle a kink.
-std::vector<double> v_cavity_kinks(const Incidence& in, double y) {
-    std::vector<double> kinks;
-    const double mu = in.mu;
-    const double s = in.sine;
-    if (s > 0) kinks.push_back(mu / s);  // 2 cos_half mu_in = cos_facet
-    const double discriminant = s * s - 4 * mu * mu * y * y;
-    if (discriminant > 0) {  // mu_out = mu_in
-        const double large = (s + std::sqrt(discriminant)) / (2 * mu);
-        kinks.insert(kinks.end(), {large, y * y / large});
-    }
-    // 2 cos_half mu_out = cos_facet: a cubic, positive at both ends of the line, so that there is
-    // a root on either side of its minimum, or none.
-    const auto cubic = [&](double x) {
-        return ((s * x + 3 * mu) * x - s * (3 - y * y)) * x - mu * (1 - 3 * y * y);
-    };
-    const double under_root = mu * mu + s * s * (3 - y * y) / 3;
-    const double lowest = in.lowest_x(y);
-    const double highest = in.highest_x(y);
-    const double minimum =
-        under_root > 0 ? s * (3 - y * y) / 3 / (mu + std::sqrt(under_root)) : lowest;
-    if (minimum > lowest && minimum < highest && cubic(minimum) < 0) {
-        for (const double end : {lowest, highest}) {
-            if (!(cubic(end) > 0)) continue;
-            std::uintmax_t steps = 60;
-            const auto bracket = boost::math::tools::toms748_solve(
-                cubic, std::min(end, minimum), std::max(end, minimum),
-                boost::math::tools::eps_tolerance<double>(48), steps);
-            kinks.push_back(0.5 * (bracket.first + bracket.second));
-        }
-    }
-    std::sort(kinks.begin(), kinks.end());
-    return kinks;
-}
-
 constexpr int kFewestNodes = 8;
 constexpr std::size_t kDoublings = 6;
 
@@ -117,35 +65,47 @@ class ReflectanceIntegral {
     ReflectanceIntegral(const FresnelReflectance& fresnel, const SurfaceOptions& options,
                         double mu_in)
         : slopes_{options.beckmann_alpha},
-          in_{mu_in, std::sqrt((1.0 - mu_in) * (1.0 + mu_in))},
+          in_(mu_in),
           fresnel_(fresnel),
           shadowing_(options),
           in_over_masking_(shadowing_.cosine_over_masking(mu_in)),
           has_kinks_(options.shadowing == Shadowing::v_cavity) {}
 
-    bool has_kinks() const { return has_kinks_; }
-
     double value(const math::Quadrature& rule) const {
-        // v = largest sin(psi): x reaches its ends like a square root there. y and -y are alike.
-        const double largest = slopes_.across_of(1.0 / in_.mu);
+        const double largest = slopes_.across_of(in_.largest_y());
         double sum = 0;
-        for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-            const double psi = 0.5 * pi * rule.nodes[i];
-            const double v = largest * std::sin(psi);
-            const double dv = 0.5 * pi * largest * std::cos(psi) * rule.weights[i];
-            sum += dv * slopes_.across_density(v) * line(v, rule);
+        double from = 0;
+        if (has_kinks_) {
+            for (const double corner : in_.v_cavity_corners()) {
+                const double to = std::min(slopes_.across_of(corner), largest);
+                sum += strip(from, to, rule);
+                from = to;
+            }
         }
-        return 2.0 * sum;
+        return 2.0 * (sum + strip(from, largest, rule));  // y and -y are alike
     }
 
   private:
+    /// Lines between two values of v. Where they end, at the rim of the disk or where kinks
+    /// meet, x behaves like a square root: v = from + (to - from) sin(psi) makes it smooth.
+    double strip(double from, double to, const math::Quadrature& rule) const {
+        if (!(to > from)) return 0.0;
+        double sum = 0;
+        for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+            const double psi = 0.5 * pi * rule.nodes[i];
+            const double v = from + (to - from) * std::sin(psi);
+            sum += rule.weights[i] * std::cos(psi) * slopes_.across_density(v) * line(v, rule);
+        }
+        return 0.5 * pi * (to - from) * sum;
+    }
+
     double line(double v, const math::Quadrature& rule) const {
         const double y = slopes_.y(v);
         const double end = slopes_.along_of(in_.highest_x(y), v);
         double from = slopes_.along_of(in_.lowest_x(y), v);
         double sum = 0;
         if (has_kinks_) {
-            for (const double kink : v_cavity_kinks(in_, y)) {
+            for (const double kink : in_.v_cavity_kinks(y)) {
                 const double to = std::clamp(slopes_.along_of(kink, v), from, end);
                 sum += segment(v, y, from, to, rule);
                 from = to;
@@ -167,18 +127,18 @@ class ReflectanceIntegral {
     /// (1 + x tan) G F of the mirrors with slopes (x, y).
     double reflected(double x, double y) const {
         const double r2 = x * x + y * y;
-        const double facing = in_.mu + x * in_.sine;
-        const double mu_out = (in_.mu * (1.0 - r2) + 2.0 * x * in_.sine) / (1.0 + r2);
+        const double facing = in_.mu() + x * in_.sine();
+        const double mu_out = (in_.mu() * (1.0 - r2) + 2.0 * x * in_.sine()) / (1.0 + r2);
         if (!(mu_out > 0 && facing > 0)) return 0.0;  // rounding at the ends of the line
         const double cos_half = 1.0 / std::sqrt(1.0 + r2);
         const double cos_facet = std::min(1.0, facing * cos_half);
         const double shadowing =
-            shadowing_({in_.mu, std::min(1.0, mu_out), cos_half, cos_facet}, in_over_masking_);
+            shadowing_({in_.mu(), std::min(1.0, mu_out), cos_half, cos_facet}, in_over_masking_);
         return facing * mu_out * shadowing * fresnel_(cos_facet);
     }
 
     Slopes slopes_;
-    Incidence in_;
+    SlopePlane in_;
     const FresnelReflectance& fresnel_;
     ShadowingOverCosines shadowing_;
     double in_over_masking_;
@@ -187,9 +147,10 @@ class ReflectanceIntegral {
 
 template <typename Slopes>
 IntegralResult refine(const ReflectanceIntegral<Slopes>& integral, double tolerance) {
-    // Two rules can agree by accident: a step is trusted to have gained no more than this over
-    // the one before. Convergence is exponential with Smith's smooth forms, slow at kinks.
-    const double trusted_gain = integral.has_kinks() ? 1e-2 : 1e-4;
+    // Convergence is exponential (kinks lie on the ends of strips and segments), but two coarse
+    // rules can agree by accident: a step is trusted to have gained no more than this over the one
+    // before.
+    constexpr double kTrustedGain = 1e-3;
     IntegralResult result;
     double change = 0;
     for (const math::Quadrature& rule : gauss_rules()) {
@@ -198,7 +159,7 @@ IntegralResult refine(const ReflectanceIntegral<Slopes>& integral, double tolera
         result.value = integral.value(rule);
         result.nodes = static_cast<int>(rule.nodes.size());
         change = std::abs(result.value - before);
-        result.error_estimate = std::max(change, trusted_gain * previous_change);
+        result.error_estimate = std::max(change, kTrustedGain * previous_change);
         result.converged = result.error_estimate <= tolerance;
         if (result.converged && result.nodes > kFewestNodes) break;
     }

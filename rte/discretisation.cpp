@@ -13,6 +13,18 @@ std::size_t most_moments(const Stack& stack) {
     return most;
 }
 
+// What lists that were cut short allow (Optics::has_more_moments).
+std::size_t most_usable_moments(const Stack& stack) {
+    std::size_t most = most_moments(stack);
+    const auto limit = [&](const Optics& optics) {
+        if (!optics.has_more_moments) return;
+        most = std::min(most, std::max<std::size_t>(1, optics.chi.size() - 1));
+    };
+    if (stack.base_kind == BaseKind::half_space) limit(stack.base);
+    for (const Coat& coat : stack.coats) limit(coat.optics);
+    return most;
+}
+
 }  // namespace
 
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
@@ -20,7 +32,7 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    choice.moments = int(std::min<std::size_t>(most_moments(stack), 2 * std::size_t(streams)));
+    choice.moments = int(std::min<std::size_t>(most_usable_moments(stack), 2 * std::size_t(streams)));
     return choice;
 }
 

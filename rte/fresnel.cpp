@@ -12,12 +12,15 @@ namespace {
 /// m = n + ik, c the cosine of incidence, q = sqrt(m^2 - sin^2): the textbook amplitudes are
 ///     r_s = (c - q) / (c + q),   r_p = (m^2 c - q) / (m^2 c + q).
 /// Times denominator / denominator, with q^2 - c^2 = m^2 - 1 = (m - 1)(m + 1) =: contrast:
-///     r_s = -contrast / (c + q)^2,   r_p = contrast ((m^2 + 1) c^2 - 1) / (m^2 c + q)^2.
+///     r_s = -contrast / (c + q)^2,   r_p = contrast (m^2 c^2 - sin^2) / (m^2 c + q)^2.
 /// k >= 0 puts q into the first quadrant, the wave that decays away from the boundary.
 double exact_reflectance(std::complex<double> m2, std::complex<double> contrast, double c) {
     if (contrast == 0.0) return 0.0;  // also at grazing, where c + q = 0
-    const std::complex<double> q = std::sqrt(contrast + c * c);
-    const double brewster = std::norm((m2 + 1.0) * (c * c) - 1.0);
+    const double sin2 = (1.0 - c) * (1.0 + c);
+    // The first form of q^2 keeps its digits for m close to 1, the second for m close to 0.
+    const std::complex<double> q =
+        std::sqrt(std::norm(contrast) < 0.25 ? contrast + c * c : m2 - sin2);
+    const double brewster = std::norm(m2 * (c * c) - sin2);
     const double s = std::norm(c + q);
     const double p = std::norm(m2 * c + q);
     return 0.5 * std::norm(contrast) * (1.0 / (s * s) + brewster / (p * p));

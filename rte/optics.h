@@ -14,6 +14,9 @@ struct Optics {
     double one_minus_albedo = 1.0;  ///< absorption / extinction; its own number, so that it keeps
                                     ///< its digits when the albedo is close to 1
     std::vector<double> chi = {1.0};  ///< Legendre moments chi_0 = 1, chi_1 = g, ...; zero beyond
+    /// True: chi was cut short, the phase function has more moments than it lists. Then at most
+    /// chi.size() - 1 of them are kept, so that delta-M knows the first one it leaves out.
+    bool has_more_moments = false;
     /// Optional exact phase function P(cos Theta), mean over the sphere = 1, for the exact first
     /// order of scattering. Empty: the moments are the whole phase function.
     std::function<double(double cos_theta)> phase;

@@ -32,8 +32,9 @@ ZenithGrid make_gauss_grid(int count) {
 
 ZenithGrid make_mapped_gauss_grid(int count) {
     ZenithGrid grid = make_gauss_grid(count);
-    grid.weights.array() *= 2.0 * grid.mu.array();  // dmu = 2 t dt
-    grid.mu = grid.mu.array().square();
+    const Eigen::ArrayXd t = grid.mu.array();
+    grid.weights.array() *= t * (4.0 - 3.0 * t);  // dmu / dt
+    grid.mu = (t.square() * (2.0 - t)).matrix();
     return grid;
 }
 

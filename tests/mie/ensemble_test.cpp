@@ -87,6 +87,33 @@ TEST_CASE("size averages agree with the reference cases", "[mie][ensemble]") {
     }
 }
 
+TEST_CASE("the error estimate is honest", "[mie][ensemble]") {
+    // True error <= 3 x estimate in 95 of 100 cases, over tolerances and the reference ensembles;
+    // the reference's own error is granted (transparent: err_*; others: twelve printed digits).
+    const support::ReferenceTable summary("mie/poly_summary.csv");
+    const support::ReferenceTable moments("mie/poly_moments.csv");
+    int honest = 0, cases = 0;
+    for (const double tolerance : {1e-2, 1e-3, 3e-4, 1e-4, 3e-5}) {
+        for (std::size_t row = 0; row < summary.size(); ++row) {
+            auto request = request_of(summary, row);
+            request.highest_moment = 64;
+            request.tolerance = tolerance;
+            const auto optics = mie::average_over_sizes(request);
+            const auto chi = column_of_case(moments, summary.text(row, "case"), "chi_l");
+            const double truth = std::max(
+                {std::abs(optics.q_ext / summary.number(row, "Qext") - 1),
+                 std::abs(optics.single_scattering_albedo / summary.number(row, "albedo") - 1),
+                 largest_difference(optics.chi, chi, std::min<std::size_t>(65, chi.size()))});
+            const double granted = 5e-12 + summary.number(row, "err_Qext");
+            honest += truth <= 3 * optics.error_estimate + granted;
+            ++cases;
+            CHECK(optics.converged);
+        }
+    }
+    CAPTURE(honest, cases);
+    CHECK(honest >= 0.95 * cases);
+}
+
 TEST_CASE("transparent spheres have albedo exactly 1", "[mie][ensemble]") {
     mie::EnsembleRequest request;
     request.sizes.effective_radius_um = GENERATE(0.01, 1.0, 5.0);

@@ -8,14 +8,14 @@ using namespace miebrdf;
 
 TEST_CASE("each grid integrates powers of mu as its definition promises", "[rte][grid]") {
     const int n = GENERATE(2, 5, 16, 64);
-    // Degree up to which the rule is exact: 2n - 1 for Gauss, n - 1 with mu = t^2.
+    // Degree up to which the rule is exact: 2n - 1 for Gauss, (2n - 3)/3 with mu = t^2 (2 - t).
     for (int power = 0; power <= 2 * n - 1; ++power) {
         const auto integral = [&](const rte::ZenithGrid& grid) {
             return grid.weights.dot(grid.mu.array().pow(power).matrix()) * (power + 1);
         };
         CAPTURE(n, power);
         CHECK(std::abs(integral(rte::make_gauss_grid(n)) - 1.0) <= 1e-13 * n);
-        if (power <= n - 1) {
+        if (3 * power <= 2 * n - 3) {
             CHECK(std::abs(integral(rte::make_mapped_gauss_grid(n)) - 1.0) <= 1e-13 * n);
         }
     }
