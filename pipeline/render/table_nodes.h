@@ -1,0 +1,19 @@
+// Where the solver is asked, and how to find these places again.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/render/cubic_taps.h"
+
+namespace miebrdf::render {
+
+/// Cosines evenly spaced in sqrt(mu) from mu = 1e-4 to 1: close to each other at grazing, where
+/// reflection changes fastest.
+std::vector<double> cosine_nodes(int count);
+CubicTaps cosine_taps(double mu, std::size_t count);
+
+/// Azimuths evenly spaced from 0 to 180 degrees.
+std::vector<double> azimuth_nodes_deg(int count);
+CubicTaps azimuth_taps(double cos_azimuth, std::size_t count);
+
+}  // namespace miebrdf::render
