@@ -85,7 +85,7 @@ TEST_CASE("a solved sphere in opposition sends back what the solver says", "[ren
                                         {.width = 96, .height = 96, .samples = 64, .bounces = 1});
     const auto nodes = math::gauss_legendre(24, 0.0, 1.0);
     double expected = 0.0;
-    for (std::size_t k = 0; k < std::size_t(nodes.nodes.size()); ++k) {
+    for (std::size_t k = 0; k < nodes.nodes.size(); ++k) {
         const double mu = nodes.nodes[k];
         request.directions = {{mu}, {mu}, {180.0}};
         expected += 2 * nodes.weights[k] * mu * mu * compute_brdf(request).slices.front().total.front();
