@@ -9,7 +9,7 @@ namespace miebrdf::render {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr int kAngles = 600;
+constexpr int kAngles = 300;
 /// Share by which the middle is thinned in favour of the ends.
 constexpr double kThinning = 0.9;
 
@@ -24,6 +24,18 @@ std::vector<double> FirstOrderTable::angles_deg() {
     }
     angles.back() = 180.0;
     return angles;
+}
+
+void FirstOrderTable::tabulate(rte::Optics& optics) {
+    if (!optics.phase) return;
+    std::vector<double> angles = angles_deg(), values;
+    for (const double angle : angles) values.push_back(optics.phase(std::cos(angle * kDegree)));
+    optics.phase = [angles = std::move(angles), values = std::move(values)](double cos_theta) {
+        const CubicTaps taps = taps_at(std::acos(cos_theta) / kDegree, angles);
+        double sum = 0.0;
+        for (std::size_t k = 0; k < 4; ++k) sum += taps.weight[k] * values[taps.first + k];
+        return sum;
+    };
 }
 
 FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks)

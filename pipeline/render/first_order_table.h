@@ -12,12 +12,15 @@ namespace miebrdf::render {
 /// angle. Glories, rainbows and forward peaks live here: what is scattered more than once is smooth.
 class FirstOrderTable {
   public:
-    /// Scattering angles [deg] where the phase functions are taken: 0.03 degrees apart at 0 and
-    /// 180, 0.6 degrees in the middle.
+    /// Scattering angles [deg] where the phase functions are taken: 0.06 degrees apart at 0 and
+    /// 180, 1.1 degrees in the middle.
     static std::vector<double> angles_deg();
 
-    /// @param stacks  for each wavelength the media from the bottom up; their phase functions must
-    ///                answer at angles_deg()
+    /// Gives a medium a phase function that interpolates its own between angles_deg(), so that it
+    /// answers everywhere; media of moments alone stay as they are.
+    static void tabulate(rte::Optics& optics);
+
+    /// @param stacks  for each wavelength the media from the bottom up, after tabulate()
     explicit FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks);
 
     /// Adds to R at each wavelength.

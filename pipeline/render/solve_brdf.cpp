@@ -24,8 +24,6 @@ class SolvedBrdfBuilder {
         brdf_->cosines_ = std::size_t(size.cosines);
         brdf_->azimuths_ = std::size_t(size.azimuths);
         solver_ = requests.front().solver;
-        // The first order is added at the very directions later on; here only what remains counts.
-        solver_.single_scattering_correction = false;
         directions_ = {cosine_nodes(size.cosines), cosine_nodes(size.cosines),
                        azimuth_nodes_deg(size.azimuths)};
     }
@@ -53,7 +51,11 @@ class SolvedBrdfBuilder {
         const SceneMedia media(request);
         OpticsDemand demand = demand_of(request, PhaseDemand::none);
         demand.angles_deg = FirstOrderTable::angles_deg();
-        for (SceneOptics& optics : media.optics(demand, control_)) optics_.push_back(std::move(optics));
+        for (SceneOptics& optics : media.optics(demand, control_)) {
+            FirstOrderTable::tabulate(optics.stack.base);
+            for (rte::Coat& coat : optics.stack.coats) FirstOrderTable::tabulate(coat.optics);
+            optics_.push_back(std::move(optics));
+        }
         for (const double wavelength : request.wavelength_nm) brdf_->wavelength_nm_.push_back(wavelength);
         for (const std::string& line : media.sources()) {
             const auto& known = brdf_->sources_;
@@ -66,6 +68,7 @@ class SolvedBrdfBuilder {
         const rte::Stack& stack = optics_[w].stack;
         const rte::ReflectionTable solved = rte::reflect(stack, directions_, solver_);
         media = rte::scale_stack(stack, solved.report.moments, solver_.delta_m).media;
+        const bool exact = solver_.single_scattering_correction;
         const std::size_t count = optics_.size(), cosines = brdf_->cosines_;
         std::size_t index = 0;
         for (std::size_t i = 0; i < cosines; ++i) {
@@ -73,7 +76,7 @@ class SolvedBrdfBuilder {
                 const double in = directions_.mu_in[i], out = directions_.mu_out[o];
                 for (const double azimuth : directions_.azimuth_deg) {
                     const double cosine = std::cos(azimuth * std::numbers::pi / 180.0);
-                    const double once = rte::single_scattering(media, false, in, out, cosine);
+                    const double once = rte::single_scattering(media, exact, in, out, cosine);
                     const double value = (in + out) * (solved.reflection[index] - once);
                     if (!std::isfinite(value)) {
                         throw InputError(fmt::format("no physical solution at {} nm; try other streams "

@@ -20,7 +20,7 @@ enum class Component { total, subsurface, surface };
 /// Nodes of the table of light scattered more than once.
 struct TableSize {
     int cosines = 32;   ///< of either direction, evenly spaced in sqrt(mu); at least 4
-    int azimuths = 25;  ///< evenly spaced from 0 to 180 degrees; at least 4
+    int azimuths = 33;  ///< from 0 to 180 degrees; at least 4
 };
 
 /// BRDF of a scene. (mu_in + mu_out) R of light scattered more than once, which is smooth and

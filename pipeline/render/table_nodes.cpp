@@ -27,13 +27,13 @@ CubicTaps cosine_taps(double mu, std::size_t count) {
 
 std::vector<double> azimuth_nodes_deg(int count) {
     std::vector<double> nodes;
-    for (int a = 0; a < count; ++a) nodes.push_back(180.0 * a / (count - 1));
+    for (int a = 0; a < count; ++a) nodes.push_back(180.0 * std::pow(double(a) / (count - 1), 1.5));
     return nodes;
 }
 
 CubicTaps azimuth_taps(double cos_azimuth, std::size_t count) {
     const double azimuth = std::acos(std::clamp(cos_azimuth, -1.0, 1.0));
-    return uniform_taps(azimuth / std::numbers::pi * double(count - 1), count);
+    return uniform_taps(std::pow(azimuth / std::numbers::pi, 2.0 / 3.0) * double(count - 1), count);
 }
 
 }  // namespace miebrdf::render

@@ -12,7 +12,8 @@ namespace miebrdf::render {
 std::vector<double> cosine_nodes(int count);
 CubicTaps cosine_taps(double mu, std::size_t count);
 
-/// Azimuths evenly spaced from 0 to 180 degrees.
+/// Azimuths from 0 to 180 degrees, 180 s^1.5 for evenly spaced s: closer on the forward side, where
+/// peaked phase functions make even multiple scattering narrow at grazing.
 std::vector<double> azimuth_nodes_deg(int count);
 CubicTaps azimuth_taps(double cos_azimuth, std::size_t count);
 

@@ -30,7 +30,7 @@ struct RenderArguments {
     std::optional<double> split;
     std::string mask;
     std::string mask_projection = "front";
-    std::vector<std::string> lights = {"area:40,-40,25", "uniform:0.15"};
+    std::vector<std::string> lights = {"area:40,-40,25,2.2", "uniform:0.1"};
     std::string light_spectrum = "white";
     std::string camera = "0,0";
     double field_of_view_deg = 25.0;
@@ -39,7 +39,7 @@ struct RenderArguments {
     std::string background = "1,1,1";
     double exposure = 0.0;
     std::string exr;
-    std::string table = "32,25";
+    std::string table = "32,33";
     bool measure_interpolation = false;
     render::RenderOptions options;
 };
