@@ -55,6 +55,7 @@ void add_commands(CLI::App& program, Shell& shell) {
     add_render_command(program, shell);
 #endif
     add_run_command(program, shell);
+    add_cache_command(program, shell);
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {
