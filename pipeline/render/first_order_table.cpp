@@ -9,13 +9,11 @@ namespace miebrdf::render {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr int kAngles = 300;
+constexpr int kAngles = 600;
 /// Share by which the middle is thinned in favour of the ends.
 constexpr double kThinning = 0.9;
 
-}  // namespace
-
-std::vector<double> FirstOrderTable::angles_deg() {
+std::vector<double> nodes_deg() {
     std::vector<double> angles;
     for (int i = 0; i <= kAngles; ++i) {
         const double s = double(i) / kAngles;
@@ -26,20 +24,10 @@ std::vector<double> FirstOrderTable::angles_deg() {
     return angles;
 }
 
-void FirstOrderTable::tabulate(rte::Optics& optics) {
-    if (!optics.phase) return;
-    std::vector<double> angles = angles_deg(), values;
-    for (const double angle : angles) values.push_back(optics.phase(std::cos(angle * kDegree)));
-    optics.phase = [angles = std::move(angles), values = std::move(values)](double cos_theta) {
-        const CubicTaps taps = taps_at(std::acos(cos_theta) / kDegree, angles);
-        double sum = 0.0;
-        for (std::size_t k = 0; k < 4; ++k) sum += taps.weight[k] * values[taps.first + k];
-        return sum;
-    };
-}
+}  // namespace
 
 FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks)
-    : angles_deg_(angles_deg()) {
+    : angles_deg_(nodes_deg()) {
     for (const auto& media : stacks) {
         auto& layers = stacks_.emplace_back();
         for (auto medium = media.rbegin(); medium != media.rend(); ++medium) {

@@ -9,18 +9,10 @@
 namespace miebrdf::render {
 
 /// rte::single_scattering with the exact phase functions read from tables over the scattering
-/// angle. Glories, rainbows and forward peaks live here: what is scattered more than once is smooth.
+/// angle: nodes 0.03 degrees apart at 0 and 180, 0.6 degrees in the middle. Glories, rainbows and forward peaks live here: what is scattered more than once is smooth.
 class FirstOrderTable {
   public:
-    /// Scattering angles [deg] where the phase functions are taken: 0.06 degrees apart at 0 and
-    /// 180, 1.1 degrees in the middle.
-    static std::vector<double> angles_deg();
-
-    /// Gives a medium a phase function that interpolates its own between angles_deg(), so that it
-    /// answers everywhere; media of moments alone stay as they are.
-    static void tabulate(rte::Optics& optics);
-
-    /// @param stacks  for each wavelength the media from the bottom up, after tabulate()
+    /// @param stacks  for each wavelength the media from the bottom up
     explicit FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks);
 
     /// Adds to R at each wavelength.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "pipeline/brdf.h"
@@ -49,12 +50,12 @@ class SolvedBrdfBuilder {
   private:
     void add_optics(const Request& request) {
         const SceneMedia media(request);
-        OpticsDemand demand = demand_of(request, PhaseDemand::none);
-        demand.angles_deg = FirstOrderTable::angles_deg();
-        for (SceneOptics& optics : media.optics(demand, control_)) {
-            FirstOrderTable::tabulate(optics.stack.base);
-            for (rte::Coat& coat : optics.stack.coats) FirstOrderTable::tabulate(coat.optics);
+        const OpticsDemand demand = demand_of(request, PhaseDemand::whole);
+        for (SceneOptics& optics : media.optics(request.wavelength_nm, demand, control_)) {
             optics_.push_back(std::move(optics));
+        }
+        if (request.scene.surface) {
+            for (const double w : request.wavelength_nm) surface_index_.push_back(media.surface_index_at(w));
         }
         for (const double wavelength : request.wavelength_nm) brdf_->wavelength_nm_.push_back(wavelength);
         for (const std::string& line : media.sources()) {
@@ -92,14 +93,13 @@ class SolvedBrdfBuilder {
 
     void add_surface(const Scene& scene) {
         if (!scene.surface) return;
-        std::vector<std::complex<double>> index;
-        for (const SceneOptics& optics : optics_) index.push_back(*optics.surface_index);
-        brdf_->surface_.emplace(index, *scene.surface, scene.coupling);
+        brdf_->surface_.emplace(surface_index_, *scene.surface, scene.coupling);
     }
 
     const RunControl& control_;
     std::shared_ptr<SolvedBrdf> brdf_ = std::make_shared<SolvedBrdf>();
     std::vector<SceneOptics> optics_;
+    std::vector<std::complex<double>> surface_index_;  ///< at each wavelength; empty without surface
     rte::SolverOptions solver_;
     rte::Directions directions_;
 };
