@@ -95,8 +95,8 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
             missing_nm.push_back(request.wavelength_nm[w]);
         }
     }
-    const PhaseDemand phase = quantity == LayerQuantity::reflection ? PhaseDemand::at_directions
-                                                                    : PhaseDemand::none;
+    const PhaseDemand phase = quantity == LayerQuantity::reflection ? PhaseDemand::whole
+                                                                    : PhaseDemand::moments_only;
     const auto optics = media.optics(missing_nm, demand_of(request, phase), control);
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t w = missing[i];

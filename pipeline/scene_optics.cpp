@@ -8,7 +8,6 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
-#include "pipeline/phase_lookup.h"
 
 namespace miebrdf {
 namespace {
@@ -70,10 +69,8 @@ OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     OpticsDemand demand;
     demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
     demand.highest_moment = highest_moment(request.solver);
-    if (phase == PhaseDemand::at_directions && request.solver.single_scattering_correction) {
-        const rte::Directions& d = request.directions;
-        demand.angles_deg = scattering_angles_deg(d.mu_in, d.mu_out, d.azimuth_deg);
-    }
+    demand.whole_phase_function =
+        phase == PhaseDemand::whole && request.solver.single_scattering_correction;
     return demand;
 }
 

@@ -19,7 +19,7 @@ struct SceneOptics {
     bool converged = true;
 };
 
-enum class PhaseDemand { none, at_directions };
+enum class PhaseDemand { moments_only, whole };
 
 /// What a request needs of the optics of its media.
 OpticsDemand demand_of(const Request& request, PhaseDemand phase);
