@@ -65,6 +65,7 @@ void add_brdf_command(CLI::App& program, Shell& shell);
 void add_albedo_command(CLI::App& program, Shell& shell);
 void add_table1_command(CLI::App& program, Shell& shell);
 void add_materials_command(CLI::App& program, Shell& shell);
+void add_plot_command(CLI::App& program, Shell& shell);
 void add_run_command(CLI::App& program, Shell& shell);
 
 /// All of them.
