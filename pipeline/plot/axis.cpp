@@ -75,7 +75,7 @@ void Axis::add_linear_ticks() {
 
 void Axis::add_log_ticks() {
     if (highest_ / lowest_ < 10) {  // too short for powers of ten: numbers as on a linear axis
-        const double step = round_step(highest_ - lowest_, 4);
+        const double step = round_step(highest_ - lowest_, 8);
         for (double i = std::ceil(lowest_ / step - 1e-9); i <= highest_ / step + 1e-9; ++i) {
             ticks_.push_back({i * step, fmt::format("{:g}", i * step)});
         }
