@@ -70,7 +70,7 @@ std::vector<double> by_photons(int photons) {
     const MediumResolver resolver;
     const auto base = resolver.resolve(parse_medium("TiO2"));
     const auto coat = resolver.resolve(parse_medium("AlGaAs7"));
-    const OpticsDemand demand{-1, angles, 1e-2};
+    const OpticsDemand demand{.angles_deg = angles, .tolerance = 1e-2};
     const auto a = medium_optics(base, 450, {}, demand), b = medium_optics(coat, 450, {}, demand);
     TracedStack stack;
     stack.base = {a.optics.single_scattering_albedo, law_of(a, angles), 0};
