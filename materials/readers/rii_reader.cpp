@@ -145,7 +145,9 @@ void read_blocks(Dataset& dataset, const YamlNode& data, const std::string& file
 void read_conditions(Dataset& dataset, const YamlNode& page) {
     const YamlNode* conditions = find_any(page, {"CONDITIONS", "SPECS"});
     if (conditions == nullptr) return;
-    for (const auto& [name, value] : conditions->entries) {
+    for (std::size_t i = 0; i < conditions->keys.size(); ++i) {
+        const std::string& name = conditions->keys[i];
+        const YamlNode& value = conditions->items[i];
         if (name == "direction" && (value.text == "o" || value.text == "e")) {
             dataset.ray = value.text;
         } else if (const auto kelvin = parse_number(value.text);

@@ -61,7 +61,8 @@ class EventParser {
                     if (type() != YAML_SCALAR_EVENT) fail(line(), "a key that is no plain text");
                     std::string key = scalar();
                     advance();
-                    node.entries.emplace_back(std::move(key), this->node(depth + 1));
+                    node.keys.push_back(std::move(key));
+                    node.items.push_back(this->node(depth + 1));
                 }
                 break;
             default:
@@ -90,8 +91,8 @@ class EventParser {
 }  // namespace
 
 const YamlNode* YamlNode::find(std::string_view key) const {
-    for (const auto& [name, value] : entries) {
-        if (name == key) return &value;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (keys[i] == key) return &items[i];
     }
     return nullptr;
 }

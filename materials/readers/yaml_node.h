@@ -11,10 +11,10 @@ namespace miebrdf::materials {
 struct YamlNode {
     enum class Kind { scalar, sequence, mapping };
     Kind kind = Kind::scalar;
-    std::string text;                                       ///< of a scalar
-    std::vector<YamlNode> items;                            ///< of a sequence
-    std::vector<std::pair<std::string, YamlNode>> entries;  ///< of a mapping, in order
-    int line = 0;                                           ///< from 1
+    std::string text;               ///< of a scalar
+    std::vector<YamlNode> items;    ///< of a sequence, or the values of a mapping
+    std::vector<std::string> keys;  ///< of a mapping: keys[i] belongs to items[i]
+    int line = 0;                   ///< from 1
 
     /// The entry of a mapping, or nullptr.
     const YamlNode* find(std::string_view key) const;

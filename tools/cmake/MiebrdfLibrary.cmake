@@ -13,6 +13,7 @@ function(miebrdf_library name)
         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/miebrdf>)
     target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE}
                                     $<BUILD_INTERFACE:miebrdf_flags>)
+    set_property(GLOBAL APPEND PROPERTY miebrdf_libraries ${target})  # for the pkg-config file
     install(TARGETS ${target} EXPORT miebrdfTargets)
     file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
     file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.h")

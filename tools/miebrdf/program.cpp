@@ -54,6 +54,7 @@ void add_commands(CLI::App& program, Shell& shell) {
     add_bench_command(program, shell);
     add_stress_command(program, shell);
     add_run_command(program, shell);
+    add_cache_command(program, shell);
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {

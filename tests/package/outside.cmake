@@ -1,0 +1,43 @@
+# Builds and runs tests/package/outside against the copy installed in PREFIX, by WAY.
+cmake_minimum_required(VERSION 3.25)
+file(REMOVE_RECURSE "${WORK}")
+file(MAKE_DIRECTORY "${WORK}")
+
+function(run)
+    execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK}" RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+        string(REPLACE ";" " " line "${ARGN}")
+        message(FATAL_ERROR "failed (${result}): ${line}")
+    endif()
+endfunction()
+
+# Every installed header must compile with nothing but what is installed.
+file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include/miebrdf" "${PREFIX}/include/miebrdf/*.h")
+list(LENGTH headers count)
+if(count LESS 10)
+    message(FATAL_ERROR "only ${count} headers in ${PREFIX}/include/miebrdf")
+endif()
+set(includes "")
+foreach(header IN LISTS headers)
+    string(APPEND includes "#include \"${header}\"\n")
+endforeach()
+file(WRITE "${WORK}/every_header.cpp" "${includes}")
+
+if(WAY STREQUAL find_package)
+    run(${CMAKE_COMMAND} -S "${SOURCE}" -B "${WORK}/build" "-DCMAKE_PREFIX_PATH=${PREFIX}"
+        "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+        "-DEVERY_HEADER=${WORK}/every_header.cpp")
+    run(${CMAKE_COMMAND} --build "${WORK}/build")
+    run("${WORK}/build/outside")
+else()
+    set(ENV{PKG_CONFIG_PATH} "${PREFIX}/${LIBDIR}/pkgconfig")
+    execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs miebrdf
+                    OUTPUT_VARIABLE flags RESULT_VARIABLE result OUTPUT_STRIP_TRAILING_WHITESPACE)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "pkg-config does not find miebrdf")
+    endif()
+    message(STATUS "pkg-config: ${flags}")
+    separate_arguments(flags UNIX_COMMAND "${flags}")
+    run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" every_header.cpp ${flags} -o outside)
+    run("${WORK}/outside")
+endif()

@@ -1,0 +1,51 @@
+// A program outside the project: material, scattering, radiative transfer and surface through the
+// installed headers and libraries, checked against numbers that are known otherwise.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "materials/database.h"
+#include "mie/sphere.h"
+#include "pipeline/table1.h"
+#include "rte/layered_reflection.h"
+
+using namespace miebrdf;
+
+namespace {
+
+int failures = 0;
+
+void check(const char* what, double value, double expected, double bound) {
+    const bool good = std::abs(value - expected) <= bound;
+    std::printf("%s %s: %.6f, expected %.6f within %g\n", good ? "good" : "BAD ", what, value,
+                expected, bound);
+    failures += !good;
+}
+
+}  // namespace
+
+int main() {
+    // Malitson's formula for fused silica at 589.3 nm.
+    const auto silica = materials::Database::embedded().refractive_index("SiO2");
+    check("n of SiO2", silica.at(589.3).real(), 1.4584, 1e-4);
+
+    // Rayleigh's limit: Q_sca = 8/3 x^4 ((m^2 - 1) / (m^2 + 2))^2, next term of order x^2.
+    const double x = 1e-3;
+    const double rayleigh = 8.0 / 3.0 * std::pow(x, 4) * std::pow(1.25 / 4.25, 2);
+    check("Q_sca of a small sphere over Rayleigh's",
+          mie::scatter_by_sphere(1.5, x).q_sca / rayleigh, 1.0, 1e-5);
+
+    // Chandrasekhar 1960: an isotropic half-space of albedo 1 reflects everything.
+    const rte::AlbedoTable white = rte::albedo({rte::isotropic_optics(1.0), {}}, {0.3});
+    check("plane albedo of a white half-space", white.plane_albedo[0], 1.0, 1e-9);
+
+    // Chen et al. 2013, Table 1.
+    Table1Request request;
+    request.conventions = {rte::table1_conventions().front()};
+    double largest = 0;
+    for (const Table1Entry& entry : compute_table1(request).entries) {
+        largest = std::max(largest, std::abs(entry.factor - entry.paper.value()));
+    }
+    check("largest difference from Table 1", largest, 0.0, 0.0035);
+    return failures;
+}

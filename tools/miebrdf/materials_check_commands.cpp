@@ -1,0 +1,178 @@
+// miebrdf materials export, diff, verify: figures out, compared, checked.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "materials/export.h"
+#include "materials/verify.h"
+#include "pipeline/atomic_file.h"
+#include "pipeline/error.h"
+#include "tools/miebrdf/materials_command.h"
+
+namespace miebrdf::program {
+namespace {
+
+using materials::Database;
+using materials::RefractiveIndex;
+
+struct ExportArguments {
+    DatabaseArgument database;
+    std::string name;
+    std::string format = "csv";
+    materials::ExportOptions options;
+};
+
+materials::Format format_of(const std::string& name) {
+    if (name == "yaml") return materials::Format::rii;
+    if (name == "nk") return materials::Format::sopra;
+    const auto format = materials::parse_format(name);
+    if (!format) throw UsageError(fmt::format("no format is called '{}'", name));
+    return *format;
+}
+
+// The two halves of a pair must stand beside each other under the names that readers expect.
+int write_pair(const std::vector<materials::ExportFile>& files, const Shell& shell) {
+    const std::string& output = shell.common().output;
+    if (output.empty() || output == "-") {
+        throw UsageError("this format has two files: give their common beginning with -o NAME");
+    }
+    for (const auto& file : files) {
+        AtomicFile half(output + file.suffix);
+        half.stream() << file.text;
+        half.commit();
+    }
+    return kGood;
+}
+
+int run_export(const ExportArguments& arguments, const Shell& shell) {
+    const materials::Dataset dataset = arguments.database.open().dataset(arguments.name);
+    try {
+        const auto files =
+            materials::export_dataset(dataset, format_of(arguments.format), arguments.options);
+        if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
+        shell.write_text(files.front().text);
+    } catch (const std::invalid_argument& error) {
+        throw InputError(error.what());
+    }
+    return kGood;
+}
+
+struct DiffArguments {
+    DatabaseArgument database;
+    std::string first, second;
+    double tolerance = 0.0;
+};
+
+std::vector<double> common_grid(const RefractiveIndex& a, const RefractiveIndex& b) {
+    std::vector<double> grid;
+    for (const RefractiveIndex* index : {&a, &b}) {
+        for (const double w : index->table().wavelength_nm) {
+            if (a.covers(w) && b.covers(w)) grid.push_back(w);
+        }
+    }
+    std::sort(grid.begin(), grid.end());
+    grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+    return grid;
+}
+
+int run_diff(const DiffArguments& arguments, const Shell& shell) {
+    const Database database = arguments.database.open();
+    const RefractiveIndex a = database.refractive_index(arguments.first);
+    const RefractiveIndex b = database.refractive_index(arguments.second);
+    Table table;
+    table.columns = {"wavelength_nm", "n_a", "n_b", "n_difference", "k_a", "k_b", "k_difference"};
+    double largest_n = 0, largest_k = 0;
+    for (const double w : common_grid(a, b)) {
+        const auto first = a.at(w), second = b.at(w);
+        const auto difference = second - first;
+        largest_n = std::max(largest_n, std::abs(difference.real()));
+        const bool both_k = a.k_known() && b.k_known();
+        if (both_k) largest_k = std::max(largest_k, std::abs(difference.imag()));
+        table.rows.push_back({w, first.real(), second.real(), difference.real(),
+                              a.k_known() ? Cell(first.imag()) : Cell(),
+                              b.k_known() ? Cell(second.imag()) : Cell(),
+                              both_k ? Cell(difference.imag()) : Cell()});
+    }
+    if (table.rows.empty()) {
+        throw InputError(fmt::format(
+            "{} ({} to {} nm) and {} ({} to {} nm) have no range in common", arguments.first,
+            a.shortest_nm(), a.longest_nm(), arguments.second, b.shortest_nm(), b.longest_nm()));
+    }
+    table.facts.emplace_back("largest difference of n", fmt::format("{}", largest_n));
+    table.facts.emplace_back("largest difference of k", fmt::format("{}", largest_k));
+    shell.write(std::move(table));
+    return std::max(largest_n, largest_k) <= arguments.tolerance ? kGood : kCheckFailed;
+}
+
+const char* severity_text(materials::Finding::Severity severity) {
+    switch (severity) {
+        case materials::Finding::Severity::error:
+            return "error";
+        case materials::Finding::Severity::warning:
+            return "warning";
+        case materials::Finding::Severity::note:
+            break;
+    }
+    return "note";
+}
+
+int run_verify(const DatabaseArgument& argument, const std::string& name, const Shell& shell) {
+    const auto findings = materials::verify(argument.open(), name);
+    Table table;
+    table.columns = {"severity", "dataset", "finding"};
+    bool sound = true;
+    for (const auto& finding : findings) {
+        sound = sound && finding.severity != materials::Finding::Severity::error;
+        table.rows.push_back(
+            {std::string(severity_text(finding.severity)), finding.dataset, finding.text});
+    }
+    table.facts.emplace_back("verdict", sound ? "sound" : "damaged");
+    shell.write(std::move(table));
+    return sound ? kGood : kCheckFailed;
+}
+
+}  // namespace
+
+void add_materials_check_commands(CLI::App& materials, Shell& shell) {
+    auto exported = std::make_shared<ExportArguments>();
+    auto* command =
+        materials.add_subcommand("export", "write a dataset in a format other programs read");
+    command->add_option("name", exported->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    command
+        ->add_option("--format", exported->format,
+                     "csv, yaml (refractiveindex.info), nk (SOPRA), tfcalc, imd, spd (two files)")
+        ->check(CLI::IsMember({"csv", "yaml", "rii", "nk", "sopra", "tfcalc", "imd", "spd"}))
+        ->capture_default_str();
+    command->add_flag("--unknown-k-zero", exported->options.unknown_k_as_zero,
+                      "write k = 0 for unknown k where the format needs a number");
+    exported->database.add_to(*command);
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf materials export GaP --format nk -o gap.nk");
+    shell.on_run(*command, [exported, &shell] { return run_export(*exported, shell); });
+
+    auto diff = std::make_shared<DiffArguments>();
+    command = materials.add_subcommand("diff", "two datasets at the wavelengths of either");
+    command->add_option("a", diff->first, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    command->add_option("b", diff->second, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    command->add_option("--tolerance", diff->tolerance, "differences up to this give exit code 0")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    diff->database.add_to(*command);
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");
+    shell.on_run(*command, [diff, &shell] { return run_diff(*diff, shell); });
+
+    auto verified = std::make_shared<std::pair<DatabaseArgument, std::string>>();
+    command =
+        materials.add_subcommand("verify", "checksums, constraints and physics of what is stored");
+    command->add_option("name", verified->second, "one dataset; default: everything");
+    verified->first.add_to(*command);
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf materials verify");
+    shell.on_run(*command, [verified, &shell] {
+        return run_verify(verified->first, verified->second, shell);
+    });
+}
+
+}  // namespace miebrdf::program
