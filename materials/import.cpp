@@ -71,7 +71,10 @@ void fill_origin(Dataset& dataset, const SourceFile& source, const ImportOptions
 void settle_material(Dataset& dataset, const Database& known, bool exactly,
                      const std::string& file) {
     std::vector<std::string> found;
-    if (const auto exact = known.resolve_exactly(dataset.material)) {
+    if (dataset.format == "sopra" && !exactly) {
+        found =
+            known.resolve_normalised(dataset.material);  // CO.NK is cobalt: its case means nothing
+    } else if (const auto exact = known.resolve_exactly(dataset.material)) {
         found = {*exact};
     } else if (!exactly) {
         found = known.resolve(dataset.material);

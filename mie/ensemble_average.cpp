@@ -16,7 +16,8 @@ namespace miebrdf::mie {
 namespace {
 
 constexpr int sizes_per_block = 64;  // U and V of a block stay near the cache
-constexpr int largest_chunk_count = 8;
+constexpr int largest_chunk_count = 16;
+constexpr double chunk_memory = 24e6;  // bytes, all bands of a pass together
 constexpr int smooth_start = 16;       // nodes of the first pass where efficiencies are smooth
 constexpr int smooth_limit = 256;      // more than this is for the even rule
 constexpr double first_spacing = 3.4;  // of the even rule, in ripple periods; then half of it, ...
@@ -120,7 +121,7 @@ double EnsembleAverage::size_parameter(double radius_um) const {
 // narrow.
 EnsembleAverage::Rule EnsembleAverage::first_rule() const {
     if (request_.sizes.kind == SizeDistributionKind::mono) return Rule::single;
-    const double x_effective = size_parameter(request_.sizes.effective_radius_um);
+    const double x_effective = size_parameter(effective_radius_of(request_.sizes));
     const bool damped = relative_index_.imag() * x_effective > 1;
     const bool small = size_parameter(range_.largest_um) < 3;
     return damped || small ? Rule::smooth : Rule::even;
@@ -140,7 +141,11 @@ double EnsembleAverage::ripple_period() const {
 void EnsembleAverage::start_even_rule() {
     rule_ = Rule::even;
     pass_ = 0;
-    exact_q_ext_ = exact_extinction(relative_index_, request_.sizes, range_, size_parameter(1.0));
+    // A table has no analytic continuation.
+    const bool analytic = request_.sizes.kind != SizeDistributionKind::tabulated;
+    exact_q_ext_ =
+        analytic ? exact_extinction(relative_index_, request_.sizes, range_, size_parameter(1.0))
+                 : 0;
     const double width = size_parameter(range_.largest_um) - size_parameter(range_.smallest_um);
     const double count = width / (first_spacing * ripple_period());
     even_count_ = static_cast<int>(std::clamp(count, 16.0, node_limit / 4.0));
@@ -163,7 +168,9 @@ int EnsembleAverage::chunk_count() const {
     if (tabulation_) return tabulation_->chunk_count();
     const int blocks =
         (static_cast<int>(parameters_.size()) + sizes_per_block - 1) / sizes_per_block;
-    return std::min(blocks, largest_chunk_count);
+    const double band_bytes = 2 * 8.0 * (terms_ + 1) * (std::max(band_width(), 0) + 1);
+    const int fitting = std::max(4, static_cast<int>(chunk_memory / band_bytes));
+    return std::min({blocks, largest_chunk_count, fitting});
 }
 
 EnsembleSums EnsembleAverage::compute(int chunk) const {
@@ -247,7 +254,7 @@ bool EnsembleAverage::finish_pass() {
     optics_ = optics_of(total_);
     optics_.size_nodes = before.size_nodes + static_cast<int>(parameters_.size());
     estimate_errors(before);
-    if (rule_ == Rule::even) put_exact_extinction();
+    if (rule_ == Rule::even && exact_q_ext_ > 0) put_exact_extinction();
     optics_.converged =
         optics_.error_estimate <= request_.tolerance &&
         (optics_.phase.empty() || optics_.phase_error_estimate <= request_.phase_tolerance);
@@ -275,7 +282,8 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
         // Sampled against exact extinction tells which resonances the nodes have missed or hit too
         // hard. Over 336 transparent ensembles the error of the moments was below 2.0 times this in
         // 95 %.
-        const double missed = std::abs(optics_.q_ext / exact_q_ext_ - 1);
+        const double missed =
+            exact_q_ext_ > 0 ? std::abs(optics_.q_ext / exact_q_ext_ - 1) : change;
         optics_.error_estimate = std::max({missed, change / 4, rounding});
     }
     change_before_ = change;
