@@ -50,31 +50,30 @@ double error_by_incidence(const std::vector<double>& values, const std::vector<d
     return worst;
 }
 
-ScatteringLaw law_of(const MediumOptics& optics, const std::vector<double>& angles_deg) {
-    std::vector<double> x, p;
-    for (std::size_t i = angles_deg.size(); i-- > 0;) {
-        x.push_back(i + 1 == angles_deg.size() ? -1
-                    : i == 0                   ? 1
-                                               : std::cos(angles_deg[i] * M_PI / 180));
-        p.push_back(optics.phase[i]);
+// The phase function in a table fine enough for the forward peak, which is 0.2 degrees wide.
+ScatteringLaw law_of(const rte::Optics& optics) {
+    std::vector<double> degrees{0};
+    for (int i = 0; i <= 600; ++i) degrees.push_back(1e-3 * std::pow(1e4, i / 600.0));
+    for (int i = 1; i < 1700; ++i) degrees.push_back(10 + 0.1 * i);
+    std::vector<double> x{-1}, p{optics.phase(-1)};
+    for (std::size_t i = degrees.size(); i-- > 0;) {
+        x.push_back(std::cos(degrees[i] * M_PI / 180));
+        p.push_back(optics.phase(x.back()));
     }
     return ScatteringLaw::tabulated(std::move(x), std::move(p));
 }
 
-// Photons through the Mie phase functions tabulated finely: the angles are part of the run.
+// From the names on: Mie is part of the run.
 std::vector<double> by_photons(int photons) {
-    std::vector<double> angles;
-    for (int i = 0; i <= 400; ++i) angles.push_back(1e-4 * std::pow(1e5, i / 400.0));  // 1e-4 to 10
-    for (int i = 1; i <= 680; ++i) angles.push_back(10 + 0.25 * i);
-    angles.front() = 0;
     const MediumResolver resolver;
-    const auto base = resolver.resolve(parse_medium("TiO2"));
-    const auto coat = resolver.resolve(parse_medium("AlGaAs7"));
-    const OpticsDemand demand{.angles_deg = angles, .tolerance = 1e-2};
-    const auto a = medium_optics(base, 450, {}, demand), b = medium_optics(coat, 450, {}, demand);
+    OpticsDemand demand;
+    demand.whole_phase_function = true;
+    demand.tolerance = 1e-3;
+    const auto a = medium_optics(resolver.resolve(parse_medium("TiO2")), 450, {}, demand);
+    const auto b = medium_optics(resolver.resolve(parse_medium("AlGaAs7")), 450, {}, demand);
     TracedStack stack;
-    stack.base = {a.optics.single_scattering_albedo, law_of(a, angles), 0};
-    stack.coats = {{b.optics.single_scattering_albedo, law_of(b, angles), 0.1}};
+    stack.base = {a.optics.single_scattering_albedo, law_of(a.optics), 0};
+    stack.coats = {{b.optics.single_scattering_albedo, law_of(b.optics), 0.1}};
     std::vector<Detector> detectors;
     for (const double mu : kMuOut) {
         for (const double azimuth : kAzimuth) detectors.push_back({mu, azimuth});
@@ -141,7 +140,7 @@ BenchCase painted_sample() {
                                     return run(request);
                                 }});
     }
-    for (const int n : {300, 3000}) {
+    for (const int n : {300, 3000, 30000}) {
         c.contenders.push_back(
             {"Monte Carlo", fmt::format("{} photons", n), [=] { return by_photons(n); }});
     }

@@ -88,3 +88,5 @@ void surface_reflectance(benchmark::State& state) {
 BENCHMARK(surface_reflectance)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
+
+BENCHMARK_MAIN();
