@@ -70,22 +70,6 @@ double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
 
 }  // namespace
 
-void EnsembleSums::add(const EnsembleSums& other) {
-    spheres.scattered += other.spheres.scattered;
-    spheres.absorbed += other.spheres.absorbed;
-    spheres.asymmetric += other.spheres.asymmetric;
-    if (covariance.width() >= 0) covariance.add(other.covariance);
-    if (intensity.size() > 0) intensity += other.intensity;
-}
-
-void EnsembleSums::scale(double factor) {
-    spheres.scattered *= factor;
-    spheres.absorbed *= factor;
-    spheres.asymmetric *= factor;
-    covariance.scale(factor);
-    intensity *= factor;
-}
-
 EnsembleAverage::EnsembleAverage(const EnsembleRequest& request)
     : request_(request), relative_index_(request.refractive_index / request.host_index) {
     validate(request);
