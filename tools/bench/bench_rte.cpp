@@ -30,7 +30,8 @@ int all_modes(const rte::Optics& optics, int streams, double tolerance) {
     int order = 0;
     for (; order < moments && small_orders < 2; ++order) {
         rte::make_phase_mode(order, moments, grid, none, mode);
-        const rte::ScatteringMode medium{strengths.tail(moments - order), scaled.one_minus_albedo};
+        const rte::ScatteringMode medium{strengths.tail(moments - order), scaled.one_minus_albedo,
+                                         order};
         const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, medium, mode,
                                                       grid, none, tolerance);
         const Eigen::MatrixXd single = mode.at_nodes *
