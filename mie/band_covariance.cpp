@@ -9,10 +9,10 @@ namespace {
 // narrower ones run slower.
 constexpr int tile_rows = 32;
 
-void add_band(const SphereBlock::Matrix& waves, int terms, int columns,
-              BandCovariance::Matrix& band) {
+template <typename Waves>
+void add_band(const Waves& waves, int terms, int columns, BandCovariance::Matrix& band) {
     const int width = static_cast<int>(band.cols()) - 1;
-    BandCovariance::Matrix tile;
+    Waves tile;
     for (int n = 1; n <= terms; n += tile_rows) {
         const int rows = std::min(tile_rows, terms - n + 1);
         const int reach = std::min(rows + width, terms - n + 1);
@@ -20,7 +20,7 @@ void add_band(const SphereBlock::Matrix& waves, int terms, int columns,
             waves.block(n, 0, rows, columns) * waves.block(n, 0, reach, columns).transpose();
         for (int i = 0; i < rows; ++i) {
             const int count = std::min(width + 1, reach - i);
-            band.row(n + i).head(count) += tile.row(i).segment(i, count);
+            band.row(n + i).head(count) += tile.row(i).segment(i, count).template cast<double>();
         }
     }
 }
@@ -30,9 +30,20 @@ void add_band(const SphereBlock::Matrix& waves, int terms, int columns,
 BandCovariance::BandCovariance(int terms, int width)
     : plus_(Matrix::Zero(terms + 1, width + 1)), minus_(plus_) {}
 
-void BandCovariance::add(const SphereBlock& block) {
-    add_band(block.U, block.terms, 2 * block.size, plus_);
-    add_band(block.V, block.terms, 2 * block.size, minus_);
+void BandCovariance::add(SphereBlock& block, bool single_precision) {
+    const int columns = 2 * block.size;
+    if (!single_precision) {
+        add_band(block.U, block.terms, columns, plus_);
+        add_band(block.V, block.terms, columns, minus_);
+        return;
+    }
+    if (block.single.rows() < block.terms + 1 || block.single.cols() != columns) {
+        block.single.resize(block.U.rows(), columns);
+    }
+    block.single.topRows(block.terms + 1) = block.U.topRows(block.terms + 1).cast<float>();
+    add_band(block.single, block.terms, columns, plus_);
+    block.single.topRows(block.terms + 1) = block.V.topRows(block.terms + 1).cast<float>();
+    add_band(block.single, block.terms, columns, minus_);
 }
 
 void BandCovariance::add(const BandCovariance& other) {

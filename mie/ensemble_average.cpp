@@ -16,7 +16,7 @@ namespace miebrdf::mie {
 namespace {
 
 constexpr int sizes_per_block = 64;  // U and V of a block stay near the cache
-constexpr int largest_chunk_count = 16;
+constexpr int largest_chunk_count = 8;
 constexpr double chunk_memory = 24e6;  // bytes, all bands of a pass together
 constexpr int smooth_start = 16;       // nodes of the first pass where efficiencies are smooth
 constexpr int smooth_limit = 256;      // more than this is for the even rule
@@ -26,7 +26,8 @@ constexpr int node_limit = 1 << 16;
 constexpr int least_table_moment = 200;
 constexpr int safe_band_width = 64;
 constexpr double least_table_tolerance = 1e-5;
-constexpr double rounding = 1e-13;  // no estimate below what rounding leaves
+constexpr double least_single_tolerance = 1e-7;  // single precision errs by 5e-9 (measured)
+constexpr double rounding = 1e-13;               // no estimate below what rounding leaves
 
 void validate(const EnsembleRequest& r) {
     if (!(r.host_index >= 0.1 && r.host_index <= 10)) {
@@ -68,22 +69,6 @@ double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
 }
 
 }  // namespace
-
-void EnsembleSums::add(const EnsembleSums& other) {
-    spheres.scattered += other.spheres.scattered;
-    spheres.absorbed += other.spheres.absorbed;
-    spheres.asymmetric += other.spheres.asymmetric;
-    if (covariance.width() >= 0) covariance.add(other.covariance);
-    if (intensity.size() > 0) intensity += other.intensity;
-}
-
-void EnsembleSums::scale(double factor) {
-    spheres.scattered *= factor;
-    spheres.absorbed *= factor;
-    spheres.asymmetric *= factor;
-    covariance.scale(factor);
-    intensity *= factor;
-}
 
 EnsembleAverage::EnsembleAverage(const EnsembleRequest& request)
     : request_(request), relative_index_(request.refractive_index / request.host_index) {
@@ -170,7 +155,8 @@ int EnsembleAverage::chunk_count() const {
         (static_cast<int>(parameters_.size()) + sizes_per_block - 1) / sizes_per_block;
     const double band_bytes = 2 * 8.0 * (terms_ + 1) * (std::max(band_width(), 0) + 1);
     const int fitting = std::max(4, static_cast<int>(chunk_memory / band_bytes));
-    return std::min({blocks, largest_chunk_count, fitting});
+    // Few blocks are not worth sums of their own.
+    return std::min({std::max(1, blocks / 3), largest_chunk_count, fitting});
 }
 
 EnsembleSums EnsembleAverage::compute(int chunk) const {
@@ -190,6 +176,9 @@ EnsembleSums EnsembleAverage::compute(int chunk) const {
     if (with_moments) sums.covariance = BandCovariance(terms_, band_width());
     if (with_angles) sums.intensity = Eigen::MatrixXd::Zero(angular_.angle_count(), 2);
     SphereBlock block;
+    const int end = std::min(size, (chunk + 1) * blocks / chunks * sizes_per_block);
+    if (with_moments || with_angles)
+        block.make_room(number_of_terms(parameters_[end - 1]), sizes_per_block);
     for (int b = chunk * blocks / chunks; b < (chunk + 1) * blocks / chunks; ++b) {
         const int first = b * sizes_per_block;
         const int count = std::min(sizes_per_block, size - first);
@@ -201,7 +190,7 @@ EnsembleSums EnsembleAverage::compute(int chunk) const {
         sums.spheres.scattered += s.scattered;
         sums.spheres.absorbed += s.absorbed;
         sums.spheres.asymmetric += s.asymmetric;
-        if (with_moments) sums.covariance.add(block);
+        if (with_moments) sums.covariance.add(block, single_precision());
         if (with_angles) angular_.add_intensity(block, sums.intensity);
     }
     return sums;
@@ -317,6 +306,10 @@ void EnsembleAverage::refine() {
     } else {
         set_nodes(smooth_size_nodes(request_.sizes, range_, count));
     }
+}
+
+bool EnsembleAverage::single_precision() const {
+    return rule_ == Rule::even && request_.tolerance >= least_single_tolerance;
 }
 
 int EnsembleAverage::band_width() const {

@@ -63,6 +63,7 @@ class EnsembleAverage {
     void estimate_errors(const EnsembleOptics& before);
     void put_exact_extinction();
     int band_width() const;
+    bool single_precision() const;
     bool wants_table() const { return request_.with_phase_table || moments_from_table_; }
     void start_tabulation();
     void finish_tabulation();

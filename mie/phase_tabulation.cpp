@@ -75,6 +75,7 @@ PhaseHalves PhaseTabulation::compute(int chunk) const {
     PhaseHalves halves;
     halves.intensity = Eigen::MatrixXd::Zero(angular_.angle_count(), 2);
     SphereBlock block;
+    block.make_room(number_of_terms(size_parameters_.back()), sizes_per_block);
     for (int b = chunk * blocks / chunks; b < (chunk + 1) * blocks / chunks; ++b) {
         const int first = b * sizes_per_block;
         const int count = std::min(sizes_per_block, size - first);

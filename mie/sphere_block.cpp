@@ -261,15 +261,21 @@ LaneSums compute_eight(Complex m, const Lanes& x, const Lanes& root_weight, Sphe
 
 }  // namespace
 
+void SphereBlock::make_room(int new_terms, int new_size) {
+    terms = new_terms;
+    size = new_size;
+    if (U.rows() >= terms + 1 && U.cols() == 2 * size) return;
+    U.resize(terms + 1, 2 * size);
+    V.resize(terms + 1, 2 * size);
+}
+
 SphereSums compute_spheres(Complex relative_index, std::span<const double> size_parameters,
                            std::span<const double> weights, SphereBlock* block) {
     const int count = static_cast<int>(size_parameters.size());
     SphereSums total;
     if (block) {
-        block->size = (count + lane_count - 1) / lane_count * lane_count;
-        block->terms = number_of_terms(size_parameters[count - 1]);
-        block->U.resize(block->terms + 1, 2 * block->size);
-        block->V.resize(block->terms + 1, 2 * block->size);
+        block->make_room(number_of_terms(size_parameters[count - 1]),
+                         (count + lane_count - 1) / lane_count * lane_count);
     }
     for (int first = 0; first < count; first += lane_count) {
         Lanes x, weight;

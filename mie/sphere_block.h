@@ -15,6 +15,13 @@ struct SphereBlock {
     Matrix U, V;
     int size = 0;
     int terms = 0;
+    /// Kept by those who need U or V in single precision: memory is mapped once per chunk, not per
+    /// block.
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> single;
+
+    /// Makes room; memory grows, and is reused while the number of spheres stays. Rows may be more
+    /// than terms + 1.
+    void make_room(int terms, int size);
 };
 
 /// Sums over spheres s with weights w_s of a block; all terms are positive but for the last.
@@ -31,7 +38,7 @@ struct SphereSums {
 ///
 /// @param size_parameters  ascending, at least one
 /// @param weights  one per size, >= 0
-/// @param block    U and V are resized and filled when not null
+/// @param block    U and V are filled when not null
 SphereSums compute_spheres(std::complex<double> relative_index,
                            std::span<const double> size_parameters, std::span<const double> weights,
                            SphereBlock* block);

@@ -17,7 +17,7 @@ ScatteringMode scattering_mode(const ScaledMedium& medium, const PhaseMode& mode
     const Eigen::VectorXd all = medium.scaled.strengths();
     const Eigen::Index count = std::max<Eigen::Index>(0, all.size() - mode.order);
     strengths.head(count) = all.tail(count);
-    return {std::move(strengths), medium.scaled.one_minus_albedo};
+    return {std::move(strengths), medium.scaled.one_minus_albedo, mode.order};
 }
 
 Reflector solve_base(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,

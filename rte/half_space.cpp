@@ -101,7 +101,11 @@ Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
                            const RequestedDirections& requested, double tolerance) {
     const Eigen::Index n = grid.size();
     Reflector result;
-    if (method == HalfSpaceMethod::automatic) {
+    if (method == HalfSpaceMethod::automatic && few_sweeps_suffice(medium, tolerance)) {
+        result = sweep_half_space(medium, mode, grid, requested, tolerance);
+        result.iterations = 0;
+        if (!result.physical) return result;
+    } else if (method == HalfSpaceMethod::automatic) {
         const TransferModes modes =
             decompose(mode, medium.strengths, medium.one_minus_albedo, grid);
         if (!modes.physical) return result;

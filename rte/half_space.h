@@ -13,6 +13,7 @@ namespace miebrdf::rte {
 struct ScatteringMode {
     Eigen::VectorXd strengths;      ///< alpha (2l+1) chi_l, l = m ... L - 1
     double one_minus_albedo = 1.0;  ///< its own number
+    int lowest_degree = 0;          ///< m
 };
 
 /// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one azimuthal order.
@@ -20,7 +21,8 @@ struct ScatteringMode {
 /// `automatic`: in closed form. The equation is a symmetric algebraic Riccati equation whose
 /// physical solution is a matrix geometric mean: with the matrices of transfer_modes.h,
 /// Z = F k F^T solves Z V Z = U, and X = 2 (I + Z)^-1 - I; then one application of eq. (3) removes
-/// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1.
+/// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1. High orders, where a
+/// few sweeps of the fixed point reach the tolerance, are solved by these instead.
 /// `fixed_point`: the paper's iteration from single scattering; the number of steps grows without
 /// bound as the albedo tends to 1.
 /// `doubling`: structured doubling from a thin layer, quadratically convergent; independent of any
@@ -31,6 +33,16 @@ struct ScatteringMode {
 Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
                            const PhaseMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance = 1e-12);
+
+/// True where the fixed point converges in so few steps that it is cheaper than an eigenproblem:
+/// high azimuthal orders, whose remaining moments are small.
+bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance);
+
+/// The fixed point at nodes and requested cosines at once, without any linear system; for orders
+/// of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged, physical.
+Reflector sweep_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+                           const ZenithGrid& grid, const RequestedDirections& requested,
+                           double tolerance);
 
 /// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.
 Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode,

@@ -110,4 +110,61 @@ Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mo
     return result;
 }
 
+bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance) {
+    // Columns are l = m, m + 1, ...; |a_l| / (2l+1) = alpha |chi_l| bounds how much of a field of
+    // degree l one scattering returns, and half of that goes to the other side at most. A sweep
+    // costs about a fifth of an eigenproblem.
+    double largest = 0.0;
+    for (Eigen::Index c = 0; c < medium.strengths.size(); ++c) {
+        largest = std::max(largest, std::abs(medium.strengths[c]) /
+                                        (2.0 * double(medium.lowest_degree + c) + 1.0));
+    }
+    return largest < 0.6 && std::log(tolerance) / std::log(std::max(0.5 * largest, 1e-30)) < 5.0;
+}
+
+Reflector sweep_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+                           const ZenithGrid& grid, const RequestedDirections& requested,
+                           double tolerance) {
+    const Eigen::VectorXd D = flux_weights(grid);
+    const Eigen::VectorXd strengths = alternating(medium.strengths);
+    Eigen::MatrixXd phi = mode.at_nodes;
+    Eigen::MatrixXd weighted;
+    Eigen::MatrixXd next(grid.size(), grid.size());
+    Eigen::MatrixXd previous = Eigen::MatrixXd::Zero(grid.size(), grid.size());
+    Reflector result;
+    result.nodes.resize(grid.size(), grid.size());
+    result.converged = false;
+    for (int sweep = 0; sweep < 40 && !result.converged; ++sweep) {
+        weighted.noalias() = phi * strengths.asDiagonal();
+        next.noalias() = weighted * phi.transpose();
+        const double scale = next.cwiseAbs().maxCoeff();
+        const double change = scale > 0.0 ? (next - previous).cwiseAbs().maxCoeff() / scale : 0.0;
+        for (Eigen::Index q = 0; q < grid.size(); ++q) {
+            result.nodes.col(q) =
+                0.5 * D[q] * next.col(q).array() * D.array() / (grid.mu.array() + grid.mu[q]);
+        }
+        result.residual = change;
+        result.converged = sweep > 0 && change <= tolerance;
+        if (result.converged) break;
+        previous.swap(next);
+        phi = mode.at_nodes +
+              reflected_moments(grid.mu, D.cwiseInverse().asDiagonal() * result.nodes, mode);
+    }
+    // With phi at the nodes known, each requested cosine obeys a linear fixed point of its own.
+    Eigen::MatrixXd phi_requested = mode.at_requested;
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(requested.mu.size(), grid.size());
+    for (int sweep = 0; sweep < 40 && requested.mu.size() > 0; ++sweep) {
+        const Eigen::MatrixXd before = rows;
+        rows.noalias() = phi_requested * weighted.transpose();
+        for (Eigen::Index q = 0; q < grid.size(); ++q) {
+            rows.col(q).array() *= 0.5 * D[q] / (requested.mu.array() + grid.mu[q]);
+        }
+        if ((rows - before).cwiseAbs().maxCoeff() <= tolerance * rows.cwiseAbs().maxCoeff()) break;
+        phi_requested = mode.at_requested + reflected_moments(requested.mu, rows, mode);
+    }
+    result.rows = rows;
+    result.physical = result.nodes.allFinite() && rows.allFinite() && result.converged;
+    return result;
+}
+
 }  // namespace miebrdf::rte

@@ -26,15 +26,10 @@ struct DecayTables {
 };
 
 DecayTables decay_tables(double tau, const TransferModes& modes, const Eigen::VectorXd& mu) {
-    DecayTables tables{MatrixXd(mu.size(), modes.rates.size()),
-                       MatrixXd(mu.size(), modes.rates.size())};
-    for (Eigen::Index j = 0; j < modes.rates.size(); ++j) {
-        for (Eigen::Index r = 0; r < mu.size(); ++r) {
-            const auto integrals = math::decay_integrals(tau / mu[r], tau * modes.rates[j]);
-            tables.near(r, j) = 0.5 * integrals.near;
-            tables.far(r, j) = 0.5 * integrals.far;
-        }
-    }
+    DecayTables tables;
+    math::decay_integrals(tau / mu.array(), tau * modes.rates.array(), tables.near, tables.far);
+    tables.near *= 0.5;
+    tables.far *= 0.5;
     return tables;
 }
 

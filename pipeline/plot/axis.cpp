@@ -74,11 +74,15 @@ void Axis::add_linear_ticks() {
 }
 
 void Axis::add_log_ticks() {
-    const bool short_span = highest_ / lowest_ < 10;
-    if (!short_span) {
-        if (!options_.lowest) lowest_ = std::pow(10.0, std::floor(std::log10(lowest_) + 1e-9));
-        if (!options_.highest) highest_ = std::pow(10.0, std::ceil(std::log10(highest_) - 1e-9));
+    if (highest_ / lowest_ < 10) {  // too short for powers of ten: numbers as on a linear axis
+        const double step = round_step(highest_ - lowest_, 8);
+        for (double i = std::ceil(lowest_ / step - 1e-9); i <= highest_ / step + 1e-9; ++i) {
+            ticks_.push_back({i * step, fmt::format("{:g}", i * step)});
+        }
+        return;
     }
+    if (!options_.lowest) lowest_ = std::pow(10.0, std::floor(std::log10(lowest_) + 1e-9));
+    if (!options_.highest) highest_ = std::pow(10.0, std::ceil(std::log10(highest_) - 1e-9));
     const int first = static_cast<int>(std::floor(std::log10(lowest_)));
     const int last = static_cast<int>(std::ceil(std::log10(highest_)));
     const bool plain = first >= -4 && last <= 4;  // 0.0001 to 10000
@@ -91,7 +95,6 @@ void Axis::add_log_ticks() {
             if (digit == 1 && exponent % every == 0) {
                 label = plain ? fmt::format("{:g}", value) : power_of_ten(exponent);
             }
-            if (short_span && (digit == 2 || digit == 5)) label = fmt::format("{:g}", value);
             if (digit == 1 || every == 1) ticks_.push_back({value, label});
         }
     }

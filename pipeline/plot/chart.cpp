@@ -167,30 +167,46 @@ double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries,
                    double right, double top) {
     constexpr double kLine = 18.0, kSample = 24.0, kGap = 6.0, kBetween = 16.0;
     if (entries.empty()) return 0.0;
-    double x = left, y = top + kLine;
+    const auto patch_of = [&](const LegendEntry& entry) {
+        return entry.swatch ? 14.0 + kGap : 0.0;
+    };
+    const auto width_of = [&](const LegendEntry& entry) {
+        return kSample + kGap + patch_of(entry) + SvgDrawing::text_width(entry.label, 12.0) +
+               kBetween;
+    };
+    double widest = 0, total = 0;
     for (const LegendEntry& entry : entries) {
-        const double patch = entry.swatch ? 14.0 + kGap : 0.0;
-        const double width = kSample + kGap + patch + SvgDrawing::text_width(entry.label, 12.0);
-        if (x > left && x + width > right) x = left, y += kLine;
-        if (drawing != nullptr) {
-            const double middle = y - 4.5;
-            if (entry.mark != Mark::points)
-                drawing->line({x, middle}, {x + kSample, middle}, curve_stroke(entry.colour));
-            if (entry.mark != Mark::line) {
-                drawing->circle({x + 0.5 * kSample, middle}, 3.0,
-                                {curve_colour(entry.colour), 1.4, {}}, "#ffffff");
-            }
-            if (entry.swatch) {
-                const Point corner{x + kSample + kGap, y - 12};
-                drawing->rectangle(corner, 14, 14, css_colour(*entry.swatch));
-                drawing->frame(corner, 14, 14, {"#808080", 0.6, {}});
-            }
-            drawing->text({x + kSample + kGap + patch, y}, entry.label,
-                          {12.0, Anchor::start, 0, "#000000"});
-        }
-        x += width + kBetween;
+        widest = std::max(widest, width_of(entry));
+        total += width_of(entry);
     }
-    return y - top + 6.0;
+    // One line if there is room, else columns.
+    const int count = static_cast<int>(entries.size());
+    const bool one_line = total - kBetween <= right - left;
+    const int columns =
+        one_line ? count : std::max(1, static_cast<int>((right - left + kBetween) / widest));
+    double next = left;
+    for (int i = 0; drawing != nullptr && i < count; ++i) {
+        const LegendEntry& entry = entries[static_cast<std::size_t>(i)];
+        const double x = one_line ? next : left + (i % columns) * widest;
+        next += width_of(entry);
+        const double y = top + kLine * (1 + i / columns);
+        const double middle = y - 4.5;
+        if (entry.mark != Mark::points) {
+            drawing->line({x, middle}, {x + kSample, middle}, curve_stroke(entry.colour));
+        }
+        if (entry.mark != Mark::line) {
+            drawing->circle({x + 0.5 * kSample, middle}, 3.0, {curve_colour(entry.colour), 1.4, {}},
+                            "#ffffff");
+        }
+        if (entry.swatch) {
+            const Point corner{x + kSample + kGap, y - 12};
+            drawing->rectangle(corner, 14, 14, css_colour(*entry.swatch));
+            drawing->frame(corner, 14, 14, {"#808080", 0.6, {}});
+        }
+        drawing->text({x + kSample + kGap + patch_of(entry), y}, entry.label,
+                      {12.0, Anchor::start, 0, "#000000"});
+    }
+    return kLine * ((count + columns - 1) / columns) + 6.0;
 }
 
 Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, double width) {

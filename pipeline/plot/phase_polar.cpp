@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -24,8 +25,13 @@ struct Disk {
     }
 };
 
-double largest_phase(const std::vector<PhaseCurve>& curves) {
-    double largest = 0;
+struct Range {
+    double smallest = std::numeric_limits<double>::infinity();  ///< positive value
+    double largest = 0.0;
+};
+
+Range phase_range(const std::vector<PhaseCurve>& curves) {
+    Range range;
     for (const PhaseCurve& curve : curves) {
         if (curve.angle_deg.size() != curve.phase.size()) {
             throw std::invalid_argument(fmt::format("phase function '{}': {} values for {} angles",
@@ -33,12 +39,21 @@ double largest_phase(const std::vector<PhaseCurve>& curves) {
                                                     curve.angle_deg.size()));
         }
         for (const double p : curve.phase) {
-            if (std::isfinite(p)) largest = std::max(largest, p);
+            if (!(std::isfinite(p) && p > 0)) continue;
+            range.smallest = std::min(range.smallest, p);
+            range.largest = std::max(range.largest, p);
         }
     }
-    if (!(largest > 0))
+    if (!(range.largest > 0))
         throw std::invalid_argument("a phase function chart needs a positive value");
-    return largest;
+    return range;
+}
+
+/// Down to the power of ten below the smallest value, but never more than 12 decades.
+int decades_of(const Range& range) {
+    const double top = std::ceil(std::log10(range.largest) - 1e-9);
+    const double bottom = std::floor(std::log10(range.smallest) + 1e-9);
+    return static_cast<int>(std::clamp(top - bottom, 1.0, 12.0));
 }
 
 void draw_grid(SvgDrawing& drawing, const Disk& disk, const RadialScale& scale) {
@@ -66,11 +81,13 @@ void draw_grid(SvgDrawing& drawing, const Disk& disk, const RadialScale& scale) 
 
 Picture draw_phase_polar(const std::vector<PhaseCurve>& curves, const Caption& caption,
                          int decades) {
-    if (!(decades >= 1 && decades <= 12)) {
-        throw std::invalid_argument(fmt::format("{} decades; allowed: 1 to 12", decades));
+    if (!(decades >= 0 && decades <= 12)) {
+        throw std::invalid_argument(fmt::format("{} decades; allowed: 0 to 12", decades));
     }
-    const double largest = largest_phase(curves);
-    const RadialScale scale(radial_options("phase function", true, decades, largest), {largest});
+    const Range range = phase_range(curves);
+    if (decades == 0) decades = decades_of(range);
+    const RadialScale scale(radial_options("phase function", true, decades, range.largest),
+                            {range.largest});
     std::vector<LegendEntry> legend;
     for (std::size_t i = 0; i < curves.size(); ++i) {
         if (!curves[i].label.empty())

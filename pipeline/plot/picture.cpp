@@ -29,13 +29,15 @@ std::string description_of(const std::string& svg) {
     return text;
 }
 
+std::string ending_of(const std::string& path) {
+    const auto dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(dot);
+}
+
 std::string png_of(const Picture& picture, double scale) {
     if (!(scale >= 0.1 && scale <= 20)) {
         throw UsageError(
             fmt::format("picture scale {}; allowed: 0.1 to 20 pixels for each unit", scale));
-    }
-    if (!can_rasterise()) {
-        throw UsageError("this build cannot write PNG (librsvg was missing); write .svg instead");
     }
     std::string png = rasterise(picture.svg, static_cast<int>(std::lround(picture.width * scale)),
                                 static_cast<int>(std::lround(picture.height * scale)));
@@ -47,14 +49,20 @@ std::string png_of(const Picture& picture, double scale) {
 
 bool png_is_available() { return can_rasterise(); }
 
-void save_picture(const Picture& picture, const std::string& path, double scale) {
-    const auto dot = path.rfind('.');
-    const std::string ending = dot == std::string::npos ? "" : path.substr(dot);
+void check_picture_path(const std::string& path) {
+    const std::string ending = ending_of(path);
     if (ending != ".svg" && ending != ".png") {
         throw UsageError(
             fmt::format("picture '{}': unknown ending '{}'; allowed: .svg, .png", path, ending));
     }
-    const std::string bytes = ending == ".svg" ? picture.svg : png_of(picture, scale);
+    if (ending == ".png" && !can_rasterise()) {
+        throw UsageError("this build cannot write PNG (librsvg was missing); write .svg instead");
+    }
+}
+
+void save_picture(const Picture& picture, const std::string& path, double scale) {
+    check_picture_path(path);
+    const std::string bytes = ending_of(path) == ".svg" ? picture.svg : png_of(picture, scale);
     AtomicFile file(path);
     file.stream() << bytes;
     file.commit();

@@ -16,6 +16,10 @@ struct Caption {
     std::string command;  ///< that made it: into the file, not onto the page
 };
 
+/// Refuses a path that save_picture would refuse, before any work is done.
+/// @throws UsageError  for an ending other than .svg and .png, or .png in a build without it
+void check_picture_path(const std::string& path);
+
 /// Writes `.svg` or `.png` by the path's ending, whole or not at all. A PNG has `scale` pixels for
 /// each SVG unit and carries the command as its "Description".
 /// @throws UsageError  for another ending, a scale outside [0.1, 20], or PNG in a build without it

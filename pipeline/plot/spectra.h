@@ -46,8 +46,9 @@ struct PhaseCurve {
 Picture draw_phase(const std::vector<PhaseCurve>& curves, const Caption& caption);
 
 /// Around the particle: light comes from the left, the radius is the logarithm of P.
-/// @param decades  shown below the largest value, 1 to 12; smaller values lie in the centre
+/// @param decades  below the power of ten above the largest value, 1 to 12, smaller values lying in
+///        the centre; 0: as many as the smallest value needs
 Picture draw_phase_polar(const std::vector<PhaseCurve>& curves, const Caption& caption,
-                         int decades = 4);
+                         int decades = 0);
 
 }  // namespace miebrdf::plot

@@ -36,7 +36,8 @@ FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium
             layers.push_back({medium->optical_depth, phase_.size()});
             auto& row = phase_.emplace_back();
             for (const double angle : angles_deg_) {
-                row.push_back(strength * rte::exact_phase(medium->exact, std::cos(angle * kDegree)));
+                row.push_back(strength *
+                              rte::exact_phase(medium->exact, std::cos(angle * kDegree)));
             }
         }
     }

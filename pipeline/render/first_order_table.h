@@ -9,7 +9,8 @@
 namespace miebrdf::render {
 
 /// rte::single_scattering with the exact phase functions read from tables over the scattering
-/// angle: nodes 0.03 degrees apart at 0 and 180, 0.6 degrees in the middle. Glories, rainbows and forward peaks live here: what is scattered more than once is smooth.
+/// angle: nodes 0.03 degrees apart at 0 and 180, 0.6 degrees in the middle. Glories, rainbows and
+/// forward peaks live here: what is scattered more than once is smooth.
 class FirstOrderTable {
   public:
     /// @param stacks  for each wavelength the media from the bottom up

@@ -16,7 +16,8 @@ namespace {
 /// Planck's law up to a factor; second radiation constant h c / k of CODATA 2018.
 double planck(double wavelength_nm, double kelvin) {
     constexpr double kSecondConstant_nm_K = 1.438776877e7;
-    return std::pow(wavelength_nm, -5.0) / std::expm1(kSecondConstant_nm_K / (wavelength_nm * kelvin));
+    return std::pow(wavelength_nm, -5.0) /
+           std::expm1(kSecondConstant_nm_K / (wavelength_nm * kelvin));
 }
 
 /// Wavelengths beyond the eye get the illuminant's value at its end.

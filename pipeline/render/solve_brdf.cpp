@@ -55,12 +55,15 @@ class SolvedBrdfBuilder {
             optics_.push_back(std::move(optics));
         }
         if (request.scene.surface) {
-            for (const double w : request.wavelength_nm) surface_index_.push_back(media.surface_index_at(w));
+            for (const double w : request.wavelength_nm)
+                surface_index_.push_back(media.surface_index_at(w));
         }
-        for (const double wavelength : request.wavelength_nm) brdf_->wavelength_nm_.push_back(wavelength);
+        for (const double wavelength : request.wavelength_nm)
+            brdf_->wavelength_nm_.push_back(wavelength);
         for (const std::string& line : media.sources()) {
             const auto& known = brdf_->sources_;
-            if (std::find(known.begin(), known.end(), line) == known.end()) brdf_->sources_.push_back(line);
+            if (std::find(known.begin(), known.end(), line) == known.end())
+                brdf_->sources_.push_back(line);
         }
     }
 
@@ -80,8 +83,10 @@ class SolvedBrdfBuilder {
                     const double once = rte::single_scattering(media, exact, in, out, cosine);
                     const double value = (in + out) * (solved.reflection[index] - once);
                     if (!std::isfinite(value)) {
-                        throw InputError(fmt::format("no physical solution at {} nm; try other streams "
-                                                     "or a smaller tolerance", brdf_->wavelength_nm_[w]));
+                        throw InputError(
+                            fmt::format("no physical solution at {} nm; try other streams "
+                                        "or a smaller tolerance",
+                                        brdf_->wavelength_nm_[w]));
                     }
                     brdf_->table_[index * count + w] = float(value);
                     ++index;
@@ -99,7 +104,8 @@ class SolvedBrdfBuilder {
     const RunControl& control_;
     std::shared_ptr<SolvedBrdf> brdf_ = std::make_shared<SolvedBrdf>();
     std::vector<SceneOptics> optics_;
-    std::vector<std::complex<double>> surface_index_;  ///< at each wavelength; empty without surface
+    std::vector<std::complex<double>>
+        surface_index_;  ///< at each wavelength; empty without surface
     rte::SolverOptions solver_;
     rte::Directions directions_;
 };
@@ -116,7 +122,8 @@ std::shared_ptr<const SolvedBrdf> solve_brdf(std::vector<Request> requests, Comp
         validate(request);
     }
     if (component == Component::surface && !requests.front().scene.surface) {
-        throw UsageError("component 'surface' needs a surface; give one with --roughness, e.g. 0.3");
+        throw UsageError(
+            "component 'surface' needs a surface; give one with --roughness, e.g. 0.3");
     }
     SolvedBrdfBuilder builder(requests, size, control);
     return builder.build(requests.front().scene, component);
@@ -139,7 +146,8 @@ InterpolationError interpolation_error(const SolvedBrdf& brdf, Request request,
         std::size_t index = i * block;
         for (const double mu_out : d.mu_out) {
             for (const double azimuth : d.azimuth_deg) {
-                brdf.evaluate(d.mu_in[i], mu_out, std::cos(azimuth * std::numbers::pi / 180.0), values);
+                brdf.evaluate(d.mu_in[i], mu_out, std::cos(azimuth * std::numbers::pi / 180.0),
+                              values);
                 for (std::size_t w = 0; w < values.size(); ++w) {
                     const std::vector<double>& total = exact.slices[w].total;
                     const auto first = total.begin() + std::ptrdiff_t(i * block);

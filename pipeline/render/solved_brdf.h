@@ -24,8 +24,9 @@ struct TableSize {
 };
 
 /// BRDF of a scene. (mu_in + mu_out) R of light scattered more than once, which is smooth and
-/// bounded, is interpolated cubically in sqrt(mu_in), sqrt(mu_out) and azimuth; light scattered once
-/// and the surface lobe are evaluated at the very directions (first_order_table.h, surface_term.h).
+/// bounded, is interpolated cubically in sqrt(mu_in), sqrt(mu_out) and azimuth; light scattered
+/// once and the surface lobe are evaluated at the very directions (first_order_table.h,
+/// surface_term.h).
 class SolvedBrdf : public RenderBrdf {
   public:
     std::size_t wavelengths() const override { return wavelength_nm_.size(); }
@@ -56,7 +57,8 @@ class SolvedBrdf : public RenderBrdf {
 };
 
 /// Solves a material.
-/// @param requests  one, or several that differ in media and share nothing but their surface options;
+/// @param requests  one, or several that differ in media and share nothing but their surface
+/// options;
 ///                  their wavelengths are joined in order. Directions are ignored.
 /// @throws UsageError, InputError, Cancelled; InputError too when a wavelength has no physical
 ///         solution

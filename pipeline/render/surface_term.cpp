@@ -22,7 +22,9 @@ CubicTaps taps_of(double mu) {
 
 SurfaceTerm::SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
                          const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling)
-    : options_(options), shadowing_(options), in_(kNodes * refractive_index.size()),
+    : options_(options),
+      shadowing_(options),
+      in_(kNodes * refractive_index.size()),
       out_(in_.size()) {
     const std::size_t count = refractive_index.size();
     for (std::size_t w = 0; w < count; ++w) {
@@ -49,13 +51,14 @@ void SurfaceTerm::weaken(double mu_in, double mu_out, std::span<double> brdf) co
     }
 }
 
-void SurfaceTerm::add(double mu_in, double mu_out, double cos_azimuth, std::span<double> brdf) const {
+void SurfaceTerm::add(double mu_in, double mu_out, double cos_azimuth,
+                      std::span<double> brdf) const {
     const HalfVector half = half_vector(mu_in, mu_out, cos_azimuth);
     const double cos2 = half.cos_normal * half.cos_normal;
     const double tan2 = (1.0 - half.cos_normal) * (1.0 + half.cos_normal) / cos2;
-    const double shape =
-        0.25 * rte::normal_density(options_.distribution, options_.beckmann_alpha, tan2) *
-        shadowing_({mu_in, mu_out, half.cos_normal, half.cos_light});
+    const double shape = 0.25 *
+                         rte::normal_density(options_.distribution, options_.beckmann_alpha, tan2) *
+                         shadowing_({mu_in, mu_out, half.cos_normal, half.cos_light});
     for (std::size_t w = 0; w < brdf.size(); ++w) brdf[w] += shape * fresnel_[w](half.cos_light);
 }
 

@@ -22,7 +22,8 @@ std::vector<double> cosine_nodes(int count) {
 }
 
 CubicTaps cosine_taps(double mu, std::size_t count) {
-    return uniform_taps((std::sqrt(mu) - kFirstRoot) / (1.0 - kFirstRoot) * double(count - 1), count);
+    return uniform_taps((std::sqrt(mu) - kFirstRoot) / (1.0 - kFirstRoot) * double(count - 1),
+                        count);
 }
 
 std::vector<double> azimuth_nodes_deg(int count) {

@@ -51,4 +51,43 @@ DecayIntegrals decay_integrals(double x, double y) {
     return by_exponentials(x, y);
 }
 
+void decay_integrals(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y, Eigen::MatrixXd& near,
+                     Eigen::MatrixXd& far) {
+    // The nodes of by_quadrature on (0, 1): symmetric, so sinh(y (1 - u)) is the table of
+    // sinh(y u) read backwards.
+    using rule = boost::math::quadrature::gauss<double, 15>;
+    constexpr int count = 15;
+    Eigen::Array<double, count, 1> nodes;
+    Eigen::Array<double, count, 1> weights;
+    for (int k = 0; k <= count / 2; ++k) {
+        const auto at = std::size_t(k);
+        nodes[count / 2 + k] = 0.5 + 0.5 * rule::abscissa()[at];
+        nodes[count / 2 - k] = 0.5 - 0.5 * rule::abscissa()[at];
+        weights[count / 2 + k] = weights[count / 2 - k] = 0.5 * rule::weights()[at];
+    }
+    Eigen::Array<double, count, Eigen::Dynamic> decay(count, x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        if (x[i] < 1.0) decay.col(i) = x[i] * weights * (-x[i] * nodes).exp();
+    }
+
+    near.resize(x.size(), y.size());
+    far.resize(x.size(), y.size());
+    for (Eigen::Index j = 0; j < y.size(); ++j) {
+        Eigen::Array<double, count, 1> ratio;
+        if (y[j] < 1.0) {
+            for (int k = 0; k < count; ++k) ratio[k] = sinh_ratio(y[j], nodes[k]);
+        }
+        for (Eigen::Index i = 0; i < x.size(); ++i) {
+            if (x[i] < 1.0 && y[j] < 1.0) {
+                near(i, j) = (decay.col(i) * ratio.reverse()).sum();
+                far(i, j) = (decay.col(i) * ratio).sum();
+            } else {
+                const DecayIntegrals integrals = decay_integrals(x[i], y[j]);
+                near(i, j) = integrals.near;
+                far(i, j) = integrals.far;
+            }
+        }
+    }
+}
+
 }  // namespace miebrdf::math

@@ -1,6 +1,8 @@
 // Integrals of one decaying exponential against another over a layer, without cancellation.
 #pragma once
 
+#include <Eigen/Core>
+
 namespace miebrdf::math {
 
 struct DecayIntegrals {
@@ -12,5 +14,10 @@ struct DecayIntegrals {
 /// Relative error a few units in the last place everywhere, x = y included: three forms of the same
 /// integrals, each used where nothing cancels.
 DecayIntegrals decay_integrals(double x, double y);
+
+/// The same for all pairs: near and far are resized to x.size() x y.size(). Where both arguments
+/// are below 1 the exponentials are tabulated once for each x and each y.
+void decay_integrals(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y, Eigen::MatrixXd& near,
+                     Eigen::MatrixXd& far);
 
 }  // namespace miebrdf::math

@@ -34,6 +34,12 @@ std::map<std::string, ImportItem> by_name(const std::vector<ImportItem>& items) 
     return found;
 }
 
+std::filesystem::path write_in(const support::TemporaryFolder& folder, const std::string& name,
+                               const std::string& text) {
+    std::filesystem::create_directories(folder.path() / "in");
+    return folder.write("in/" + name, text);
+}
+
 bool big_samples_missing() {
     if (std::filesystem::exists(big_samples)) return false;
     WARN("skipped: no sample collection at " << big_samples.string());
@@ -65,6 +71,26 @@ TEST_CASE("one bad file among those named: nothing is changed", "[materials][imp
                       Catch::Contains("not recognised"));
     CHECK_THROWS_AS(import_into(file, {folder.path() / "missing.nk"}), ImportError);
     CHECK(Database::open(file).list().size() == 1);
+}
+
+TEST_CASE("other figures under a label that is taken are refused", "[materials][import]") {
+    const support::TemporaryFolder folder;
+    const auto file = folder.path() / "user.sqlite";
+    const auto first = write_in(folder, "a.csv", "nm,n\n400,1.5\n");
+    const auto other = write_in(folder, "b.csv", "nm,n\n400,1.6\n");
+    import_into(file, {first}, {.material = "M", .label = "x"});
+    CHECK_THROWS_WITH(import_into(file, {other}, {.material = "M", .label = "x"}),
+                      Catch::Contains("b.csv: M/x is already in") && Catch::Contains("replace"));
+    CHECK_THROWS_WITH(import_into(file, {first, other}, {.material = "N", .label = "x"}),
+                      Catch::Contains("another file gives N/x"));
+    CHECK_THROWS_WITH(import_into(file, {first}, {.material = "GaP", .label = "visible"}),
+                      Catch::Contains("embedded"));
+    // In a folder the clash is refused and the rest goes on.
+    const auto items = import_into(file, {folder.path() / "in"}, {.material = "P", .label = "x"});
+    CHECK(std::count_if(items.begin(), items.end(), [](const auto& i) { return !i.outcome; }) == 1);
+    const auto replaced =
+        import_into(file, {other}, {.material = "M", .label = "x", .replace = true});
+    CHECK(replaced.front().outcome == AddOutcome::replaced);
 }
 
 TEST_CASE("a folder with a catalogue: wrong entries are refused one by one",

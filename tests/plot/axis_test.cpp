@@ -50,7 +50,7 @@ TEST_CASE("a logarithmic axis ends at powers of ten and ignores what it cannot s
     CHECK(labels(wide).size() <= 9);
     CHECK(labels(wide).front() == "10\u207b\u00b9\u00b2");
     const Axis narrow({"n", Scale::logarithmic}, {2.0, 7.0});
-    CHECK(labels(narrow) == std::vector<std::string>{"2", "5"});
+    CHECK(labels(narrow) == std::vector<std::string>{"2", "3", "4", "5", "6", "7"});
 }
 
 TEST_CASE("a constant lies in the middle of its axis", "[plot][axis]") {

@@ -101,7 +101,7 @@ TEST_CASE("polar charts refuse data that do not fit", "[plot][errors]") {
                       Catch::Contains("1 values for 2 angles"));
     CHECK_THROWS_WITH(draw_lobe({{"a", {0, 95}, {1, 1}, 0}}, {}, {}), Catch::Contains("95"));
     CHECK_THROWS_WITH(draw_lobe({{"a", {0, 5}, {0, 0}, 0}}, {}, {}), Catch::Contains("positive"));
-    CHECK_THROWS_WITH(draw_phase_polar({{"P", {0}, {1}}}, {}, 0), Catch::Contains("1 to 12"));
+    CHECK_THROWS_WITH(draw_phase_polar({{"P", {0}, {1}}}, {}, 13), Catch::Contains("0 to 12"));
     CHECK_THROWS_WITH(draw_slice({2, 2, {1, 2, 3}}, {}), Catch::Contains("3 values for 2 x 2"));
     HemisphereMap map;
     map.zenith_edges_deg = {0, 95};

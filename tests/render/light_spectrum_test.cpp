@@ -41,7 +41,8 @@ TEST_CASE("tungsten light has the chromaticity of illuminant A", "[render][colou
     // CIE 15:2004, table T.3: x = 0.44758, y = 0.40745; sRGB primaries of IEC 61966-2-1 turn that
     // into ratios of linear red, green and blue.
     const auto wavelengths = every(5.0);
-    const Image rgb = to_linear_srgb(one_pixel(light_spectrum("blackbody:2855.5", wavelengths)), wavelengths);
+    const Image rgb =
+        to_linear_srgb(one_pixel(light_spectrum("blackbody:2855.5", wavelengths)), wavelengths);
     const double r = double(rgb.values[0]), g = double(rgb.values[1]), b = double(rgb.values[2]);
     const double X = 0.4124 * r + 0.3576 * g + 0.1805 * b;
     const double Y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -61,17 +62,20 @@ TEST_CASE("the spectrum of a colour has that colour", "[render][colour]") {
         CHECK(basis[0][w] + basis[1][w] + basis[2][w] == Approx(1.0).margin(1e-3));
     }
     const Image rgb = to_linear_srgb(one_pixel(spectrum), wavelengths);
-    for (std::size_t c = 0; c < 3; ++c) CHECK(double(rgb.values[c]) == Approx(colour[c]).margin(1e-5));
+    for (std::size_t c = 0; c < 3; ++c)
+        CHECK(double(rgb.values[c]) == Approx(colour[c]).margin(1e-5));
 }
 
 TEST_CASE("three descending wavelengths are red, green and blue themselves", "[render][colour]") {
     const std::vector<double> rgb_nm = {620.0, 535.0, 480.0};
     REQUIRE(is_rgb(rgb_nm));
     CHECK_FALSE(is_rgb({480.0, 535.0, 620.0}));
-    CHECK(to_linear_srgb(one_pixel({0.1, 0.2, 0.3}), rgb_nm).values == std::vector{0.1F, 0.2F, 0.3F});
+    CHECK(to_linear_srgb(one_pixel({0.1, 0.2, 0.3}), rgb_nm).values ==
+          std::vector{0.1F, 0.2F, 0.3F});
 }
 
 TEST_CASE("unknown spectra of light are refused", "[render][colour][errors]") {
-    CHECK_THROWS_WITH(light_spectrum("sunny", {550.0}), Catch::Contains("sunny") && Catch::Contains("blackbody"));
+    CHECK_THROWS_WITH(light_spectrum("sunny", {550.0}),
+                      Catch::Contains("sunny") && Catch::Contains("blackbody"));
     CHECK_THROWS_WITH(light_spectrum("blackbody:5", {550.0}), Catch::Contains("500 to 40000"));
 }

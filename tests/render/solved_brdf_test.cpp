@@ -44,9 +44,10 @@ double disc_mean(const SpectralPicture& picture) { return mean_radiance(picture)
 }  // namespace
 
 TEST_CASE("the table agrees with the solver between its nodes", "[render][solved]") {
-    const Request request = GENERATE(request_of("hg:0.95,0.7"), request_of("isotropic:1"),
-                                     request_of("hg:0.95,0.7", {"hg:0.9,0.46@0.1"}),
-                                     with_surface(request_of("rayleigh:0.9", {"hg:0.7,0.4@0.3"}), 0.3, 1.5));
+    const Request request =
+        GENERATE(request_of("hg:0.95,0.7"), request_of("isotropic:1"),
+                 request_of("hg:0.95,0.7", {"hg:0.9,0.46@0.1"}),
+                 with_surface(request_of("rayleigh:0.9", {"hg:0.7,0.4@0.3"}), 0.3, 1.5));
     const auto brdf = solve_brdf({request}, Component::total);
     const InterpolationError error = interpolation_error(*brdf, request);
     CAPTURE(describe(request.scene.base), request.scene.coats.size(), error.median, error.largest);
@@ -55,16 +56,19 @@ TEST_CASE("the table agrees with the solver between its nodes", "[render][solved
     CHECK(error.median <= 1e-4);
 }
 
-TEST_CASE("a lossless half-space disappears in a uniform environment", "[render][solved][furnace]") {
+TEST_CASE("a lossless half-space disappears in a uniform environment",
+          "[render][solved][furnace]") {
     RenderScene scene = sphere_scene(solve_brdf({request_of("isotropic:1")}, Component::total));
     scene.lighting.environment = Environment::uniform({1.0});
     RenderOptions options{.width = 16, .height = 16, .samples = 8192, .bounces = 1};
     options.environment_visible = true;
     const auto picture = render_picture(scene, parallel_camera(scene), options);
-    for (const float radiance : picture.radiance.values) CHECK(std::abs(double(radiance) - 1.0) <= 1e-3);
+    for (const float radiance : picture.radiance.values)
+        CHECK(std::abs(double(radiance) - 1.0) <= 1e-3);
 }
 
-TEST_CASE("a solved sphere under a uniform sky has the solver's spherical albedo", "[render][solved]") {
+TEST_CASE("a solved sphere under a uniform sky has the solver's spherical albedo",
+          "[render][solved]") {
     const Request request = request_of("hg:0.95,0.7", {"hg:0.9,0.46@0.1"});
     RenderScene scene = sphere_scene(solve_brdf({request}, Component::total));
     scene.lighting.environment = Environment::uniform({1.0});
@@ -88,7 +92,8 @@ TEST_CASE("a solved sphere in opposition sends back what the solver says", "[ren
     for (std::size_t k = 0; k < nodes.nodes.size(); ++k) {
         const double mu = nodes.nodes[k];
         request.directions = {{mu}, {mu}, {180.0}};
-        expected += 2 * nodes.weights[k] * mu * mu * compute_brdf(request).slices.front().total.front();
+        expected +=
+            2 * nodes.weights[k] * mu * mu * compute_brdf(request).slices.front().total.front();
     }
     CHECK(std::abs(disc_mean(picture) - expected) <= 1e-3 * expected);
 }
@@ -99,7 +104,8 @@ TEST_CASE("solved materials are reciprocal with the reciprocal coupling", "[rend
     const auto brdf = solve_brdf({request}, Component::total);
     // Single precision of the table.
     for (const double azimuth : {0.0, 75.0, 180.0}) {
-        CHECK(value(*brdf, 0.31, 0.87, azimuth) == Approx(value(*brdf, 0.87, 0.31, azimuth)).epsilon(1e-5));
+        CHECK(value(*brdf, 0.31, 0.87, azimuth) ==
+              Approx(value(*brdf, 0.87, 0.31, azimuth)).epsilon(1e-5));
     }
 }
 
@@ -108,7 +114,8 @@ TEST_CASE("the surface lobe is the solver's to rounding", "[render][solved]") {
     const auto brdf = solve_brdf({request}, Component::surface);
     const rte::SurfaceLobe lobe({2.4, 0.0}, *request.scene.surface);
     for (const double azimuth : {0.0, 33.0, 180.0}) {
-        CHECK(value(*brdf, 0.4, 0.6, azimuth) == Approx(lobe.brdf(0.4, 0.6, azimuth)).epsilon(1e-10));
+        CHECK(value(*brdf, 0.4, 0.6, azimuth) ==
+              Approx(lobe.brdf(0.4, 0.6, azimuth)).epsilon(1e-10));
     }
 }
 
@@ -128,6 +135,7 @@ TEST_CASE("requests of different wavelengths join in order", "[render][solved]")
 TEST_CASE("solving for a picture refuses what it cannot show", "[render][solved][errors]") {
     CHECK_THROWS_WITH(solve_brdf({request_of("isotropic:0.5")}, Component::surface),
                       Catch::Contains("--roughness"));
-    CHECK_THROWS_AS(solve_brdf({request_of("isotropic:0.5")}, Component::total, {3, 33}), UsageError);
+    CHECK_THROWS_AS(solve_brdf({request_of("isotropic:0.5")}, Component::total, {3, 33}),
+                    UsageError);
     CHECK_THROWS_AS(solve_brdf({}, Component::total), UsageError);
 }

@@ -111,6 +111,16 @@ TEST_CASE("a bad file changes nothing and says where it is bad", "[program][mate
     check_error(bench.run("import " + (bench.folder / "missing.nk")), kUsage, "missing.nk");
 }
 
+TEST_CASE("materials plot draws n and k", "[program][materials]") {
+    const Bench bench;
+    const std::string file = bench.folder / "nk.svg";
+    REQUIRE(bench.run("plot GaP TiO2 -o " + file).exit_code == 0);
+    const std::string svg = support::read_file(file);
+    CHECK_THAT(svg, Catch::Contains("<svg") && Catch::Contains("GaP/visible"));
+    check_error(bench.run("plot GaP"), kUsage, "-o FILE");
+    check_error(bench.run("plot GaP --range 900:1000 -o " + file), kBadInput, "nothing to draw");
+}
+
 TEST_CASE("databases that are none are refused", "[program][materials]") {
     const Bench bench;
     const std::string text = bench.folder.write("text.db", std::string(5000, 'x'));

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/examples/logo_mask.png: the word "miebrdf" on a ground twice as wide as high.
+"""Draws docs/examples/pictures/logo_mask.png: the word "miebrdf" on a ground twice as wide as high.
 
 Black is the ground, mid-grey the left half of the word and white the right half, so that
 `miebrdf render --mask` lays a material of its own on each. No grey steps along the edges: they

@@ -69,7 +69,8 @@ std::vector<std::vector<Request>> material_requests(const RenderArguments& argum
         throw UsageError("a picture needs either --base (with its options) or --material strings");
     }
     std::vector<std::vector<Request>> all;
-    for (const std::string& text : arguments.materials) all.push_back(parse_material(text, wavelength_nm));
+    for (const std::string& text : arguments.materials)
+        all.push_back(parse_material(text, wavelength_nm));
     if (has_base) {
         Request request = arguments.scene.parse();
         request.wavelength_nm = wavelength_nm;
@@ -80,7 +81,8 @@ std::vector<std::vector<Request>> material_requests(const RenderArguments& argum
 
 std::vector<double> wavelengths_of(const RenderArguments& arguments) {
     const auto* option = arguments.command->get_option("--wavelengths");
-    return parse_wavelengths_nm(option->count() > 0 ? option->as<std::string>() : kDefaultWavelengths);
+    return parse_wavelengths_nm(option->count() > 0 ? option->as<std::string>()
+                                                    : kDefaultWavelengths);
 }
 
 Materials solve(const RenderArguments& arguments, const std::vector<std::vector<Request>>& requests,
@@ -89,16 +91,18 @@ Materials solve(const RenderArguments& arguments, const std::vector<std::vector<
     const render::Component component = parse_component(arguments.component);
     Materials materials;
     for (const auto& request : requests) {
-        materials.push_back(render::solve_brdf(request, component, {int(cosines), int(azimuths)},
-                                               shell.control()));
+        materials.push_back(
+            render::solve_brdf(request, component, {int(cosines), int(azimuths)}, shell.control()));
         if (!arguments.measure_interpolation) continue;
         if (request.size() > 1 || component != render::Component::total) {
             throw UsageError("--measure-interpolation needs one request and the total component");
         }
         const auto error =
             render::interpolation_error(*materials.back(), request.front(), shell.control());
-        shell.note(fmt::format("interpolation error relative to the largest value at each incidence: "
-                               "median {:.1e}, largest {:.1e}", error.median, error.largest));
+        shell.note(
+            fmt::format("interpolation error relative to the largest value at each incidence: "
+                        "median {:.1e}, largest {:.1e}",
+                        error.median, error.largest));
     }
     return materials;
 }
@@ -108,8 +112,10 @@ render::MaterialMap map_of(const RenderArguments& arguments, const render::RaySc
     if (arguments.split && !arguments.mask.empty()) throw UsageError("--split or --mask, not both");
     const bool has_regions = arguments.split || !arguments.mask.empty();
     if (has_regions != (materials > 1) || (arguments.split && materials != 2)) {
-        throw UsageError(fmt::format("{} materials; --split needs two, --mask two or more, and without "
-                                     "either there is one", materials));
+        throw UsageError(
+            fmt::format("{} materials; --split needs two, --mask two or more, and without "
+                        "either there is one",
+                        materials));
     }
     if (arguments.split) return render::MaterialMap::split(*arguments.split, object.bounds());
     if (arguments.mask.empty()) return {};
@@ -131,7 +137,8 @@ render::Image compose(const RenderArguments& arguments, const render::SpectralPi
     std::vector<double> behind(3, 0.0);
     if (!transparent && arguments.background != "environment") {
         behind = parse_number_list(arguments.background, "background", 0.0, 1.0);
-        if (behind.size() != 3) throw UsageError("background: wanted: R,G,B, transparent or environment");
+        if (behind.size() != 3)
+            throw UsageError("background: wanted: R,G,B, transparent or environment");
     }
     render::Image image(rgb.width, rgb.height, transparent ? 4 : 3);
     const auto gain = float(std::exp2(arguments.exposure));
@@ -153,8 +160,9 @@ render::Image compose(const RenderArguments& arguments, const render::SpectralPi
 
 /// Channels R, G, B, A, and one for each wavelength named as in spectral OpenEXR files
 /// ("S0.550,000000nm"; Fichet et al. 2021).
-void write_spectral_exr(const render::SpectralPicture& picture, const std::vector<double>& wavelength_nm,
-                        const render::PictureNotes& notes, const std::string& path) {
+void write_spectral_exr(const render::SpectralPicture& picture,
+                        const std::vector<double>& wavelength_nm, const render::PictureNotes& notes,
+                        const std::string& path) {
     const render::Image rgb = render::to_linear_srgb(picture.radiance, wavelength_nm);
     const int count = int(wavelength_nm.size());
     render::Image all(rgb.width, rgb.height, 4 + count);
@@ -214,28 +222,36 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     if (!shell.common().output.empty()) {
         render::write_png(compose(arguments, picture, wavelength_nm), notes, shell.common().output);
     }
-    shell.note(fmt::format("{} wavelengths; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
-                           "radiance; solver {}", wavelength_nm.size(), solve_s, render_s, picture.noise,
-                           converged ? "converged" : "NOT converged"));
+    shell.note(
+        fmt::format("{} wavelengths; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
+                    "radiance; solver {}",
+                    wavelength_nm.size(), solve_s, render_s, picture.noise,
+                    converged ? "converged" : "NOT converged"));
     return converged ? kGood : kNotConverged;
 }
 
 void add_material_options(CLI::App& command, RenderArguments& a) {
     auto* group = command.add_option_group("Materials and regions");
-    group->add_option("--material", a.materials,
-                      "scene options of one material in one string, instead of --base; repeat for "
-                      "several regions; numbers of hg: and the like may be lists a/b/c, one value for "
-                      "each wavelength")
-        ->type_name("'OPTIONS'")
+    group
+        ->add_option("--material", a.materials,
+                     "scene options of one material in one string without their dashes, instead of "
+                     "--base; repeat for several regions; numbers of hg: and the like may be lists "
+                     "a/b/c, one value for each wavelength")
+        ->type_name("'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'")
         ->allow_extra_args(false);
-    group->add_option("--split", a.split,
-                      "first material left, second right of this share of the object's width")
+    group
+        ->add_option("--split", a.split,
+                     "first material left, second right of this share of the object's width")
         ->type_name("SHARE");
-    group->add_option("--mask", a.mask, "grey levels choose materials: black the first, white the last")
+    group
+        ->add_option("--mask", a.mask,
+                     "grey levels choose materials: black the first, white the last")
         ->type_name("FILE.png");
     group->add_option("--mask-projection", a.mask_projection, "front or uv")->capture_default_str();
-    group->add_option("--component", a.component, "total, subsurface or surface")->capture_default_str();
-    group->add_option("--table", a.table, "cosines and azimuths of the table of multiple scattering")
+    group->add_option("--component", a.component, "total, subsurface or surface")
+        ->capture_default_str();
+    group
+        ->add_option("--table", a.table, "cosines and azimuths of the table of multiple scattering")
         ->type_name("N,N")
         ->capture_default_str();
     group->add_flag("--measure-interpolation", a.measure_interpolation,
@@ -244,17 +260,21 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
 
 void add_picture_options(CLI::App& command, RenderArguments& a) {
     auto* group = command.add_option_group("Picture");
-    group->add_option("--object", a.object, "sphere, knot, plaque or FILE.obj")->capture_default_str();
-    group->add_option("--light", a.lights,
-                      "directional:ELEVATION,AZIMUTH[,IRRADIANCE], area:ELEVATION,AZIMUTH,SIZE"
-                      "[,IRRADIANCE], uniform:RADIANCE, sky:ELEVATION,AZIMUTH[,SCALE] or "
-                      "map:FILE[,SCALE] (.exr, .hdr); degrees, azimuth from the front to the right; "
-                      "repeat for more")
+    group->add_option("--object", a.object, "sphere, knot, plaque or FILE.obj")
+        ->capture_default_str();
+    group
+        ->add_option("--light", a.lights,
+                     "directional:ELEVATION,AZIMUTH[,IRRADIANCE], area:ELEVATION,AZIMUTH,SIZE"
+                     "[,IRRADIANCE], uniform:RADIANCE, sky:ELEVATION,AZIMUTH[,SCALE] or "
+                     "map:FILE[,SCALE] (.exr, .hdr); degrees, azimuth from the front to the right; "
+                     "repeat for more")
         ->type_name("LIGHT")
         ->allow_extra_args(false)
         ->capture_default_str();
-    group->add_option("--light-spectrum", a.light_spectrum,
-                      "of directional, area and uniform light: white (D65), equal or blackbody:KELVIN")
+    group
+        ->add_option(
+            "--light-spectrum", a.light_spectrum,
+            "of directional, area and uniform light: white (D65), equal or blackbody:KELVIN")
         ->capture_default_str();
     group->add_option("--camera", a.camera, "elevation and azimuth of the camera in degrees")
         ->type_name("ELEVATION,AZIMUTH")
@@ -263,24 +283,29 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->capture_default_str();
     group->add_option("--zoom", a.zoom, "1: the object's bounding sphere touches the edges")
         ->capture_default_str();
-    group->add_option("--size", a.size, "of the picture in pixels")->type_name("WIDTH,HEIGHT")
+    group->add_option("--size", a.size, "of the picture in pixels")
+        ->type_name("WIDTH,HEIGHT")
         ->capture_default_str();
-    group->add_option("--samples", a.options.samples, "paths for each pixel")->capture_default_str();
+    group->add_option("--samples", a.options.samples, "paths for each pixel")
+        ->capture_default_str();
     group->add_option("--bounces", a.options.bounces, "most reflections of a path; 1: direct light")
         ->capture_default_str();
     group->add_option("--seed", a.options.seed, "of the samples")->capture_default_str();
     group->add_option("--exposure", a.exposure, "brightens the PNG by powers of two")
         ->capture_default_str();
-    group->add_option("--background", a.background,
-                      "of the PNG: linear R,G,B in [0, 1], transparent or environment")
+    group
+        ->add_option("--background", a.background,
+                     "of the PNG: linear R,G,B in [0, 1], transparent or environment")
         ->capture_default_str();
-    group->add_option("--exr", a.exr, "write linear RGB and every wavelength to FILE")->type_name("FILE");
+    group->add_option("--exr", a.exr, "write linear RGB and every wavelength to FILE")
+        ->type_name("FILE");
 }
 
 }  // namespace
 
 void add_render_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("render", "a picture of a lit object of these materials");
+    auto* command =
+        program.add_subcommand("render", "a picture of a lit object of these materials");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->command = command;
     arguments->scene.add_to(*command);
@@ -289,7 +314,8 @@ void add_render_command(CLI::App& program, Shell& shell) {
     add_picture_options(*command, *arguments);
     shell.add_common_options(*command);
     command->footer(
-        "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o sphere.png");
+        "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o "
+        "sphere.png");
     shell.on_run(*command, [arguments, &shell] { return run_render(*arguments, shell); });
 }
 

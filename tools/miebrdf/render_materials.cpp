@@ -10,12 +10,18 @@
 namespace miebrdf::program {
 namespace {
 
+/// An option of a material and its value; switches have none.
+struct Word {
+    std::string key;
+    std::string value;
+};
+
 /// Words in which a slash separates the values of different wavelengths; elsewhere it may belong to
 /// the name of a file.
-bool may_have_lists(const std::string& word, const std::string& option) {
-    if (option == "--surface-index") return true;
-    if (option != "--base" && option != "--coat") return false;
-    const auto begins = [&](const char* kind) { return word.rfind(kind, 0) == 0; };
+bool may_have_lists(const Word& word) {
+    if (word.key == "surface-index") return true;
+    if (word.key != "base" && word.key != "coat") return false;
+    const auto begins = [&](const char* kind) { return word.value.rfind(kind, 0) == 0; };
     return begins("hg:") || begins("isotropic:") || begins("rayleigh:") || begins("index:");
 }
 
@@ -37,40 +43,56 @@ std::string value_at(const std::string& word, std::size_t k, std::size_t count) 
     return result;
 }
 
-std::vector<std::string> words_of(const std::string& text) {
-    std::vector<std::string> words = CLI::detail::split_up(text);
-    words.erase(std::remove(words.begin(), words.end(), ""), words.end());
+std::vector<Word> words_of(const std::string& text) {
+    std::vector<Word> words;
+    for (const std::string& part : CLI::detail::split_up(text)) {
+        if (part.empty()) continue;
+        const std::size_t equals = part.find('=');
+        if (equals == std::string::npos) {
+            words.push_back({part, ""});
+        } else {
+            words.push_back({part.substr(0, equals), part.substr(equals + 1)});
+        }
+    }
     return words;
 }
 
-Request parse_words(std::vector<std::string> words, const std::string& text) {
+Request parse_words(const std::vector<Word>& words, const std::string& text) {
     CLI::App parser;
     SceneArguments arguments;
     arguments.add_to(parser);
-    std::reverse(words.begin(), words.end());  // CLI11 takes its arguments from the back
+    std::vector<std::string> line;  // from the back, as CLI11 takes it
+    for (auto word = words.rbegin(); word != words.rend(); ++word) {
+        line.push_back("--" + word->key + (word->value.empty() ? "" : "=" + word->value));
+    }
     try {
-        parser.parse(words);
+        parser.parse(line);
     } catch (const CLI::ParseError& error) {
-        throw UsageError(fmt::format("material '{}': {}", text, error.what()));
+        throw UsageError(
+            fmt::format("material '{}': {}; wanted: base=MEDIUM [coat=MEDIUM@DEPTH] "
+                        "[roughness=A] ...",
+                        text, error.what()));
     }
     if (parser.get_option("--wavelengths")->count() > 0) {
-        throw UsageError(fmt::format("material '{}': wavelengths belong to the whole picture", text));
+        throw UsageError(
+            fmt::format("material '{}': wavelengths belong to the whole picture", text));
     }
     return arguments.parse();
 }
 
 }  // namespace
 
-std::vector<Request> parse_material(const std::string& text, const std::vector<double>& wavelength_nm) {
-    const std::vector<std::string> words = words_of(text);
+std::vector<Request> parse_material(const std::string& text,
+                                    const std::vector<double>& wavelength_nm) {
+    const std::vector<Word> words = words_of(text);
     std::vector<Request> requests;
     bool has_lists = false;
     for (std::size_t k = 0; k < wavelength_nm.size(); ++k) {
-        std::vector<std::string> now = words;
-        for (std::size_t i = 1; i < now.size(); ++i) {
-            if (!may_have_lists(now[i], words[i - 1])) continue;
-            now[i] = value_at(words[i], k, wavelength_nm.size());
-            has_lists = has_lists || now[i] != words[i];
+        std::vector<Word> now = words;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            if (!may_have_lists(words[i])) continue;
+            now[i].value = value_at(words[i].value, k, wavelength_nm.size());
+            has_lists = has_lists || now[i].value != words[i].value;
         }
         requests.push_back(parse_words(now, text));
         requests.back().wavelength_nm = {wavelength_nm[k]};
@@ -86,7 +108,8 @@ render::Component parse_component(const std::string& text) {
     if (text == "total") return render::Component::total;
     if (text == "subsurface") return render::Component::subsurface;
     if (text == "surface") return render::Component::surface;
-    throw UsageError(fmt::format("unknown component '{}'; allowed: total, subsurface, surface", text));
+    throw UsageError(
+        fmt::format("unknown component '{}'; allowed: total, subsurface, surface", text));
 }
 
 }  // namespace miebrdf::program

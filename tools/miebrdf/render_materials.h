@@ -11,12 +11,14 @@
 
 namespace miebrdf::program {
 
-/// One material as a person wrote it: scene options in one string, as for the brdf command.
-/// Numbers of hg:, isotropic:, rayleigh:, index: and of --surface-index may be lists a/b/c with
-/// one value for each wavelength of the picture.
+/// One material as a person wrote it, `base=TiO2 coat=AlGaAs7@0.1 roughness=0.3`: the scene options
+/// of the brdf command without their dashes (a switch is its bare name). Numbers of hg:,
+/// isotropic:, rayleigh:, index: and of surface-index may be lists a/b/c with one value for each
+/// wavelength of the picture.
 /// @return  one request, or one for each wavelength if there are lists
 /// @throws UsageError
-std::vector<Request> parse_material(const std::string& text, const std::vector<double>& wavelength_nm);
+std::vector<Request> parse_material(const std::string& text,
+                                    const std::vector<double>& wavelength_nm);
 
 /// `total`, `subsurface` or `surface`.
 /// @throws UsageError

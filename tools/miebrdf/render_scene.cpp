@@ -36,7 +36,8 @@ class LightParser {
   public:
     LightParser(const std::string& spectrum, const render::Bounds& object,
                 const std::vector<double>& wavelength_nm)
-        : spectrum_(render::light_spectrum(spectrum, wavelength_nm)), object_(object),
+        : spectrum_(render::light_spectrum(spectrum, wavelength_nm)),
+          object_(object),
           wavelength_nm_(wavelength_nm) {}
 
     void add(const std::string& text) {
@@ -62,16 +63,18 @@ class LightParser {
     std::vector<double> numbers(const std::vector<std::string>& parts, std::size_t least,
                                 std::size_t most) const {
         if (parts.size() < least || parts.size() > most) {
-            throw UsageError(fmt::format("light '{}': {} numbers; wanted: {} to {}", text_, parts.size(),
-                                         least, most));
+            throw UsageError(fmt::format("light '{}': {} numbers; wanted: {} to {}", text_,
+                                         parts.size(), least, most));
         }
         std::vector<double> values;
-        for (const std::string& part : parts) values.push_back(parse_number(part, "light '" + text_ + "'"));
+        for (const std::string& part : parts)
+            values.push_back(parse_number(part, "light '" + text_ + "'"));
         return values;
     }
 
     void require_strength(double value) const {
-        if (!(value >= 0.0)) throw UsageError(fmt::format("light '{}': {} is negative", text_, value));
+        if (!(value >= 0.0))
+            throw UsageError(fmt::format("light '{}': {} is negative", text_, value));
     }
 
     void add_directional(const std::vector<double>& v) {
@@ -85,8 +88,8 @@ class LightParser {
         const double irradiance = v.size() > 3 ? v[3] : kDefaultIrradiance;
         require_strength(irradiance);
         lighting.area.push_back(render::square_light(
-            object_.centre(), render::direction_from_angles(v[0], v[1]), kLightDistance * object_.radius,
-            v[2], scaled(spectrum_, irradiance)));
+            object_.centre(), render::direction_from_angles(v[0], v[1]),
+            kLightDistance * object_.radius, v[2], scaled(spectrum_, irradiance)));
     }
 
     void add_uniform(const std::vector<double>& v) {
@@ -98,24 +101,30 @@ class LightParser {
         const double scale = v.size() > 2 ? v[2] : 1.0;
         require_strength(scale);
         if (!(v[0] > 0.0 && v[0] <= 90.0)) {
-            throw UsageError(fmt::format("light '{}': the sun at {} degrees; allowed: (0, 90]", text_, v[0]));
+            throw UsageError(
+                fmt::format("light '{}': the sun at {} degrees; allowed: (0, 90]", text_, v[0]));
         }
         const Eigen::Vector3d sun = render::direction_from_angles(v[0], v[1]);
         const double sun_irradiance = scale * kDefaultIrradiance;
         const double sky_irradiance = kSkyShare * sun_irradiance;
-        const double ground = kGroundAlbedo * (sky_irradiance + sun_irradiance * sun.y()) / std::numbers::pi;
+        const double ground =
+            kGroundAlbedo * (sky_irradiance + sun_irradiance * sun.y()) / std::numbers::pi;
         lighting.directional.push_back(
-            {sun, scaled(render::light_spectrum("blackbody:5500", wavelength_nm_), sun_irradiance)});
+            {sun,
+             scaled(render::light_spectrum("blackbody:5500", wavelength_nm_), sun_irradiance)});
         lighting.environment = render::Environment::from_map(
             render::clear_sky_map(sun, sky_irradiance, ground),
             {render::light_spectrum("blackbody:12000", wavelength_nm_),
-             render::light_spectrum("blackbody:5500", wavelength_nm_), Spectrum(wavelength_nm_.size())},
+             render::light_spectrum("blackbody:5500", wavelength_nm_),
+             Spectrum(wavelength_nm_.size())},
             "sky");
     }
 
     void add_map(const std::vector<std::string>& parts) {
-        if (parts.empty() || parts.size() > 2) throw UsageError(fmt::format("light '{}': wanted: map:FILE[,SCALE]", text_));
-        const double scale = parts.size() > 1 ? parse_number(parts[1], "scale of a map of light") : 1.0;
+        if (parts.empty() || parts.size() > 2)
+            throw UsageError(fmt::format("light '{}': wanted: map:FILE[,SCALE]", text_));
+        const double scale =
+            parts.size() > 1 ? parse_number(parts[1], "scale of a map of light") : 1.0;
         require_strength(scale);
         const std::string& path = parts[0];
         const bool is_hdr = path.size() > 4 && path.compare(path.size() - 4, 4, ".hdr") == 0;
@@ -140,11 +149,13 @@ render::RayScene parse_object(const std::string& text) {
     if (text.size() > 4 && text.compare(text.size() - 4, 4, ".obj") == 0) {
         return render::RayScene::mesh(render::read_obj(text), text);
     }
-    throw UsageError(fmt::format("unknown object '{}'; allowed: sphere, knot, plaque, FILE.obj", text));
+    throw UsageError(
+        fmt::format("unknown object '{}'; allowed: sphere, knot, plaque, FILE.obj", text));
 }
 
 render::Lighting parse_lights(const std::vector<std::string>& texts, const std::string& spectrum,
-                              const render::Bounds& object, const std::vector<double>& wavelength_nm) {
+                              const render::Bounds& object,
+                              const std::vector<double>& wavelength_nm) {
     LightParser parser(spectrum, object, wavelength_nm);
     for (const std::string& text : texts) parser.add(text);
     return std::move(parser.lighting);
@@ -152,7 +163,8 @@ render::Lighting parse_lights(const std::vector<std::string>& texts, const std::
 
 std::pair<double, double> parse_pair(const std::string& text, const std::string& what) {
     const auto parts = split_list(text);
-    if (parts.size() != 2) throw UsageError(fmt::format("{}: '{}'; wanted: two numbers A,B", what, text));
+    if (parts.size() != 2)
+        throw UsageError(fmt::format("{}: '{}'; wanted: two numbers A,B", what, text));
     return {parse_number(parts[0], what), parse_number(parts[1], what)};
 }
 

@@ -18,7 +18,8 @@ render::RayScene parse_object(const std::string& text);
 /// `map:FILE[,SCALE]`; angles in degrees. At most one of uniform, sky and map.
 /// @throws UsageError, InputError
 render::Lighting parse_lights(const std::vector<std::string>& texts, const std::string& spectrum,
-                              const render::Bounds& object, const std::vector<double>& wavelength_nm);
+                              const render::Bounds& object,
+                              const std::vector<double>& wavelength_nm);
 
 /// Two numbers `A,B`.
 /// @throws UsageError

@@ -1,0 +1,63 @@
+// miebrdf render as a person meets it: files, messages and exit codes.
+#include <filesystem>
+
+#include "pipeline/render/image.h"
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+
+namespace {
+
+/// Each argument is quoted for the shell.
+support::ProgramRun run_render(const std::vector<std::string>& arguments) {
+    std::string line = "render --size=24,16 --samples=2 --wavelengths=rgb";
+    for (const std::string& argument : arguments) line += " '" + argument + "'";
+    return support::run_program(line);
+}
+
+}  // namespace
+
+TEST_CASE("render writes a PNG and a spectral EXR that say how they were made",
+          "[render][program]") {
+    const support::TemporaryFolder folder;
+    const auto outcome = run_render({"--material=base=isotropic:0.9 coat=hg:0.1/0.9/0.93,0.5@0.1", "-o",
+                                 folder / "a.png", "--exr", folder / "a.exr"});
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(support::read_file(folder / "a.png").find("coat=hg:0.1/0.9/0.93") != std::string::npos);
+    CHECK(support::read_file(folder / "a.exr").find("S0.535,000000nm") != std::string::npos);
+    const render::Image picture = render::read_exr(folder / "a.exr");
+    CHECK(picture.width == 24);
+    CHECK(picture.height == 16);
+    // The red albedo of the paint is the lowest, so the middle of the sphere is bluish.
+    CHECK(picture.pixel(12, 8)[2] > picture.pixel(12, 8)[0]);
+}
+
+TEST_CASE("render refuses bad input with file, reason and exit code", "[render][program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string base = "--base=isotropic:0.5", png = folder / "a.png";
+    const std::string empty = folder.write("empty.obj", "v 0 0 0\n");
+
+    const auto missing = run_render({base, "--object", folder / "no.obj", "-o", png});
+    CHECK(missing.exit_code == 3);
+    CHECK_THAT(missing.err, Catch::Contains("no.obj: no such file"));
+    const auto no_faces = run_render({base, "--object", empty, "-o", png});
+    CHECK(no_faces.exit_code == 3);
+    CHECK_THAT(no_faces.err, Catch::Contains("empty.obj") && Catch::Contains("no triangles"));
+
+    render::write_png(render::Image(10, 4, 3), {}, folder / "mask.png");
+    const auto shape = run_render({"--material=base=isotropic:0.5", "--material=base=isotropic:0.6",
+                               "--mask", folder / "mask.png", "-o", png});
+    CHECK(shape.exit_code == 3);
+    CHECK_THAT(shape.err, Catch::Contains("10 x 4"));
+
+    CHECK(run_render({base}).exit_code == 2);       // nowhere to write
+    CHECK(run_render({"-o", png}).exit_code == 2);  // no material
+    CHECK(run_render({base, "--light=lamp:1", "-o", png}).exit_code == 2);
+    const auto list = run_render({"--material=base=hg:0.1/0.2,0.5", "-o", png});
+    CHECK(list.exit_code == 2);
+    CHECK_THAT(list.err, Catch::Contains("2 values for 3 wavelengths"));
+    CHECK_FALSE(std::filesystem::exists(png));
+}
