@@ -166,9 +166,14 @@ void check_reference(StressLog& log) {
         const std::string name = fmt::format("{}, {} {} {}", table.text(row, "case"), in, out,
                                              table.text(row, "phi_deg"));
         log.run(name, [&] {
-            const auto stack =
+            auto stack =
                 on(optics(table.number(row, "base_alpha"), table.number(row, "base_g")),
                    optics(table.number(row, "coat_alpha"), table.number(row, "coat_g")), depth);
+            // The column has too few digits for this one; the name says it.
+            if (table.text(row, "case") == "iso_1-1e-9") {
+                stack.base = optics(1 - 1e-9, 0);
+                stack.base.one_minus_albedo = 1e-9;
+            }
             const auto r = rte::reflect(stack, {{in}, {out}, {table.number(row, "phi_deg")}},
                                         {.tolerance = 1e-9, .streams = 64});
             log.at_most(name, "R against the table, relative",
