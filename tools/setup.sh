@@ -5,7 +5,8 @@ say() { printf '\n== %s\n' "$*"; }
 # Debian's packages, each with its reason in docs/dependencies.md.
 packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev libsqlite3-dev
                   libfmt-dev libtbb-dev nlohmann-json3-dev libcli11-dev
-                  libtomlplusplus-dev libyaml-dev)
+                  libtomlplusplus-dev libyaml-dev
+                  libzip-dev libopenexr-dev libpugixml-dev)
 packages_tests=("${packages_program[@]}" catch2)
 
 # install_missing_packages program|tests
