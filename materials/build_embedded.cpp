@@ -91,19 +91,22 @@ Dataset read_dataset(const Row& row, const std::filesystem::path& folder) {
     return dataset;
 }
 
+Dataset& find(std::vector<Dataset>& datasets, const std::string& material) {
+    for (Dataset& dataset : datasets) {
+        if (dataset.material == material) return dataset;
+    }
+    throw std::runtime_error(fmt::format("a table speaks of the unknown material {}", material));
+}
+
 void build(const std::filesystem::path& folder, const std::filesystem::path& output) {
     std::vector<Dataset> datasets;
     for (const Row& row : read_rows(folder / "index.csv"))
         datasets.push_back(read_dataset(row, folder));
     for (const Row& row : read_rows(folder / "aliases.csv")) {
-        const std::string& name = row.at("name");
-        bool known = false;
-        for (Dataset& dataset : datasets) {
-            if (dataset.material != name) continue;
-            known = true;
-            dataset.aliases.push_back(row.at("alias"));
-        }
-        if (!known) throw std::runtime_error(fmt::format("aliases.csv: no material {}", name));
+        find(datasets, row.at("name")).aliases.push_back(row.at("alias"));
+    }
+    for (const Row& row : read_rows(folder / "formulas.csv")) {
+        find(datasets, row.at("name")).formula = row.at("formula");
     }
     std::filesystem::remove(output);
     DatabaseWriter(output).add(datasets);

@@ -62,6 +62,10 @@ std::optional<std::string> Database::resolve_exactly(const std::string& name) co
 
 std::vector<std::string> Database::resolve(const std::string& name) const {
     if (const auto exact = resolve_exactly(name)) return {*exact};
+    return resolve_normalised(name);
+}
+
+std::vector<std::string> Database::resolve_normalised(const std::string& name) const {
     std::set<std::string> found;
     for (const auto& layer : layers_) {
         for (const auto& [spelling, material] : layer->spellings(normalised(name)))

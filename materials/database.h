@@ -64,8 +64,8 @@ struct MaterialInfo {
 struct SearchFilter {
     std::string
         text;  ///< words, all of which must occur (as beginnings of words); empty: everything
-    std::optional<double> covers_from_nm, covers_to_nm;  ///< some dataset covers all of it
-    bool needs_k = false;                                ///< ... with known k
+    std::optional<double> covers_from_nm{}, covers_to_nm{};  ///< some dataset covers all of it
+    bool needs_k = false;                                    ///< ... with known k
 };
 
 /// Read-only view of the embedded database, of a file, or of a user's file laid over the embedded
@@ -107,6 +107,8 @@ class Database {
     std::optional<std::string> resolve_exactly(const std::string& name) const;
     /// The canonical names of all materials that the name could mean; one when it is exact.
     std::vector<std::string> resolve(const std::string& name) const;
+    /// The same by the normalised form alone, for names whose case means nothing.
+    std::vector<std::string> resolve_normalised(const std::string& name) const;
 
     /// What SQLite itself finds wrong (PRAGMA integrity_check, foreign keys); empty when sound.
     std::vector<std::string> integrity_problems() const;

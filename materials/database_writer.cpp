@@ -70,9 +70,12 @@ std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
     for (const Dataset& dataset : datasets) {
         const std::int64_t material = material_id(dataset.material, &dataset);
         outcomes.push_back(add_one(dataset, options, material));
-        for (const std::string& alias : dataset.aliases) insert_alias(material, alias);
-        touched.insert(material);
+        if (outcomes.back() != AddOutcome::unchanged) touched.insert(material);
+        for (const std::string& alias : dataset.aliases) {
+            if (insert_alias(material, alias)) touched.insert(material);
+        }
     }
+    if (touched.empty()) return outcomes;  // not a byte of the file is written
     for (const std::int64_t material : touched) refresh_text(material);
     transaction.commit();
     return outcomes;
@@ -155,13 +158,13 @@ void DatabaseWriter::insert_series(std::int64_t dataset_id, char quantity, const
     statement.bind_blob(to_bytes(series.y)).run();
 }
 
-void DatabaseWriter::insert_alias(std::int64_t material, const std::string& alias) {
+bool DatabaseWriter::insert_alias(std::int64_t material, const std::string& alias) {
     sqlite::Statement taken = connection_.prepare(
         "SELECT m.id, m.name FROM alias a JOIN material m ON m.id = a.material_id WHERE a.text = "
         "?");
     taken.bind(alias);
     if (taken.step()) {
-        if (taken.integer(0) == material) return;
+        if (taken.integer(0) == material) return false;
         throw ImportError(connection_.name(), 0,
                           fmt::format("the alias '{}' already names {}", alias, taken.text(1)));
     }
@@ -170,6 +173,7 @@ void DatabaseWriter::insert_alias(std::int64_t material, const std::string& alia
         .bind(normalised(alias))
         .bind(material)
         .run();
+    return true;
 }
 
 void DatabaseWriter::refresh_text(std::int64_t material) {

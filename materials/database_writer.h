@@ -53,7 +53,8 @@ class DatabaseWriter {
     AddOutcome add_one(const Dataset& dataset, const AddOptions& options, std::int64_t material);
     void insert(const Dataset& dataset, std::int64_t material);
     void insert_series(std::int64_t dataset_id, char quantity, const Series& series, bool own_grid);
-    void insert_alias(std::int64_t material, const std::string& alias);
+    /// @returns false when it was there already
+    bool insert_alias(std::int64_t material, const std::string& alias);
     void refresh_text(std::int64_t material);
     void drop_if_empty(std::int64_t material);
 

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <map>
 #include <set>
 #include <stdexcept>
 
 #include "materials/readers/catalogue.h"
-#include "materials/readers/readers.h"
-#include "materials/readers/source_file.h"
-#include "materials/sha256.h"
+#include "materials/readers/parse_source.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -20,58 +18,19 @@ namespace fs = std::filesystem;
 /// A dataset on its way in, or the reason why not.
 struct Candidate {
     std::string file;
+    bool required = false;  ///< given by name: refusing it refuses everything
     Dataset dataset;
     std::string refusal;
 };
-
-Dataset parse(Format format, const SourceFile& source, const ImportOptions& options) {
-    const std::string name = source.path.string();
-    const ReadOptions read{.negative_k_tolerance = options.negative_k_tolerance};
-    switch (format) {
-        case Format::sopra:
-            return read_sopra(source.text, name, read);
-        case Format::tfcalc:
-            return read_tfcalc(source.text, name, read);
-        case Format::rii:
-            return read_rii_page(source.text, name, read);
-        case Format::csv:
-            return read_csv(source.text, name, read);
-        case Format::imd:
-            return read_imd(source.text, name, read);
-        case Format::spd:
-            break;
-    }
-    return read_spd(source.text, source.k_text, spd_base(source.path).string(), read);
-}
-
-void fill_origin(Dataset& dataset, const SourceFile& source, const ImportOptions& options) {
-    dataset.file = source.path.filename().string();
-    dataset.file_sha256 = sha256_hex(source.text + source.k_text);
-    if (!options.source.empty()) dataset.source = options.source;
-    if (const auto page = page_of_path(source.path); page && dataset.format == "rii-yaml") {
-        if (dataset.material.empty()) dataset.material = page->material;
-        if (dataset.label.empty()) dataset.label = page->label;
-        if (dataset.key.empty()) dataset.key = page->key;
-    }
-    std::string stem = source_stem(source.path);
-    if (dataset.format == "sopra") {  // DOS names: their case means nothing
-        for (char& c : stem) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    }
-    if (dataset.key.empty()) dataset.key = stem;
-    if (!options.label.empty()) dataset.label = options.label;
-    if (dataset.label.empty()) {
-        dataset.label =
-            fmt::format("{}-{}", dataset.source.empty() ? dataset.format : dataset.source, stem);
-    }
-    if (!options.material.empty()) dataset.material = options.material;
-    if (dataset.material.empty()) dataset.material = stem;
-}
 
 // The name a file suggests may be an alias or differ in case from one that is known.
 void settle_material(Dataset& dataset, const Database& known, bool exactly,
                      const std::string& file) {
     std::vector<std::string> found;
-    if (const auto exact = known.resolve_exactly(dataset.material)) {
+    if (dataset.format == "sopra" && !exactly) {
+        found =
+            known.resolve_normalised(dataset.material);  // CO.NK is cobalt: its case means nothing
+    } else if (const auto exact = known.resolve_exactly(dataset.material)) {
         found = {*exact};
     } else if (!exactly) {
         found = known.resolve(dataset.material);
@@ -112,7 +71,7 @@ class Importer {
 
     void add_file(const fs::path& path, bool may_refuse) {
         if (!seen_.insert(spd_base(path).string()).second) return;  // the other half of a pair
-        Candidate candidate{path.string(), {}, {}};
+        Candidate candidate{path.string(), !may_refuse, {}, {}};
         try {
             candidate.dataset = read_file(path, options_);
             const bool exactly =
@@ -127,7 +86,7 @@ class Importer {
 
     void add_catalogue(const fs::path& file) {
         for (const CataloguePage& page : read_catalogue(read_text(file), file.string())) {
-            Candidate candidate{page.data, {}, page.refusal};
+            Candidate candidate{page.data, false, {}, page.refusal};
             try {
                 if (candidate.refusal.empty())
                     candidate.dataset = page_dataset(file.parent_path(), page);
@@ -140,7 +99,7 @@ class Importer {
 
     Dataset page_dataset(const fs::path& folder, const CataloguePage& page) const {
         const SourceFile source = read_source(page_file(folder, page));
-        Dataset dataset = parse(Format::rii, source, options_);
+        Dataset dataset = parse_source(Format::rii, source, options_);
         dataset.material = page.material;
         dataset.title = page.title;
         dataset.label = page.label;
@@ -155,78 +114,48 @@ class Importer {
     std::set<std::string> seen_;
 };
 
-// Two files of one folder may claim the same label with different figures: the second is refused.
-void refuse_clashes(std::vector<Candidate>& candidates) {
-    std::set<std::pair<std::string, std::string>> taken;
+// Why a dataset cannot go where it wants to; empty when it can.
+std::string stored_clash(const Database& known, const Dataset& dataset, const std::string& sum,
+                         bool replace) {
+    if (!known.resolve_exactly(dataset.material)) return "";
+    for (const DatasetInfo& d : known.datasets(dataset.material)) {
+        if (d.label != dataset.label || d.content_sha256 == sum) continue;
+        const bool embedded = d.layer == "embedded";
+        if (replace && !embedded) continue;
+        return fmt::format("{}/{} is already in {} with other figures; give another label{}",
+                           dataset.material, dataset.label,
+                           embedded ? "the embedded database" : d.layer,
+                           embedded ? "" : " or ask to replace it");
+    }
+    return "";
+}
+
+void refuse_clashes(std::vector<Candidate>& candidates, const Database& known, bool replace) {
+    std::map<std::pair<std::string, std::string>, std::string> taken;
     for (Candidate& c : candidates) {
         if (!c.refusal.empty()) continue;
-        if (!taken.emplace(c.dataset.material, c.dataset.label).second) {
-            c.refusal = fmt::format("{}: another file gives {}/{} too", c.file, c.dataset.material,
-                                    c.dataset.label);
+        const std::string sum = content_sha256(c.dataset);
+        const auto [first, fresh] =
+            taken.emplace(std::pair(c.dataset.material, c.dataset.label), sum);
+        std::string reason = stored_clash(known, c.dataset, sum, replace);
+        if (first->second != sum) {
+            reason = fmt::format("another file gives {}/{} with other figures", c.dataset.material,
+                                 c.dataset.label);
         }
+        if (reason.empty()) continue;
+        if (c.required) throw ImportError(c.file, 0, reason);
+        c.refusal = c.file + ": " + reason;
     }
 }
 
 }  // namespace
-
-const char* name_of(Format format) {
-    switch (format) {
-        case Format::sopra:
-            return "sopra";
-        case Format::tfcalc:
-            return "tfcalc";
-        case Format::rii:
-            return "rii";
-        case Format::csv:
-            return "csv";
-        case Format::imd:
-            return "imd";
-        case Format::spd:
-            break;
-    }
-    return "spd";
-}
-
-std::optional<Format> parse_format(std::string_view name) {
-    for (const Format format :
-         {Format::sopra, Format::tfcalc, Format::rii, Format::csv, Format::imd, Format::spd}) {
-        if (name == name_of(format)) return format;
-    }
-    return std::nullopt;
-}
-
-std::optional<Format> recognise(std::string_view text) {
-    if (looks_like_rii_page(text)) return Format::rii;
-    if (looks_like_tfcalc(text)) return Format::tfcalc;
-    if (looks_like_imd(text)) return Format::imd;
-    if (looks_like_csv(text)) return Format::csv;
-    if (looks_like_sopra(text)) return Format::sopra;
-    if (looks_like_spd(text)) return Format::spd;
-    return std::nullopt;
-}
-
-Dataset read_file(const fs::path& file, const ImportOptions& options) {
-    SourceFile source = read_source(file);
-    const std::optional<Format> format =
-        options.format ? options.format
-                       : recognise(source.text.empty() ? source.k_text : source.text);
-    if (!format) {
-        throw ImportError(
-            file.string(), 0,
-            "format not recognised; known: SOPRA, TFCalc, refractiveindex.info YAML, CSV "
-            "with a header, IMD/Luxpop, spd (a format can be given by name)");
-    }
-    Dataset dataset = parse(*format, source, options);
-    fill_origin(dataset, source, options);
-    return dataset;
-}
 
 std::vector<ImportItem> import_files(const Database& known, DatabaseWriter& writer,
                                      std::span<const fs::path> files,
                                      const ImportOptions& options) {
     Importer importer(known, options);
     for (const fs::path& file : files) importer.add(file);
-    refuse_clashes(importer.candidates);
+    refuse_clashes(importer.candidates, known, options.replace);
 
     std::vector<Dataset> datasets;
     for (const Candidate& c : importer.candidates) {

@@ -23,10 +23,10 @@ std::optional<Format> parse_format(std::string_view name);
 std::optional<Format> recognise(std::string_view text);
 
 struct ImportOptions {
-    std::optional<Format> format;        ///< nothing: recognised by content
-    std::string material;                ///< name of the material; empty: from the file
-    std::string label;                   ///< of the dataset; empty: from source and file
-    std::string source;                  ///< collection; empty: what the format implies
+    std::optional<Format> format{};        ///< nothing: recognised by content
+    std::string material{};                ///< name of the material; empty: from the file
+    std::string label{};                   ///< of the dataset; empty: from source and file
+    std::string source{};                  ///< collection; empty: what the format implies
     double negative_k_tolerance = 1e-2;  ///< k down to minus this is set to 0 (ReadOptions)
     bool replace = false;  ///< a dataset of the same label with other figures gives way
 };

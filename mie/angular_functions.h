@@ -9,21 +9,30 @@
 namespace miebrdf::mie {
 
 /// S1 +- S2 = sum_n (2n+1)/(n(n+1)) (a_n +- b_n) (pi_n +- tau_n): the tables of the angular part,
-/// shared by all sizes. Row = angle, column = n (column 0 unused).
-class AngularFunctions {
+/// shared by all sizes. Row = angle, column = n (column 0 unused). Scalar: float or double.
+template <typename Scalar>
+class AngularFunctionsOf {
   public:
-    AngularFunctions() = default;
+    AngularFunctionsOf() = default;
     /// @throws std::invalid_argument  for an angle outside 0 to 180 degrees
-    AngularFunctions(std::span<const double> angles_deg, int terms);
+    AngularFunctionsOf(std::span<const double> angles_deg, int terms);
 
     int angle_count() const { return static_cast<int>(plus_.rows()); }
 
-    /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle: with the
-    /// weights of SphereSums this is P times 2 * scattered.
-    void add_intensity(const SphereBlock& block, Eigen::VectorXd& intensity) const;
+    /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
+    /// weights of SphereSums this is P times 2 * scattered. Spheres at even places are summed in
+    /// the first column of `intensity` (angles x 2), at odd places in the second.
+    void add_intensity(const SphereBlock& block, Eigen::MatrixXd& intensity) const;
 
   private:
-    Eigen::MatrixXd plus_, minus_;
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+    void add_squares(const Matrix& functions, const SphereBlock::Matrix& waves, int terms,
+                     int columns, Eigen::MatrixXd& intensity) const;
+
+    Matrix plus_, minus_;
 };
+
+using AngularFunctions = AngularFunctionsOf<double>;
 
 }  // namespace miebrdf::mie

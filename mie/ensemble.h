@@ -3,8 +3,10 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <vector>
 
+#include "mie/phase_table.h"
 #include "mie/size_distribution.h"
 
 namespace miebrdf::mie {
@@ -20,6 +22,8 @@ struct EnsembleRequest {
     double tolerance = 1e-4;                ///< relative, of albedo, q_ext and moments
     double phase_tolerance = 1e-2;          ///< relative, of P at each angle; points of P need many
                                             ///< more sizes than moments do
+    bool with_phase_table = false;          ///< P at every angle, as a PhaseTable
+    double table_tolerance = 1e-3;          ///< of its interpolation, relative within each panel
 };
 
 /// Averages by cross-section: albedo = <C_sca>/<C_ext>, chi_l = <C_sca chi_l>/<C_sca>.
@@ -29,14 +33,19 @@ struct EnsembleOptics {
     double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>
     double q_sca = 0.0;
     double q_abs = 0.0;
-    double asymmetry = 0.0;             ///< g = chi_1
-    std::vector<double> chi;            ///< chi_0 = 1 ... chi_highest_moment
-    std::vector<double> phase;          ///< P at angles_deg; mean over the sphere = 1
-    double error_estimate = 0.0;        ///< relative, of albedo, q_ext and moments
-    double phase_error_estimate = 0.0;  ///< relative, largest over angles_deg
+    double asymmetry = 0.0;                         ///< g = chi_1
+    std::vector<double> chi;                        ///< chi_0 = 1 ... chi_highest_moment
+    std::vector<double> phase;                      ///< P at angles_deg; mean over the sphere = 1
+    std::shared_ptr<const PhaseTable> phase_table;  ///< null unless asked for
+    double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
+    double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
     int size_nodes = 0;
     bool converged = false;  ///< both estimates within their tolerances
 };
+
+/// Degree of the last Legendre moment that is not zero within rounding: twice the number of partial
+/// waves of the largest sphere.
+int highest_moment_of(const EnsembleRequest& request);
 
 /// Averages Mie theory over the sizes.
 ///

@@ -16,11 +16,16 @@ namespace miebrdf::mie {
 namespace {
 
 constexpr int sizes_per_block = 64;  // U and V of a block stay near the cache
-constexpr int largest_chunk_count = 8;
+constexpr int largest_chunk_count = 16;
+constexpr double chunk_memory = 24e6;  // bytes, all bands of a pass together
 constexpr int smooth_start = 16;       // nodes of the first pass where efficiencies are smooth
 constexpr int smooth_limit = 256;      // more than this is for the even rule
 constexpr double first_spacing = 3.4;  // of the even rule, in ripple periods; then half of it, ...
 constexpr int node_limit = 1 << 16;
+// A band as wide as this costs as much as tabulating P; and how exact moments of that table are.
+constexpr int least_table_moment = 200;
+constexpr int safe_band_width = 64;
+constexpr double least_table_tolerance = 1e-5;
 constexpr double rounding = 1e-13;  // no estimate below what rounding leaves
 
 void validate(const EnsembleRequest& r) {
@@ -91,6 +96,8 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request)
                         size_parameter(range_.smallest_um), largest));
     }
     terms_ = number_of_terms(largest);
+    moments_from_table_ = request.highest_moment > std::max(least_table_moment, terms_ / 5) &&
+                          request.tolerance >= least_table_tolerance;
     if (!request.angles_deg.empty()) angular_ = AngularFunctions(request.angles_deg, terms_);
     rule_ = first_rule();
     switch (rule_) {
@@ -114,7 +121,7 @@ double EnsembleAverage::size_parameter(double radius_um) const {
 // narrow.
 EnsembleAverage::Rule EnsembleAverage::first_rule() const {
     if (request_.sizes.kind == SizeDistributionKind::mono) return Rule::single;
-    const double x_effective = size_parameter(request_.sizes.effective_radius_um);
+    const double x_effective = size_parameter(effective_radius_of(request_.sizes));
     const bool damped = relative_index_.imag() * x_effective > 1;
     const bool small = size_parameter(range_.largest_um) < 3;
     return damped || small ? Rule::smooth : Rule::even;
@@ -134,7 +141,11 @@ double EnsembleAverage::ripple_period() const {
 void EnsembleAverage::start_even_rule() {
     rule_ = Rule::even;
     pass_ = 0;
-    exact_q_ext_ = exact_extinction(relative_index_, request_.sizes, range_, size_parameter(1.0));
+    // A table has no analytic continuation.
+    const bool analytic = request_.sizes.kind != SizeDistributionKind::tabulated;
+    exact_q_ext_ =
+        analytic ? exact_extinction(relative_index_, request_.sizes, range_, size_parameter(1.0))
+                 : 0;
     const double width = size_parameter(range_.largest_um) - size_parameter(range_.smallest_um);
     const double count = width / (first_spacing * ripple_period());
     even_count_ = static_cast<int>(std::clamp(count, 16.0, node_limit / 4.0));
@@ -154,9 +165,12 @@ void EnsembleAverage::set_nodes(SizeNodes nodes) {
 }
 
 int EnsembleAverage::chunk_count() const {
+    if (tabulation_) return tabulation_->chunk_count();
     const int blocks =
         (static_cast<int>(parameters_.size()) + sizes_per_block - 1) / sizes_per_block;
-    return std::min(blocks, largest_chunk_count);
+    const double band_bytes = 2 * 8.0 * (terms_ + 1) * (std::max(band_width(), 0) + 1);
+    const int fitting = std::max(4, static_cast<int>(chunk_memory / band_bytes));
+    return std::min({blocks, largest_chunk_count, fitting});
 }
 
 EnsembleSums EnsembleAverage::compute(int chunk) const {
@@ -167,10 +181,14 @@ EnsembleSums EnsembleAverage::compute(int chunk) const {
         throw std::invalid_argument(fmt::format("chunk {}; allowed: 0 to {}", chunk, chunks - 1));
     }
     EnsembleSums sums;
+    if (tabulation_) {
+        sums.table = tabulation_->compute(chunk);
+        return sums;
+    }
     const bool with_moments = request_.highest_moment >= 2;  // chi_0 = 1 and chi_1 = g come free
     const bool with_angles = angular_.angle_count() > 0;
-    if (with_moments) sums.covariance = BandCovariance(terms_, request_.highest_moment);
-    if (with_angles) sums.intensity = Eigen::VectorXd::Zero(angular_.angle_count());
+    if (with_moments) sums.covariance = BandCovariance(terms_, band_width());
+    if (with_angles) sums.intensity = Eigen::MatrixXd::Zero(angular_.angle_count(), 2);
     SphereBlock block;
     for (int b = chunk * blocks / chunks; b < (chunk + 1) * blocks / chunks; ++b) {
         const int first = b * sizes_per_block;
@@ -190,7 +208,9 @@ EnsembleSums EnsembleAverage::compute(int chunk) const {
 }
 
 void EnsembleAverage::merge(const EnsembleSums& chunk) {
-    if (pass_sums_.spheres.scattered == 0) {
+    if (tabulation_) {
+        tabulation_->merge(chunk.table);
+    } else if (pass_sums_.spheres.scattered == 0) {
         pass_sums_ = chunk;
     } else {
         pass_sums_.add(chunk);
@@ -212,13 +232,18 @@ EnsembleOptics EnsembleAverage::optics_of(const EnsembleSums& sums) const {
         const double whole = o.chi[0];
         for (double& chi : o.chi) chi /= whole;
     }
-    for (const double intensity : sums.intensity) {
-        o.phase.push_back(intensity / (2 * sums.spheres.scattered));
+    for (Eigen::Index i = 0; i < sums.intensity.rows(); ++i) {
+        o.phase.push_back(sums.intensity.row(i).sum() / (2 * sums.spheres.scattered));
     }
     return o;
 }
 
 bool EnsembleAverage::finish_pass() {
+    if (tabulation_) {
+        if (tabulation_->finish_pass()) return true;
+        finish_tabulation();
+        return false;
+    }
     const EnsembleOptics before = std::move(optics_);
     if (rule_ == Rule::even && pass_ > 0) {
         total_.add(pass_sums_);
@@ -229,14 +254,16 @@ bool EnsembleAverage::finish_pass() {
     optics_ = optics_of(total_);
     optics_.size_nodes = before.size_nodes + static_cast<int>(parameters_.size());
     estimate_errors(before);
-    if (rule_ == Rule::even) put_exact_extinction();
+    if (rule_ == Rule::even && exact_q_ext_ > 0) put_exact_extinction();
     optics_.converged =
         optics_.error_estimate <= request_.tolerance &&
         (optics_.phase.empty() || optics_.phase_error_estimate <= request_.phase_tolerance);
-    if (optics_.converged || rule_ == Rule::single || optics_.size_nodes >= node_limit)
-        return false;
-    refine();
-    return true;
+    if (!optics_.converged && rule_ != Rule::single && optics_.size_nodes < node_limit) {
+        refine();
+        return true;
+    }
+    if (wants_table()) start_tabulation();
+    return wants_table();
 }
 
 void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
@@ -255,7 +282,8 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
         // Sampled against exact extinction tells which resonances the nodes have missed or hit too
         // hard. Over 336 transparent ensembles the error of the moments was below 2.0 times this in
         // 95 %.
-        const double missed = std::abs(optics_.q_ext / exact_q_ext_ - 1);
+        const double missed =
+            exact_q_ext_ > 0 ? std::abs(optics_.q_ext / exact_q_ext_ - 1) : change;
         optics_.error_estimate = std::max({missed, change / 4, rounding});
     }
     change_before_ = change;
@@ -289,6 +317,41 @@ void EnsembleAverage::refine() {
     } else {
         set_nodes(smooth_size_nodes(request_.sizes, range_, count));
     }
+}
+
+int EnsembleAverage::band_width() const {
+    return moments_from_table_ ? safe_band_width : request_.highest_moment;
+}
+
+// Points of P interfere from size to size like exp(2i x): without ripple, a spacing of 0.8 resolves
+// that. With ripple, 0.85 periods leave about 1e-2 of P (more in a glory), falling with the
+// power 1.5.
+void EnsembleAverage::start_tabulation() {
+    SizeNodes nodes{{range_.largest_um}, {1.0}};
+    if (rule_ != Rule::single) {
+        const double width = size_parameter(range_.largest_um) - size_parameter(range_.smallest_um);
+        const double finer = std::min(1.0, std::pow(request_.phase_tolerance / 1e-2, 1 / 1.5));
+        const double spacing =
+            rule_ == Rule::even ? 0.25 * first_spacing * ripple_period() * finer : 0.8;
+        // Moments of the table shall not be worse than those of the band.
+        const int so_far = rule_ == Rule::even && moments_from_table_ ? 2 * even_count_ : 0;
+        const int wanted = std::max(static_cast<int>(width / spacing), so_far);
+        const int count = std::clamp(wanted, 256, node_limit);
+        nodes = even_size_nodes(request_.sizes, range_, count, 1.0);
+    }
+    set_nodes(std::move(nodes));
+    tabulation_.emplace(relative_index_, parameters_, weights_, request_.table_tolerance);
+}
+
+void EnsembleAverage::finish_tabulation() {
+    const auto table = std::make_shared<const PhaseTable>(tabulation_->table());
+    if (request_.with_phase_table) optics_.phase_table = table;
+    if (!moments_from_table_) return;
+    // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
+    const int last = std::min(request_.highest_moment, 2 * terms_);
+    const std::vector<double> chi = table->moments(last);
+    optics_.chi.insert(optics_.chi.end(), chi.begin() + safe_band_width + 1, chi.end());
+    optics_.chi.resize(request_.highest_moment + 1, 0.0);
 }
 
 }  // namespace miebrdf::mie

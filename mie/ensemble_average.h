@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "mie/angular_functions.h"
 #include "mie/band_covariance.h"
 #include "mie/ensemble.h"
+#include "mie/phase_tabulation.h"
 #include "mie/size_nodes.h"
 #include "mie/sphere_block.h"
 
@@ -16,7 +18,8 @@ namespace miebrdf::mie {
 struct EnsembleSums {
     SphereSums spheres;
     BandCovariance covariance;  ///< empty without moments
-    Eigen::VectorXd intensity;  ///< at the angles asked for
+    Eigen::MatrixXd intensity;  ///< at the angles asked for, by halves of the sizes
+    PhaseHalves table;          ///< of the passes that build the phase table
 
     void add(const EnsembleSums& other);
     void scale(double factor);
@@ -59,6 +62,10 @@ class EnsembleAverage {
     double ripple_period() const;
     void estimate_errors(const EnsembleOptics& before);
     void put_exact_extinction();
+    int band_width() const;
+    bool wants_table() const { return request_.with_phase_table || moments_from_table_; }
+    void start_tabulation();
+    void finish_tabulation();
 
     EnsembleRequest request_;
     std::complex<double> relative_index_;
@@ -72,7 +79,9 @@ class EnsembleAverage {
     int even_count_ = 0;              // grid of the current pass of the even rule
     EnsembleSums pass_sums_, total_;  // total: all passes so far
     double change_before_ = 0;
-    double exact_q_ext_ = 0;  // of the even rule
+    bool moments_from_table_ = false;
+    std::optional<PhaseTabulation> tabulation_;  // after the averages, when asked for
+    double exact_q_ext_ = 0;                     // of the even rule
     EnsembleOptics optics_;
 };
 

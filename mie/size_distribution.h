@@ -2,19 +2,24 @@
 #pragma once
 
 #include <complex>
+#include <vector>
 
 namespace miebrdf::mie {
 
-enum class SizeDistributionKind { power_law, gamma, log_normal, mono };
+enum class SizeDistributionKind { power_law, gamma, log_normal, mono, tabulated };
 
 /// A size distribution n(r) given by its two cross-section-weighted parameters (Hansen & Travis
 /// 1974, eq. 2.53-2.56): effective radius <r^3>/<r^2> and effective variance.
 /// power_law: n(r) ~ r^-3 on [r1, r2]; gamma: r^((1-3b)/b) exp(-r/(a b)); log_normal:
-/// sigma^2 = ln(1 + b); mono: every sphere has the effective radius.
+/// sigma^2 = ln(1 + b); mono: every sphere has the effective radius; tabulated: n(r) as listed.
 struct SizeDistribution {
     SizeDistributionKind kind = SizeDistributionKind::power_law;
     double effective_radius_um = 50.0;  ///< > 0
     double effective_variance = 0.2;    ///< > 0, up to 10; ignored for mono
+    /// For tabulated only: number density n(r) in any unit at ascending radii, linear between them
+    /// and zero outside; radius and variance above are then ignored.
+    std::vector<double> radii_um = {};
+    std::vector<double> number_density = {};
 };
 
 /// Smallest and largest radius of a distribution, in micrometres.
@@ -34,20 +39,24 @@ RadiusRange radius_range(const SizeDistribution& distribution);
 /// @param tail  in [1e-18, 0.1]
 RadiusRange radius_range(const SizeDistribution& distribution, double tail);
 
+/// <r^3>/<r^2>: of a table its own, otherwise the parameter.
+double effective_radius_of(const SizeDistribution& distribution);
+
 /// Share of the geometric cross-section per micrometre of radius: n(r) r^2 over its integral.
 class AreaDensity {
   public:
     /// @throws std::invalid_argument  as radius_range; and for mono, which has no density
     explicit AreaDensity(const SizeDistribution& distribution);
     double operator()(double radius_um) const;
-    /// Its analytic continuation, for Re radius > 0.
+    /// Its analytic continuation, for Re radius > 0; not for tabulated, which has none.
     std::complex<double> operator()(std::complex<double> radius_um) const;
 
   private:
     SizeDistribution distribution_;
     RadiusRange range_;
     double log_ratio_;
-    double log_norm_ = 0;  ///< of the analytic continuation
+    double log_norm_ = 0;    ///< of the analytic continuation
+    double table_area_ = 0;  ///< integral of n r^2 of a table
 };
 
 }  // namespace miebrdf::mie

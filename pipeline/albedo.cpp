@@ -1,13 +1,11 @@
 // Plane and spherical albedo of a scene: azimuthal order 0 alone, no phase function.
-#include <algorithm>
-
 #include "pipeline/brdf.h"
 #include "pipeline/error.h"
+#include "pipeline/layers.h"
 #include "pipeline/parallel.h"
-#include "pipeline/scene_optics.h"
 #include "pipeline/slice_report.h"
-#include "rte/layered_brdf.h"
 #include "rte/math/quadrature.h"
+#include "rte/surface_lobe.h"
 
 namespace miebrdf {
 namespace {
@@ -21,30 +19,21 @@ double with_surface(const rte::SurfaceLobe& lobe, double mu, double layers) {
     return rho + (1.0 - rho) * layers;
 }
 
-void add_surface(AlbedoSlice& slice, const SceneOptics& optics, const Request& request) {
-    const rte::SurfaceLobe lobe(*optics.surface_index, *request.scene.surface);
-    const std::vector<double>& mu_in = request.directions.mu_in;
-    for (std::size_t i = 0; i < mu_in.size(); ++i) {
+/// Turns plane albedos of the layers, at the request's mu_in and then at the rule's nodes, into
+/// those of the whole.
+void add_surface(AlbedoSlice& slice, const rte::SurfaceLobe& lobe, const std::vector<double>& mu_in,
+                 const math::Quadrature& rule) {
+    const std::size_t count = mu_in.size();
+    slice.spherical_albedo = 0.0;
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        const double mu = rule.nodes[i];
+        slice.spherical_albedo +=
+            2.0 * rule.weights[i] * mu * with_surface(lobe, mu, slice.plane_albedo[count + i]);
+    }
+    slice.plane_albedo.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
         slice.plane_albedo[i] = with_surface(lobe, mu_in[i], slice.plane_albedo[i]);
     }
-    const math::Quadrature rule = math::gauss_legendre(kSphericalNodes, 0.0, 1.0);
-    const rte::AlbedoTable layers = rte::albedo(optics.stack, rule.nodes, request.solver);
-    slice.spherical_albedo = 0.0;
-    for (int i = 0; i < kSphericalNodes; ++i) {
-        slice.spherical_albedo += 2.0 * rule.weights[i] * rule.nodes[i] *
-                                  with_surface(lobe, rule.nodes[i], layers.plane_albedo[i]);
-    }
-}
-
-AlbedoSlice albedo_slice(const Request& request, const SceneOptics& optics, double wavelength_nm) {
-    AlbedoSlice slice;
-    slice.wavelength_nm = wavelength_nm;
-    rte::AlbedoTable table = rte::albedo(optics.stack, request.directions.mu_in, request.solver);
-    set_report(slice, optics, table.report);
-    slice.plane_albedo = std::move(table.plane_albedo);
-    slice.spherical_albedo = table.spherical_albedo;
-    if (optics.surface_index) add_surface(slice, optics, request);
-    return slice;
 }
 
 }  // namespace
@@ -56,12 +45,29 @@ AlbedoResult compute_albedo(const Request& request, const RunControl& control) {
                          "--coupling, or --roughness");
     }
     const SceneMedia media(request);
-    const auto optics = media.optics(demand_of(request, PhaseDemand::none), control);
+    Request layer_request = request;
+    layer_request.directions.mu_out.clear();
+    layer_request.directions.azimuth_deg.clear();
+    const math::Quadrature rule = math::gauss_legendre(kSphericalNodes, 0.0, 1.0);
+    if (request.scene.surface) {
+        std::vector<double>& mu_in = layer_request.directions.mu_in;
+        mu_in.insert(mu_in.end(), rule.nodes.begin(), rule.nodes.end());
+    }
+    std::vector<LayerSlice> layers =
+        compute_layers(layer_request, media, LayerQuantity::albedo, control);
     AlbedoResult result;
     result.sources = media.sources();
-    result.slices.resize(optics.size());
-    run_parallel("radiative transfer", optics.size(), control, [&](std::size_t w) {
-        result.slices[w] = albedo_slice(request, optics[w], request.wavelength_nm[w]);
+    result.slices.resize(layers.size());
+    run_parallel("surface", layers.size(), control, [&](std::size_t w) {
+        AlbedoSlice& slice = result.slices[w];
+        set_report(slice, layers[w], request.wavelength_nm[w]);
+        slice.plane_albedo = std::move(layers[w].values);
+        slice.spherical_albedo = slice.plane_albedo.back();
+        slice.plane_albedo.pop_back();
+        if (!request.scene.surface) return;
+        const auto index = media.surface_index_at(slice.wavelength_nm);
+        add_surface(slice, rte::SurfaceLobe(index, *request.scene.surface),
+                    request.directions.mu_in, rule);
     });
     summarise(result);
     return result;

@@ -2,8 +2,8 @@
 
 #include <numbers>
 
+#include "pipeline/layers.h"
 #include "pipeline/parallel.h"
-#include "pipeline/scene_optics.h"
 #include "pipeline/slice_report.h"
 #include "rte/layered_brdf.h"
 
@@ -25,25 +25,11 @@ void add_surface(SpectralSlice& slice, const rte::SurfaceLobe& lobe, const Reque
             for (const double azimuth_deg : d.azimuth_deg) {
                 const double surface = lobe.brdf(mu_in, d.mu_out[o], azimuth_deg);
                 slice.surface.push_back(surface);
-                slice.total.push_back(surface + factor_in * factor_out[o] * slice.subsurface[index++]);
+                slice.total.push_back(surface +
+                                      factor_in * factor_out[o] * slice.subsurface[index++]);
             }
         }
     }
-}
-
-SpectralSlice brdf_slice(const Request& request, const SceneOptics& optics, double wavelength_nm) {
-    SpectralSlice slice;
-    slice.wavelength_nm = wavelength_nm;
-    rte::ReflectionTable table = rte::reflect(optics.stack, request.directions, request.solver);
-    set_report(slice, optics, table.report);
-    slice.subsurface = std::move(table.reflection);
-    for (double& value : slice.subsurface) value /= std::numbers::pi;
-    if (optics.surface_index) {
-        add_surface(slice, rte::SurfaceLobe(*optics.surface_index, *request.scene.surface), request);
-    } else {
-        slice.total = slice.subsurface;
-    }
-    return slice;
 }
 
 }  // namespace
@@ -51,12 +37,22 @@ SpectralSlice brdf_slice(const Request& request, const SceneOptics& optics, doub
 BrdfResult compute_brdf(const Request& request, const RunControl& control) {
     validate(request);
     const SceneMedia media(request);
-    const auto optics = media.optics(demand_of(request, PhaseDemand::at_directions), control);
+    std::vector<LayerSlice> layers =
+        compute_layers(request, media, LayerQuantity::reflection, control);
     BrdfResult result;
     result.sources = media.sources();
-    result.slices.resize(optics.size());
-    run_parallel("radiative transfer", optics.size(), control, [&](std::size_t w) {
-        result.slices[w] = brdf_slice(request, optics[w], request.wavelength_nm[w]);
+    result.slices.resize(layers.size());
+    run_parallel("surface", layers.size(), control, [&](std::size_t w) {
+        SpectralSlice& slice = result.slices[w];
+        set_report(slice, layers[w], request.wavelength_nm[w]);
+        slice.subsurface = std::move(layers[w].values);
+        for (double& value : slice.subsurface) value /= std::numbers::pi;
+        if (request.scene.surface) {
+            const auto index = media.surface_index_at(slice.wavelength_nm);
+            add_surface(slice, rte::SurfaceLobe(index, *request.scene.surface), request);
+        } else {
+            slice.total = slice.subsurface;
+        }
     });
     summarise(result);
     return result;

@@ -1,11 +1,11 @@
 #include "pipeline/medium_optics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "mie/ensemble.h"
 #include "pipeline/error.h"
-#include "pipeline/phase_lookup.h"
 #include "rte/single_scattering.h"
 
 namespace miebrdf {
@@ -36,20 +36,34 @@ rte::Optics analytic_optics(const Medium& medium) {
     return std::visit(Maker{}, medium);
 }
 
-MediumOptics from_mie(const mie::EnsembleOptics& ensemble, std::complex<double> index,
-                      const OpticsDemand& demand) {
+mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelength_nm,
+                                      const ParticleOptions& particles, const OpticsDemand& demand) {
+    mie::EnsembleRequest request;
+    request.sizes = particles.sizes;
+    request.refractive_index = index;
+    request.host_index = particles.host_index;
+    request.wavelength_nm = wavelength_nm;
+    request.highest_moment = demand.highest_moment;
+    request.angles_deg = demand.angles_deg;
+    request.tolerance = demand.tolerance;
+    if (demand.whole_phase_function) {
+        request.with_phase_table = true;
+        request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
+    }
+    return request;
+}
+
+MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRequest& request) {
     MediumOptics result;
-    result.refractive_index = index;
+    result.refractive_index = request.refractive_index;
     result.optics.single_scattering_albedo = ensemble.single_scattering_albedo;
     result.optics.one_minus_albedo = ensemble.one_minus_albedo;
     if (!ensemble.chi.empty()) {
         result.optics.chi = ensemble.chi;
-        result.optics.has_more_moments = true;
+        result.optics.has_more_moments = request.highest_moment < mie::highest_moment_of(request);
     }
-    if (!demand.angles_deg.empty()) {
-        result.phase = ensemble.phase;
-        result.optics.phase = PhaseLookup(demand.angles_deg, ensemble.phase);
-    }
+    if (ensemble.phase_table) result.optics.phase = *ensemble.phase_table;
+    result.phase = ensemble.phase;
     result.asymmetry = ensemble.asymmetry;
     result.q_ext = ensemble.q_ext;
     result.error_estimate = ensemble.error_estimate;
@@ -62,14 +76,8 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, std::complex<double> 
 MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
                            const ParticleOptions& particles, const OpticsDemand& demand) {
     if (const auto index = medium.index_at(wavelength_nm, particles.k_floor)) {
-        const mie::EnsembleRequest request{.sizes = particles.sizes,
-                                           .refractive_index = *index,
-                                           .host_index = particles.host_index,
-                                           .wavelength_nm = wavelength_nm,
-                                           .highest_moment = demand.highest_moment,
-                                           .angles_deg = demand.angles_deg,
-                                           .tolerance = demand.tolerance};
-        return from_mie(mie::average_over_sizes(request), *index, demand);
+        const auto request = ensemble_request(*index, wavelength_nm, particles, demand);
+        return from_mie(mie::average_over_sizes(request), request);
     }
     MediumOptics result;
     result.optics = analytic_optics(medium.medium);

@@ -13,10 +13,16 @@ namespace miebrdf {
 
 /// How much of a medium's optics is wanted; the rest is not computed.
 struct OpticsDemand {
-    int highest_moment = -1;         ///< chi_0 ... chi_L; -1: none
-    std::vector<double> angles_deg;  ///< where the exact phase function will be asked for
+    int highest_moment = -1;  ///< chi_0 ... chi_L; -1: none
+    /// The phase function at every angle, and all the moments it has (up to kMostMoments).
+    bool whole_phase_function = false;
+    std::vector<double> angles_deg;  ///< P at these angles, for MediumOptics::phase
     double tolerance = 1e-4;         ///< relative, of the size average
 };
+
+/// The cost of moments grows with their square; beyond this many (spheres of about 0.5 mm in visible
+/// light) the list is cut short.
+constexpr int kMostMoments = 12'000;
 
 struct MediumOptics {
     std::optional<std::complex<double>> refractive_index;  ///< as used; empty if analytic

@@ -119,7 +119,7 @@ double parse_wavelength_nm(std::string_view text) {
 
 std::vector<double> parse_wavelengths_nm(std::string_view text) {
     // Chen et al. do not say at which wavelengths their R, G and B are; these fit their Table 1
-    // best (docs/table1.md).
+    // best (docs/maths-surface.md).
     if (trimmed(text) == "rgb") return {620.0, 535.0, 480.0};
     return parse_list(text, "wavelength", parse_wavelength_nm);
 }

@@ -48,6 +48,21 @@ std::optional<std::complex<double>> ResolvedMedium::index_at(double wavelength_n
     return std::complex<double>(index.real(), std::max(index.imag(), k_floor));
 }
 
+void ResolvedMedium::add_to(JobKey& key, double wavelength_nm,
+                            const ParticleOptions& particles) const {
+    if (const auto index = index_at(wavelength_nm, particles.k_floor)) {
+        // Only n, k and the sizes count: two names for the same figures are the same job.
+        key.add(std::string_view("mie")).add(index->real()).add(index->imag()).add(wavelength_nm);
+        key.add(static_cast<int>(particles.sizes.kind)).add(particles.sizes.effective_radius_um);
+        key.add(particles.sizes.effective_variance).add(particles.host_index);
+    } else if (const auto* moments = std::get_if<MomentsMedium>(&medium)) {
+        key.add(std::string_view("moments")).add(moments->single_scattering_albedo);
+        key.add(std::span<const double>(moments->chi));
+    } else {
+        key.add(std::string_view(describe(medium)));
+    }
+}
+
 MediumResolver::MediumResolver(const std::string& file) : database_(open_database(file)) {}
 
 ResolvedMedium MediumResolver::resolve(const Medium& medium) const {

@@ -8,6 +8,7 @@
 #include "materials/database.h"
 #include "materials/refractive_index.h"
 #include "pipeline/medium.h"
+#include "pipeline/result_cache.h"
 
 namespace miebrdf {
 
@@ -20,6 +21,9 @@ struct ResolvedMedium {
     /// n + ik at a vacuum wavelength, k raised to `k_floor`; empty for media without an index.
     /// @throws InputError  outside the table, naming material and valid range
     std::optional<std::complex<double>> index_at(double wavelength_nm, double k_floor) const;
+
+    /// Adds what the optics of this medium at a wavelength depend on.
+    void add_to(JobKey& key, double wavelength_nm, const ParticleOptions& particles) const;
 };
 
 /// Looks names up in a user's database file laid over the embedded database; an empty `file` is

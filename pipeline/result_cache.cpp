@@ -9,16 +9,13 @@
 
 #include "materials/sha256.h"
 #include "materials/sqlite.h"
-#include "pipeline/version.h"
+#include "pipeline/solver_version.h"
 
 namespace miebrdf {
 namespace {
 
 namespace fs = std::filesystem;
 using materials::sqlite::Connection;
-
-// Raised whenever a result may differ from what an older program stored for the same job.
-constexpr int kSolverVersion = 1;
 
 constexpr char kSchema[] =
     "PRAGMA journal_mode = WAL;"
@@ -64,8 +61,7 @@ void remove_files(const fs::path& file) {
 
 JobKey::JobKey(std::string_view kind) {
     add(kind);
-    add(std::string_view(kVersion));
-    add(kSolverVersion);
+    add(std::string_view(kSolverVersion));
 }
 
 JobKey& JobKey::add(std::string_view text) {

@@ -8,7 +8,6 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
-#include "pipeline/phase_lookup.h"
 
 namespace miebrdf {
 namespace {
@@ -27,7 +26,7 @@ int highest_moment(const rte::SolverOptions& options) {
 }
 
 /// Everything in which two Mie jobs of one request can differ.
-using JobKey = std::tuple<double, double, double>;  // n, k, wavelength
+using MieJob = std::tuple<double, double, double>;  // n, k, wavelength
 
 /// A job and the place its result goes to.
 struct Job {
@@ -41,15 +40,16 @@ struct JobList {
     std::vector<std::vector<std::size_t>> serving;  ///< [wavelength][medium]
 };
 
-JobList list_jobs(const std::vector<ResolvedMedium>& media, const Request& request) {
+JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
+                  const std::vector<double>& wavelengths_nm) {
     JobList list;
-    std::map<JobKey, std::size_t> known;
-    for (const double wavelength_nm : request.wavelength_nm) {
+    std::map<MieJob, std::size_t> known;
+    for (const double wavelength_nm : wavelengths_nm) {
         auto& row = list.serving.emplace_back();
         for (std::size_t i = 0; i < media.size(); ++i) {
-            const auto index = media[i].index_at(wavelength_nm, request.scene.particles.k_floor);
+            const auto index = media[i].index_at(wavelength_nm, k_floor);
             if (index) {
-                const JobKey key{index->real(), index->imag(), wavelength_nm};
+                const MieJob key{index->real(), index->imag(), wavelength_nm};
                 const auto [found, is_new] = known.try_emplace(key, list.jobs.size());
                 row.push_back(found->second);
                 if (!is_new) continue;
@@ -69,14 +69,12 @@ OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     OpticsDemand demand;
     demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
     demand.highest_moment = highest_moment(request.solver);
-    if (phase == PhaseDemand::at_directions && request.solver.single_scattering_correction) {
-        const rte::Directions& d = request.directions;
-        demand.angles_deg = scattering_angles_deg(d.mu_in, d.mu_out, d.azimuth_deg);
-    }
+    demand.whole_phase_function =
+        phase == PhaseDemand::whole && request.solver.single_scattering_correction;
     return demand;
 }
 
-SceneMedia::SceneMedia(const Request& request) : request_(request) {
+SceneMedia::SceneMedia(const Request& request) : scene_(request.scene) {
     const MediumResolver resolver(request.database);
     const Scene& scene = request.scene;
     media_.push_back(resolver.resolve(scene.base));
@@ -99,35 +97,40 @@ std::vector<std::string> SceneMedia::sources() const {
 }
 
 std::complex<double> SceneMedia::surface_index_at(double wavelength_nm) const {
-    if (request_.scene.surface_index) return *request_.scene.surface_index;
-    return *media_.back().index_at(wavelength_nm, request_.scene.particles.k_floor);
+    if (scene_.surface_index) return *scene_.surface_index;
+    return *media_.back().index_at(wavelength_nm, scene_.particles.k_floor);
 }
 
-std::vector<SceneOptics> SceneMedia::optics(const OpticsDemand& demand,
+void SceneMedia::add_to(JobKey& key, double wavelength_nm) const {
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+        if (i > 0) key.add(scene_.coats[i - 1].optical_depth);
+        media_[i].add_to(key, wavelength_nm, scene_.particles);
+    }
+}
+
+std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelength_nm,
+                                            const OpticsDemand& demand,
                                             const RunControl& control) const {
-    const JobList list = list_jobs(media_, request_);
+    const JobList list = list_jobs(media_, scene_.particles.k_floor, wavelength_nm);
     std::vector<MediumOptics> done(list.jobs.size());
     run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
         const Job& job = list.jobs[j];
-        done[j] = medium_optics(media_[job.medium], job.wavelength_nm, request_.scene.particles, demand);
+        done[j] = medium_optics(media_[job.medium], job.wavelength_nm, scene_.particles, demand);
     });
 
     std::vector<SceneOptics> scenes;
-    for (std::size_t w = 0; w < request_.wavelength_nm.size(); ++w) {
-        SceneOptics scene;
+    for (const std::vector<std::size_t>& serving : list.serving) {
+        SceneOptics& scene = scenes.emplace_back();
         for (std::size_t i = 0; i < media_.size(); ++i) {
-            const MediumOptics& optics = done[list.serving[w][i]];
+            const MediumOptics& optics = done[serving[i]];
             if (i == 0) {
                 scene.stack.base = optics.optics;
             } else {
-                const double optical_depth = request_.scene.coats[i - 1].optical_depth;
-                scene.stack.coats.push_back({optics.optics, optical_depth});
+                scene.stack.coats.push_back({optics.optics, scene_.coats[i - 1].optical_depth});
             }
             scene.mie_error_estimate = std::max(scene.mie_error_estimate, optics.error_estimate);
             scene.converged = scene.converged && optics.converged;
         }
-        if (request_.scene.surface) scene.surface_index = surface_index_at(request_.wavelength_nm[w]);
-        scenes.push_back(std::move(scene));
     }
     return scenes;
 }

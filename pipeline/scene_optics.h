@@ -2,7 +2,6 @@
 #pragma once
 
 #include <complex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +15,11 @@ namespace miebrdf {
 /// A scene at one wavelength, ready for radiative transfer.
 struct SceneOptics {
     rte::Stack stack;
-    std::optional<std::complex<double>> surface_index;  ///< only with a surface
     double mie_error_estimate = 0.0;                    ///< largest of the media
     bool converged = true;
 };
 
-enum class PhaseDemand { none, at_directions };
+enum class PhaseDemand { moments_only, whole };
 
 /// What a request needs of the optics of its media.
 OpticsDemand demand_of(const Request& request, PhaseDemand phase);
@@ -36,15 +34,20 @@ class SceneMedia {
     /// One line for each different medium.
     std::vector<std::string> sources() const;
 
-    /// Optics at every wavelength of the request. Equal jobs (same index, wavelength and sizes) are
-    /// computed once; different ones run in parallel.
-    std::vector<SceneOptics> optics(const OpticsDemand& demand, const RunControl& control) const;
-
-  private:
-    /// media_[0] is the base, then the coats.
+    /// n + ik of the surface: the request's own, or that of the top medium.
     std::complex<double> surface_index_at(double wavelength_nm) const;
 
-    const Request& request_;
+    /// Adds what the layers at a wavelength depend on.
+    void add_to(JobKey& key, double wavelength_nm) const;
+
+    /// Optics at each of the wavelengths. Equal jobs (same index, wavelength and sizes) are computed
+    /// once; different ones run in parallel.
+    std::vector<SceneOptics> optics(const std::vector<double>& wavelength_nm,
+                                    const OpticsDemand& demand, const RunControl& control) const;
+
+  private:
+    Scene scene_;
+    /// media_[0] is the base, then the coats.
     std::vector<ResolvedMedium> media_;
 };
 

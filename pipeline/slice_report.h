@@ -1,20 +1,20 @@
-// How the error of a spectral result is put together from that of its steps.
+// How the error of a spectral result is put together from that of its wavelengths.
 #pragma once
 
 #include <algorithm>
 
-#include "pipeline/scene_optics.h"
-#include "rte/layered_reflection.h"
+#include "pipeline/layers.h"
 
 namespace miebrdf {
 
 /// What every slice says about how it came about.
 template <typename Slice>
-void set_report(Slice& slice, const SceneOptics& optics, const rte::SolverReport& report) {
-    slice.report = report;
-    slice.mie_error_estimate = optics.mie_error_estimate;
-    slice.error_estimate = report.error_estimate + optics.mie_error_estimate;
-    slice.converged = report.converged && optics.converged;
+void set_report(Slice& slice, const LayerSlice& layers, double wavelength_nm) {
+    slice.wavelength_nm = wavelength_nm;
+    slice.report = layers.report;
+    slice.mie_error_estimate = layers.mie_error_estimate;
+    slice.error_estimate = layers.error_estimate;
+    slice.converged = layers.converged;
 }
 
 /// The whole is as good as its worst wavelength.

@@ -7,6 +7,9 @@
 namespace miebrdf::rte {
 namespace {
 
+// chi_{2n} above this: the peak is far from resolved by n nodes.
+constexpr double peaked_above = 0.1;
+
 std::size_t most_moments(const Stack& stack) {
     std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
     for (const Coat& coat : stack.coats) most = std::max(most, coat.optics.chi.size());
@@ -27,12 +30,27 @@ std::size_t most_usable_moments(const Stack& stack) {
 
 }  // namespace
 
+bool strongly_peaked(const Stack& stack, int streams) {
+    const auto peaked = [streams](const Optics& optics) {
+        const std::size_t degree = 2 * std::size_t(streams);
+        return degree < optics.chi.size() && optics.chi[degree] > peaked_above;
+    };
+    return (stack.base_kind == BaseKind::half_space && peaked(stack.base)) ||
+           std::any_of(stack.coats.begin(), stack.coats.end(),
+                       [&](const Coat& coat) { return peaked(coat.optics); });
+}
+
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
                                      int streams) {
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    choice.moments = int(std::min<std::size_t>(most_usable_moments(stack), 2 * std::size_t(streams)));
+    // Half-range Gauss integrates products of two kept degrees up to l + l' <= 2n - 1. Where the
+    // moments have decayed by l = 2n that does no harm to keep 2n of them; where they have not,
+    // 4n/3 makes the result independent of n (docs/numerics.md).
+    const std::size_t kept =
+        std::size_t(strongly_peaked(stack, streams) ? (4 * streams) / 3 : 2 * streams);
+    choice.moments = int(std::min(most_usable_moments(stack), std::max<std::size_t>(kept, 1)));
     return choice;
 }
 
@@ -60,7 +78,9 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
     const auto add = [&](const Optics& optics, double optical_depth) {
         ScaledOptics medium = scale_optics(optics, moments, delta_m);
         const double depth = optical_depth * medium.depth_factor;
-        scaled.media.push_back({optics, std::move(medium), depth});
+        ForwardPeak narrow;
+        if (medium.truncated > 0.0) narrow = split_forward_peak(optics.chi, moments);
+        scaled.media.push_back({optics, std::move(medium), depth, std::move(narrow)});
     };
     if (stack.base_kind == BaseKind::half_space) add(stack.base, infinite);
     for (const Coat& coat : stack.coats) {

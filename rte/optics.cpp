@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "rte/math/legendre.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -77,6 +80,64 @@ Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetr
         return (1.0 - g) * (1.0 + g) / (base * std::sqrt(base));
     };
     return optics;
+}
+
+Optics mix(const std::vector<MixtureComponent>& components) {
+    double extinction = 0.0;
+    for (const MixtureComponent& component : components) {
+        validate(component.optics);
+        if (!(component.extinction >= 0.0 && std::isfinite(component.extinction))) {
+            throw std::invalid_argument(
+                fmt::format("extinction {} of a mixture's component; allowed: 0 or more",
+                            component.extinction));
+        }
+        extinction += component.extinction;
+    }
+    if (!(extinction > 0.0)) {
+        throw std::invalid_argument("a mixture needs a component with extinction above 0");
+    }
+
+    Optics mixture;
+    mixture.single_scattering_albedo = mixture.one_minus_albedo = 0.0;
+    mixture.chi.clear();
+    std::vector<double> scattering;
+    bool any_phase = false;
+    for (const MixtureComponent& component : components) {
+        const Optics& optics = component.optics;
+        const double share = component.extinction / extinction;
+        scattering.push_back(share * optics.single_scattering_albedo);
+        mixture.single_scattering_albedo += scattering.back();
+        mixture.one_minus_albedo += share * optics.one_minus_albedo;
+        mixture.chi.resize(std::max(mixture.chi.size(), optics.chi.size()), 0.0);
+        any_phase = any_phase || bool(optics.phase);
+    }
+    if (mixture.single_scattering_albedo == 0.0) {
+        mixture.chi = {1.0};  // nothing scatters: any phase function will do
+        return mixture;
+    }
+    for (std::size_t c = 0; c < components.size(); ++c) {
+        scattering[c] /= mixture.single_scattering_albedo;
+        const std::vector<double>& chi = components[c].optics.chi;
+        for (std::size_t l = 0; l < chi.size(); ++l) mixture.chi[l] += scattering[c] * chi[l];
+    }
+    for (const MixtureComponent& component : components) {
+        if (!component.optics.has_more_moments) continue;  // beyond a list that was cut, none is known
+        mixture.has_more_moments = true;
+        mixture.chi.resize(std::min(mixture.chi.size(), component.optics.chi.size()));
+    }
+    if (any_phase) {
+        mixture.phase = [components, scattering](double cos_theta) {
+            double sum = 0.0;
+            for (std::size_t c = 0; c < components.size(); ++c) {
+                const Optics& optics = components[c].optics;
+                sum +=
+                    scattering[c] * (optics.phase ? optics.phase(cos_theta)
+                                                  : math::legendre_series(optics.chi, cos_theta));
+            }
+            return sum;
+        };
+    }
+    return mixture;
 }
 
 }  // namespace miebrdf::rte

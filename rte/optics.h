@@ -11,14 +11,16 @@ namespace miebrdf::rte {
 /// Single scattering by a homogeneous medium.
 struct Optics {
     double single_scattering_albedo = 0.0;  ///< scattering / extinction, in [0, 1]
-    double one_minus_albedo = 1.0;  ///< absorption / extinction; its own number, so that it keeps
-                                    ///< its digits when the albedo is close to 1
+    double one_minus_albedo = 1.0;    ///< absorption / extinction; its own number, so that it keeps
+                                      ///< its digits when the albedo is close to 1
     std::vector<double> chi = {1.0};  ///< Legendre moments chi_0 = 1, chi_1 = g, ...; zero beyond
     /// True: chi was cut short, the phase function has more moments than it lists. Then at most
     /// chi.size() - 1 of them are kept, so that delta-M knows the first one it leaves out.
     bool has_more_moments = false;
     /// Optional exact phase function P(cos Theta), mean over the sphere = 1, for the exact first
     /// order of scattering. Empty: the moments are the whole phase function.
+    /// Functions with narrow features (glory, rainbows) need all their moments in chi as well: what
+    /// is beyond delta-M is corrected from them (forward_peak.h).
     std::function<double(double cos_theta)> phase;
 };
 
@@ -31,5 +33,17 @@ Optics rayleigh_optics(double single_scattering_albedo);
 /// Henyey-Greenstein: chi_l = g^l up to where it is below rounding, and the exact P.
 /// @param asymmetry  g in (-1, 1)
 Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetry);
+
+/// One scatterer of a mixture.
+struct MixtureComponent {
+    Optics optics;
+    double extinction = 0.0;  ///< its part of the mixture's extinction, any unit, >= 0
+};
+
+/// Several scatterers in one layer: albedos average by extinction, moments and phase functions by
+/// scattering. The exact phase function is kept if any component has one.
+/// @throws std::invalid_argument  no component, an extinction that is negative or not finite, or a
+///         sum of zero
+Optics mix(const std::vector<MixtureComponent>& components);
 
 }  // namespace miebrdf::rte

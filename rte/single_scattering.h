@@ -1,9 +1,11 @@
 // Light scattered exactly once: known in closed form for any phase function and any layers.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "rte/delta_m.h"
+#include "rte/forward_peak.h"
 #include "rte/optics.h"
 
 namespace miebrdf::rte {
@@ -13,6 +15,7 @@ struct ScaledMedium {
     Optics exact;
     ScaledOptics scaled;
     double optical_depth = 0.0;  ///< tau', scaled by delta-M; infinite for a half-space
+    ForwardPeak narrow = {};     ///< degrees beyond delta-M; without a rest where it does not apply
 };
 
 /// cos Theta = -mu_in mu_out + sqrt(1-mu_in^2) sqrt(1-mu_out^2) cos(azimuth), kept in [-1, 1].
@@ -28,5 +31,12 @@ double exact_phase(const Optics& optics, double cos_theta);
 ///               that the discrete equations use
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,
                          double mu_out, double cos_azimuth);
+
+/// What the first order must change because light is diffracted before and after it is scattered:
+/// sum_{l >= L} (2l+1) N_l P_l(cos Theta) [G(F_l) - G(f)] over all media, with G(F) the factor of
+/// the first order above when the forward peak holds the fraction F in every medium. One value for
+/// each azimuth. Derived in docs/maths-rte.md.
+std::vector<double> narrow_feature_correction(const std::vector<ScaledMedium>& media, double mu_in,
+                                              double mu_out, std::span<const double> cos_azimuth);
 
 }  // namespace miebrdf::rte

@@ -16,12 +16,11 @@ namespace fs = std::filesystem;
 
 using Pages = std::vector<CataloguePage>;
 
-const std::vector<YamlNode>& content_of(const YamlNode& node, const std::string& file) {
+// A shelf or book may be empty.
+const std::vector<YamlNode>& content_of(const YamlNode& node) {
+    static const std::vector<YamlNode> nothing;
     const YamlNode* content = node.find("content");
-    if (content == nullptr || content->kind != YamlNode::Kind::sequence) {
-        throw ImportError(file, node.line, "an entry of the catalogue without content");
-    }
-    return content->items;
+    return content != nullptr && content->kind == YamlNode::Kind::sequence ? content->items : nothing;
 }
 
 // Manufacturers' data sheets: there a book is a maker and every page another glass.
@@ -97,10 +96,10 @@ Pages read_catalogue(std::string_view text, const std::string& file) {
     std::set<std::string> books;
     for (const YamlNode& shelf : root.items) {
         if (shelf.find("SHELF") == nullptr) continue;  // a divider
-        for (const YamlNode& book : content_of(shelf, file)) {
+        for (const YamlNode& book : content_of(shelf)) {
             if (book.find("BOOK") == nullptr) continue;
             books.insert(book.text_of("BOOK"));
-            for (const YamlNode& page : content_of(book, file)) {
+            for (const YamlNode& page : content_of(book)) {
                 if (page.find("PAGE") == nullptr) continue;
                 pages.push_back(make_page(shelf.text_of("SHELF"), book, page));
                 owners.push_back(book.text_of("BOOK"));

@@ -21,8 +21,6 @@ class SolvedSource : public BrdfSource {
     bool converged() const { return converged_; }
     /// Relative, largest of all wavelengths and media, as `miebrdf brdf` reports it.
     double error_estimate() const { return error_estimate_; }
-    /// Of tabulated phase functions between their angles (PhaseTable::error_estimate); 0 without.
-    double phase_error_estimate() const { return phase_error_estimate_; }
 
   private:
     std::vector<double> wavelength_nm_;
@@ -31,7 +29,6 @@ class SolvedSource : public BrdfSource {
     std::vector<WavelengthSolution> solutions_;
     bool converged_ = true;
     double error_estimate_ = 0.0;
-    double phase_error_estimate_ = 0.0;
 };
 
 /// Reads "total", "subsurface" or "surface". @throws UsageError

@@ -16,7 +16,6 @@ set(miebrdf_export_sources
     exports/metadata.cpp
     exports/npz_writer.cpp
     exports/pbrt_writer.cpp
-    exports/phase_table.cpp
     exports/polar_grid.cpp
     exports/radiance_writer.cpp
     exports/readers/angle_table_reader.cpp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "rte/discretisation.h"
@@ -80,12 +81,13 @@ double cosine_sum(const std::vector<double>& a, double cos_azimuth) {
 
 }  // namespace
 
-WavelengthSolution::WavelengthSolution(const SceneOptics& optics, const Request& request,
-                                       Component component)
+WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
+                                       std::optional<std::complex<double>> surface_index,
+                                       const Request& request, Component component)
     : component_(component), exact_first_order_(request.solver.single_scattering_correction) {
     if (component_ != Component::surface) solve(optics, request);
-    if (optics.surface_index && component_ != Component::subsurface) {
-        lobe_.emplace(*optics.surface_index, *request.scene.surface);
+    if (surface_index && component_ != Component::subsurface) {
+        lobe_.emplace(*surface_index, *request.scene.surface);
         const rte::SurfaceTransmission transmission(*lobe_, request.scene.coupling);
         for (int k = 0; k <= kIntervals; ++k) {
             factor_in_.push_back(transmission.in(node_cosine(k, kIntervals)));
@@ -124,7 +126,7 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
     const rte::MultipleScattering multiple =
         rte::sum_orders(scaled, grid, requested, azimuth_deg, 0.1 * options.tolerance, options);
     media_ = scaled.media;
-    orders_ = static_cast<std::size_t>(multiple.orders);
+    orders_ = static_cast<std::size_t>(std::max(1, multiple.orders));
     modes_.resize(nodes.size() * nodes.size() * orders_);
     const Eigen::MatrixXd analysis = analysis_matrix(orders_, samples);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -136,6 +138,9 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
                                         static_cast<Eigen::Index>(orders_)) =
                 (nodes[i] + nodes[o]) * (analysis * values);
         }
+    }
+    if (!multiple.physical) {
+        std::fill(modes_.begin(), modes_.end(), std::numeric_limits<double>::quiet_NaN());
     }
     report_.azimuthal_orders = multiple.orders;
     report_.converged = report_.converged && multiple.converged && multiple.physical;
@@ -156,32 +161,49 @@ void WavelengthSolution::series_at(double mu_in, double mu_out, std::vector<doub
     }
 }
 
+std::size_t WavelengthSolution::same_pair(std::span<const Direction> directions) {
+    const auto differs = [&](const Direction& d) {
+        return d.mu_in != directions[0].mu_in || d.mu_out != directions[0].mu_out;
+    };
+    return static_cast<std::size_t>(std::find_if(directions.begin(), directions.end(), differs) -
+                                    directions.begin());
+}
+
+void WavelengthSolution::add_layers(std::span<const Direction> directions, double* values,
+                                    std::size_t stride) const {
+    const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
+    std::vector<double> series;
+    series_at(mu_in, mu_out, series);
+    double transmitted = 1.0;
+    if (lobe_) {
+        transmitted = stencil_at(mu_in, kIntervals).of(factor_in_) *
+                      stencil_at(mu_out, kIntervals).of(factor_out_);
+    }
+    std::vector<double> cos_azimuth;
+    for (const Direction& d : directions)
+        cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
+    std::vector<double> narrow(directions.size(), 0.0);
+    if (exact_first_order_)
+        narrow = rte::narrow_feature_correction(media_, mu_in, mu_out, cos_azimuth);
+    for (std::size_t a = 0; a < directions.size(); ++a) {
+        const double reflection =
+            cosine_sum(series, cos_azimuth[a]) + narrow[a] +
+            rte::single_scattering(media_, exact_first_order_, mu_in, mu_out, cos_azimuth[a]);
+        values[a * stride] += transmitted * reflection / kPi;
+    }
+}
+
 void WavelengthSolution::evaluate(std::span<const Direction> directions, double* values,
                                   std::size_t stride) const {
-    std::vector<double> series;
-    double transmitted = 1.0;
-    Direction last{-1.0, -1.0, 0.0};
-    for (const Direction& d : directions) {
-        if (component_ != Component::surface &&
-            (d.mu_in != last.mu_in || d.mu_out != last.mu_out)) {
-            series_at(d.mu_in, d.mu_out, series);
-            if (lobe_) {
-                transmitted = stencil_at(d.mu_in, kIntervals).of(factor_in_) *
-                              stencil_at(d.mu_out, kIntervals).of(factor_out_);
-            }
-            last = d;
+    while (!directions.empty()) {
+        const std::size_t count = same_pair(directions);
+        for (std::size_t a = 0; a < count; ++a) {
+            const Direction& d = directions[a];
+            values[a * stride] = lobe_ ? lobe_->brdf(d.mu_in, d.mu_out, d.azimuth_deg) : 0.0;
         }
-        double brdf = 0.0;
-        if (component_ != Component::surface) {
-            const double cos_azimuth = std::cos(d.azimuth_deg * kPi / 180);
-            const double reflection =
-                cosine_sum(series, cos_azimuth) +
-                rte::single_scattering(media_, exact_first_order_, d.mu_in, d.mu_out, cos_azimuth);
-            brdf = transmitted * reflection / kPi;
-        }
-        if (lobe_) brdf += lobe_->brdf(d.mu_in, d.mu_out, d.azimuth_deg);
-        *values = brdf;
-        values += stride;
+        if (component_ != Component::surface) add_layers(directions.first(count), values, stride);
+        directions = directions.subspan(count);
+        values += count * stride;
     }
 }
 

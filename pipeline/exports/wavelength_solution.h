@@ -1,6 +1,7 @@
 // A scene at one wavelength, solved once and then evaluated at any directions.
 #pragma once
 
+#include <complex>
 #include <optional>
 #include <vector>
 
@@ -20,7 +21,9 @@ enum class Component { total, subsurface, surface };
 /// first order of scattering and the surface lobe, is evaluated exactly at every direction.
 class WavelengthSolution {
   public:
-    WavelengthSolution(const SceneOptics& optics, const Request& request, Component component);
+    /// @param surface_index  n + ik of a rough surface on top; empty: there is none
+    WavelengthSolution(const SceneOptics& optics, std::optional<std::complex<double>> surface_index,
+                       const Request& request, Component component);
 
     /// BRDF at consecutive directions; those that share their cosines are done together.
     /// @param stride  distance between values of consecutive directions
@@ -32,6 +35,11 @@ class WavelengthSolution {
     static constexpr int kIntervals = 48;
 
     void solve(const SceneOptics& optics, const Request& request);
+    /// How many directions from the first on share its cosines.
+    static std::size_t same_pair(std::span<const Direction> directions);
+    /// Adds what the surface lets through of the layers, for directions that share their cosines.
+    void add_layers(std::span<const Direction> directions, double* values,
+                    std::size_t stride) const;
     /// Fourier coefficients of the multiply scattered part at a pair, R^0 + sum a_m cos(m azimuth).
     void series_at(double mu_in, double mu_out, std::vector<double>& series) const;
 

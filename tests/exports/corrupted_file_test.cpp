@@ -1,6 +1,7 @@
 // Files cut short, with bits turned over, or with counts that promise the moon: an error, never a
 // crash, never more memory than the file can justify.
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <sstream>
 
@@ -15,6 +16,9 @@ using namespace miebrdf;
 using namespace miebrdf::exports;
 
 namespace {
+
+/// Beside the reference tables in the sources.
+constexpr char kCorpus[] = MIEBRDF_REFERENCE_DIR "/../fuzz/corpus";
 
 std::string small_file(const std::string& format) {
     const support::TestMaterial material({450, 550, 650}, 0.4);
@@ -94,4 +98,17 @@ TEST_CASE("what is no BRDF file is refused by name", "[exports][corrupted]") {
     CHECK_THROWS_AS(open_brdf_file("/nowhere/at/all"), InputError);
     CHECK_THROWS_AS(read_brdf_file(std::string(100000, '['), "x"), InputError);
     CHECK_THROWS_AS(read_brdf_file("{\"a\":" + std::string(100000, '['), "x"), InputError);
+}
+
+TEST_CASE("files of the fuzzing corpus are read, or refused, as when they were found",
+          "[exports][corrupted]") {
+    // Beginnings for the fuzzers, one folder for each reader; what they find is added here.
+    int files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(kCorpus)) {
+        if (!entry.is_regular_file()) continue;
+        CAPTURE(entry.path().string());
+        CHECK(survives(support::read_file(entry.path())));
+        ++files;
+    }
+    CHECK(files >= 10);
 }

@@ -139,6 +139,8 @@ TEST_CASE("search finds words of name, alias, title and provenance", "[materials
     CHECK(names("rutile ordinary").front() == "TiO2_rutile_o");
     CHECK(names("wolfram") == std::vector<std::string>{"W"});
     CHECK(names("djurisic") == std::vector<std::string>{"C_graphite"});  // without the accent
+    CHECK(names("Al0.7Ga0.3As").front() == "AlGaAs_70");
+    CHECK(database.info("TiO2_anatase").formula == "TiO2");
     CHECK(names("no such words").empty());
     CHECK(names("\"*('").empty());  // no character has a meaning of its own
     // 9 of the 73 rows of index.csv do not reach from 360 to 840 nm.

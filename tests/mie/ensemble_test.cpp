@@ -162,6 +162,29 @@ TEST_CASE("a single size is a single sphere", "[mie][ensemble]") {
     CHECK(optics.converged);
 }
 
+TEST_CASE("a tabulated power law gives what the power law gives", "[mie][ensemble]") {
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = 1;
+    request.refractive_index = GENERATE(Complex(1.5, 0.3), Complex(1.33, 0));
+    request.highest_moment = 8;
+    request.tolerance = 1e-4;
+    const auto exact = mie::average_over_sizes(request);
+    const auto range = mie::radius_range(request.sizes);
+    request.sizes.kind = mie::SizeDistributionKind::tabulated;
+    for (int i = 0; i <= 400; ++i) {
+        const double radius =
+            i == 400
+                ? range.largest_um
+                : range.smallest_um * std::pow(range.largest_um / range.smallest_um, i / 400.0);
+        request.sizes.radii_um.push_back(radius);
+        request.sizes.number_density.push_back(std::pow(radius, -3));
+    }
+    const auto tabulated = mie::average_over_sizes(request);
+    // Linear pieces of r^-3: 12 h^2 / 8 with h = 0.004; and the tolerance of both.
+    CHECK(tabulated.q_ext == Approx(exact.q_ext).epsilon(4e-4));
+    for (int l = 0; l <= 8; ++l) CHECK(std::abs(tabulated.chi[l] - exact.chi[l]) <= 4e-4);
+}
+
 TEST_CASE("the moments are those of the phase function", "[mie][ensemble]") {
     // P = sum (2l+1) chi_l P_l: with all moments up to 2 x_max, exact but for rounding.
     mie::EnsembleRequest request;

@@ -61,6 +61,27 @@ TEST_CASE("two shifted even grids make the finer one", "[mie][sizes]") {
     }
 }
 
+TEST_CASE("a table of sizes integrates to its own effective radius", "[mie][sizes]") {
+    // n = r - 1 on [1, 2]: <r^3>/<r^2> = (31/5 - 15/4) / (15/4 - 7/3).
+    const mie::SizeDistribution d{SizeDistributionKind::tabulated, 0, 0, {1, 1.25, 2}, {0, 0.5, 2}};
+    CHECK(mie::effective_radius_of(d) ==
+          Approx((31.0 / 5 - 15.0 / 4) / (15.0 / 4 - 7.0 / 3)).epsilon(1e-14));
+    const mie::AreaDensity area(d);
+    CHECK(area(1.5) == Approx(0.5 * 2.25 / (15.0 / 4 - 7.0 / 3)).epsilon(1e-14));
+    CHECK(area(2.5) == 0);
+}
+
+TEST_CASE("a size table refuses nonsense with the value in the message", "[mie][sizes][errors]") {
+    const auto kind = SizeDistributionKind::tabulated;
+    CHECK_THROWS_WITH(mie::radius_range({kind, 0, 0, {1}, {1}}), Catch::Contains("1 radii"));
+    CHECK_THROWS_WITH(mie::radius_range({kind, 0, 0, {1, 2}, {1, 1, 1}}),
+                      Catch::Contains("3 densities"));
+    CHECK_THROWS_WITH(mie::radius_range({kind, 0, 0, {2, 1.5}, {1, 1}}), Catch::Contains("1.5"));
+    CHECK_THROWS_WITH(mie::radius_range({kind, 0, 0, {1, 2}, {1, -7}}), Catch::Contains("-7"));
+    CHECK_THROWS_WITH(mie::radius_range({kind, 0, 0, {1, 2}, {0, 0}}),
+                      Catch::Contains("all densities"));
+}
+
 TEST_CASE("sizes refuse nonsense with the value in the message", "[mie][sizes][errors]") {
     CHECK_THROWS_WITH(mie::radius_range({SizeDistributionKind::power_law, -1, 0.2}),
                       Catch::Contains("-1"));

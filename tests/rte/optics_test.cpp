@@ -71,3 +71,22 @@ TEST_CASE("delta-M keeps absorption's digits and every moment within bounds", "[
     CHECK(std::abs(scaled.one_minus_albedo * scaled.depth_factor / 1e-15 - 1.0) <= 1e-15);
     CHECK(scaled.one_minus_albedo + scaled.albedo == Approx(1.0).epsilon(1e-15));
 }
+
+TEST_CASE("a mixture averages albedos by extinction and phase functions by scattering",
+          "[rte][optics]") {
+    const auto hg = rte::henyey_greenstein_optics(0.9, 0.8);
+    const auto rayleigh = rte::rayleigh_optics(0.3);
+    const auto mixture = rte::mix({{hg, 1.0}, {rayleigh, 3.0}});
+    CHECK(mixture.single_scattering_albedo == Approx(0.25 * 0.9 + 0.75 * 0.3).epsilon(1e-15));
+    const double from_hg = 0.25 * 0.9 / mixture.single_scattering_albedo;
+    CHECK(mixture.chi[1] == Approx(from_hg * 0.8).epsilon(1e-14));
+    CHECK(mixture.chi[2] == Approx(from_hg * 0.64 + (1 - from_hg) * 0.1).epsilon(1e-14));
+    for (const double x : {-1.0, 0.2, 1.0}) {
+        // Both forms of P; the series stops at terms below 1e-17.
+        CHECK(mixture.phase(x) == Approx(math::legendre_series(mixture.chi, x)).epsilon(1e-12));
+    }
+    CHECK_NOTHROW(rte::validate(mixture));
+    CHECK_NOTHROW(rte::validate(rte::mix({{rte::isotropic_optics(0.0), 1.0}})));
+    CHECK_THROWS_AS(rte::mix({}), std::invalid_argument);
+    CHECK_THROWS_WITH(rte::mix({{hg, -1.0}}), Catch::Contains("-1"));
+}

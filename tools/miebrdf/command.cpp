@@ -23,6 +23,7 @@ void Shell::add_common_options(CLI::App& command) {
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");
+    command.add_flag("--no-cache", common_.no_cache, "compute everything, remember nothing");
     command.add_option("--progress", common_.progress, "auto, none or json, on standard error")
         ->capture_default_str();
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
@@ -63,6 +64,10 @@ RunControl Shell::control() const {
     RunControl control;
     control.threads = common_.threads;
     control.cancelled = &watch_for_interrupts();
+    if (!common_.no_cache) {
+        if (!cache_) cache_ = std::make_unique<ResultCache>(ResultCache::default_file());
+        control.cache = cache_.get();
+    }
     if (style != ProgressStyle::none) {
         control.progress = [line](const std::string& stage, std::size_t done, std::size_t total) {
             line->update(stage, done, total);

@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "pipeline/result_cache.h"
 #include "pipeline/run_control.h"
 #include "pipeline/table.h"
 
@@ -20,6 +22,7 @@ struct CommonOptions {
     bool quiet = false;
     int threads = 0;
     std::string progress = "auto";
+    bool no_cache = false;
 };
 
 /// What main() gives to commands and takes from them.
@@ -45,7 +48,7 @@ class Shell {
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
 
-    /// Threads, progress on a terminal's stderr, and Ctrl-C for a computation.
+    /// Threads, progress on a terminal's stderr, Ctrl-C and the cache for a computation.
     RunControl control() const;
 
     const CommonOptions& common() const { return common_; }
@@ -55,6 +58,7 @@ class Shell {
   private:
     std::string command_line_;
     CommonOptions common_;
+    mutable std::unique_ptr<ResultCache> cache_;  ///< opened when first wanted
     std::function<int()> action_;
 };
 
@@ -67,9 +71,14 @@ void add_table1_command(CLI::App& program, Shell& shell);
 void add_materials_command(CLI::App& program, Shell& shell);
 void add_export_command(CLI::App& program, Shell& shell);
 void add_check_command(CLI::App& program, Shell& shell);
+void add_plot_command(CLI::App& program, Shell& shell);
+void add_render_command(CLI::App& program, Shell& shell);  // only where built (docs/rendering.md)
 void add_run_command(CLI::App& program, Shell& shell);
+void add_cache_command(CLI::App& program, Shell& shell);
 
 /// All of them.
 void add_commands(CLI::App& program, Shell& shell);
+void add_bench_command(CLI::App& program, Shell& shell);
+void add_stress_command(CLI::App& program, Shell& shell);
 
 }  // namespace miebrdf::program

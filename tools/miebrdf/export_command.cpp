@@ -72,9 +72,7 @@ int run_export(const ExportArguments& arguments, const Shell& shell) {
         shell.note(std::string("error: ") + error.what());
         return kCheckFailed;
     }
-    shell.note(
-        fmt::format("solver's error estimate {:.1e}, phase functions between their angles {:.1e}",
-                    source.error_estimate(), source.phase_error_estimate()));
+    shell.note(fmt::format("solver's error estimate {:.1e}", source.error_estimate()));
     if (!source.converged()) shell.note("not converged: the values are written all the same");
     return source.converged() ? kGood : kNotConverged;
 }

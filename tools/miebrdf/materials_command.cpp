@@ -35,6 +35,7 @@ void add_materials_command(CLI::App& program, Shell& shell) {
     add_materials_query_commands(*command, shell);
     add_materials_nk_command(*command, shell);
     add_materials_edit_commands(*command, shell);
+    add_materials_plot_command(*command, shell);
     add_materials_check_commands(*command, shell);
     command->footer(
         "Example:\n  miebrdf materials search oxide --covers 400:700\n"

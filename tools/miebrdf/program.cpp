@@ -53,7 +53,14 @@ void add_commands(CLI::App& program, Shell& shell) {
     add_materials_command(program, shell);
     add_export_command(program, shell);
     add_check_command(program, shell);
+    add_plot_command(program, shell);
+    add_bench_command(program, shell);
+    add_stress_command(program, shell);
+#ifdef MIEBRDF_HAS_RENDER
+    add_render_command(program, shell);
+#endif
     add_run_command(program, shell);
+    add_cache_command(program, shell);
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {

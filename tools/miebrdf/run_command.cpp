@@ -10,7 +10,11 @@ namespace miebrdf::program {
 namespace {
 
 /// Commands that a scene file may use: those that compute something.
-const std::vector<std::string> kCommands = {"brdf", "albedo", "optics", "phase", "sphere", "table1"};
+const std::vector<std::string> kCommands = {
+#ifdef MIEBRDF_HAS_RENDER
+    "render",
+#endif
+    "brdf", "albedo", "optics", "phase", "sphere", "table1"};
 
 /// The commands' own parsers are what knows their options.
 std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& command,

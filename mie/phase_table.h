@@ -1,0 +1,55 @@
+// A phase function known at graded angles: cheap at any angle, and the source of all its moments.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace miebrdf::mie {
+
+/// P(cos Theta) of an ensemble as polynomials on panels of the scattering angle.
+///
+/// Panels are narrow forward and backward, where diffraction and glory have the scale pi / x, and
+/// grow towards the sides; those whose polynomial does not converge are halved
+/// (phase_tabulation.h). Copies and calls from several threads are safe; usable as
+/// std::function<double(double)>.
+class PhaseTable {
+  public:
+    static constexpr int panel_nodes = 8;  ///< Chebyshev points of the first kind in each panel
+
+    PhaseTable() = default;
+    /// @param edges   of the panels, in radians, ascending from 0 to pi
+    /// @param values  P at the nodes of each panel (nodes_of), one column per panel
+    /// @param interpolation_error  relative to the largest P of the panel, the worst panel
+    /// @param size_error  relative, of P from its finite number of sizes, the worst angle
+    PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values, double interpolation_error,
+               double size_error);
+
+    /// @param cos_theta  cosine of the scattering angle, taken as +-1 outside [-1, 1]
+    double operator()(double cos_theta) const;
+
+    /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
+    double mean() const { return mean_; }
+    double interpolation_error() const { return interpolation_error_; }
+    double size_error() const { return size_error_; }
+    int angle_count() const { return panel_nodes * (static_cast<int>(edges_.size()) - 1); }
+
+    /// chi_0 = 1 ... chi_highest: integrals of the polynomials against P_l by Gauss rules dense
+    /// enough for order l. Absolute error about that of the table times the share of the light that
+    /// it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
+    /// @param highest_moment  >= 0
+    std::vector<double> moments(int highest_moment) const;
+
+    /// Angles in radians of the Chebyshev nodes of a panel, ascending.
+    static std::vector<double> nodes_of(double lower, double upper);
+    /// Chebyshev coefficients from the values at those nodes.
+    static Eigen::VectorXd coefficients_of(const Eigen::VectorXd& values);
+
+  private:
+    double at_angle(double theta) const;
+
+    std::vector<double> edges_;
+    Eigen::MatrixXd coefficients_;  // panel_nodes x panels
+    double mean_ = 1, interpolation_error_ = 0, size_error_ = 0;
+};
+
+}  // namespace miebrdf::mie

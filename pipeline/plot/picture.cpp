@@ -1,0 +1,71 @@
+#include "pipeline/plot/picture.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "pipeline/atomic_file.h"
+#include "pipeline/error.h"
+#include "pipeline/plot/png_text.h"
+#include "pipeline/plot/raster.h"
+
+namespace miebrdf::plot {
+namespace {
+
+std::string description_of(const std::string& svg) {
+    const auto from = svg.find("<desc>");
+    const auto to = svg.find("</desc>");
+    if (from == std::string::npos || to == std::string::npos) return {};
+    std::string text = svg.substr(from + 6, to - from - 6);
+    const std::pair<const char*, const char*> entities[] = {
+        {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}};
+    for (const auto& [entity, character] : entities) {
+        for (auto at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1)) {
+            text.replace(at, std::string_view(entity).size(), character);
+        }
+    }
+    return text;
+}
+
+std::string ending_of(const std::string& path) {
+    const auto dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(dot);
+}
+
+std::string png_of(const Picture& picture, double scale) {
+    if (!(scale >= 0.1 && scale <= 20)) {
+        throw UsageError(
+            fmt::format("picture scale {}; allowed: 0.1 to 20 pixels for each unit", scale));
+    }
+    std::string png = rasterise(picture.svg, static_cast<int>(std::lround(picture.width * scale)),
+                                static_cast<int>(std::lround(picture.height * scale)));
+    add_png_text(png, "Description", description_of(picture.svg));
+    return png;
+}
+
+}  // namespace
+
+bool png_is_available() { return can_rasterise(); }
+
+void check_picture_path(const std::string& path) {
+    const std::string ending = ending_of(path);
+    if (ending != ".svg" && ending != ".png") {
+        throw UsageError(
+            fmt::format("picture '{}': unknown ending '{}'; allowed: .svg, .png", path, ending));
+    }
+    if (ending == ".png" && !can_rasterise()) {
+        throw UsageError("this build cannot write PNG (librsvg was missing); write .svg instead");
+    }
+}
+
+void save_picture(const Picture& picture, const std::string& path, double scale) {
+    check_picture_path(path);
+    const std::string bytes = ending_of(path) == ".svg" ? picture.svg : png_of(picture, scale);
+    AtomicFile file(path);
+    file.stream() << bytes;
+    file.commit();
+}
+
+}  // namespace miebrdf::plot

@@ -1,0 +1,57 @@
+#include "pipeline/plot/raster.h"
+
+#include <cairo.h>
+#include <librsvg/rsvg.h>
+
+#include <memory>
+#include <stdexcept>
+
+namespace miebrdf::plot {
+namespace {
+
+template <auto release>
+struct Releaser {
+    template <typename T>
+    void operator()(T* object) const {
+        release(object);
+    }
+};
+
+template <typename T, auto release>
+using Owned = std::unique_ptr<T, Releaser<release>>;
+
+[[noreturn]] void fail(GError* error) {
+    const std::string reason = error != nullptr ? error->message : "unknown reason";
+    if (error != nullptr) g_error_free(error);
+    throw std::runtime_error("the chart cannot be drawn: " + reason);
+}
+
+cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
+    static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
+    return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+std::string rasterise(const std::string& svg, int width, int height) {
+    GError* error = nullptr;
+    const Owned<RsvgHandle, g_object_unref> handle(rsvg_handle_new_from_data(
+        reinterpret_cast<const guint8*>(svg.data()), static_cast<gsize>(svg.size()), &error));
+    if (!handle) fail(error);
+    const Owned<cairo_surface_t, cairo_surface_destroy> surface(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+    const Owned<cairo_t, cairo_destroy> context(cairo_create(surface.get()));
+    const RsvgRectangle page{0, 0, static_cast<double>(width), static_cast<double>(height)};
+    if (!rsvg_handle_render_document(handle.get(), context.get(), &page, &error)) fail(error);
+    std::string png;
+    const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), append, &png);
+    if (status != CAIRO_STATUS_SUCCESS) {
+        throw std::runtime_error(std::string("the chart cannot be drawn: ") +
+                                 cairo_status_to_string(status));
+    }
+    return png;
+}
+
+bool can_rasterise() { return true; }
+
+}  // namespace miebrdf::plot

@@ -1,0 +1,67 @@
+#include "pipeline/plot/slice.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "pipeline/plot/colour_bar.h"
+#include "pipeline/plot/svg.h"
+
+namespace miebrdf::plot {
+namespace {
+
+constexpr double kWidth = 460.0;
+constexpr double kSide = 290.0;
+
+void draw_angles(SvgDrawing& drawing, Point corner) {
+    const Stroke edge{"#000000", 1.0, {}};
+    drawing.frame(corner, kSide, kSide, edge);
+    for (int angle = 0; angle <= 90; angle += 15) {
+        const double along = kSide * angle / 90;
+        const double x = corner.x + along, y = corner.y + kSide - along;
+        drawing.line({x, corner.y + kSide}, {x, corner.y + kSide + 5}, edge);
+        drawing.line({corner.x - 5, y}, {corner.x, y}, edge);
+        if (angle % 30 != 0) continue;
+        drawing.text({x, corner.y + kSide + 18}, fmt::format("{}\u00b0", angle),
+                     {12, Anchor::middle, 0, "#000000"});
+        drawing.text({corner.x - 8, y + 4}, fmt::format("{}\u00b0", angle),
+                     {12, Anchor::end, 0, "#000000"});
+    }
+    drawing.text({corner.x + 0.5 * kSide, corner.y + kSide + 37}, "half angle \u03b8h",
+                 {13, Anchor::middle, 0, "#000000"});
+    drawing.text({16, corner.y + 0.5 * kSide}, "difference angle \u03b8d",
+                 {13, Anchor::middle, -90, "#000000"});
+}
+
+}  // namespace
+
+Picture draw_slice(const SliceMap& map, const Caption& caption) {
+    if (!(map.half_cells >= 1 && map.difference_cells >= 1) ||
+        map.value.size() != static_cast<std::size_t>(map.half_cells) * map.difference_cells) {
+        throw std::invalid_argument(fmt::format("{} values for {} x {} cells of a slice",
+                                                map.value.size(), map.half_cells,
+                                                map.difference_cells));
+    }
+    const Axis axis({map.value_label, map.scale}, map.value);
+    const Point corner{58, caption.title.empty() ? 12.0 : 36.0};
+    SvgDrawing drawing(kWidth, std::ceil(corner.y + kSide + 48));
+    drawing.text({0.5 * kWidth, 22}, caption.title, {14, Anchor::middle, 0, "#000000"});
+    const double dx = kSide / map.half_cells, dy = kSide / map.difference_cells;
+    for (int d = 0; d < map.difference_cells; ++d) {
+        const double* row = map.value.data() + static_cast<std::size_t>(d) * map.half_cells;
+        for (int h = 0; h < map.half_cells;) {
+            const std::string colour = colour_on(axis, row[h]);
+            int end = h + 1;  // neighbours of one colour are one rectangle
+            while (end < map.half_cells && colour_on(axis, row[end]) == colour) ++end;
+            drawing.cell({corner.x + h * dx, corner.y + kSide - (d + 1) * dy}, (end - h) * dx, dy,
+                         colour);
+            h = end;
+        }
+    }
+    draw_angles(drawing, corner);
+    draw_colour_bar(drawing, axis, {corner.x + kSide + 20, corner.y}, 16, kSide);
+    return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
+}
+
+}  // namespace miebrdf::plot

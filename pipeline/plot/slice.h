@@ -1,0 +1,25 @@
+// A BRDF as an image over half and difference angle (Rusinkiewicz 1998).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/plot/axis.h"
+#include "pipeline/plot/picture.h"
+
+namespace miebrdf::plot {
+
+/// Values at the centres of equal cells of theta_h (0 to 90, along x) and theta_d (0 to 90, along
+/// y): the left edge is the mirror direction, the bottom edge retro-reflection, the top grazing.
+struct SliceMap {
+    int half_cells = 0, difference_cells = 0;
+    std::vector<double>
+        value;  ///< value[d * half_cells + h]; not finite where there is no direction
+    std::string value_label = "BRDF [1/sr]";
+    Scale scale = Scale::logarithmic;
+};
+
+/// @throws std::invalid_argument  when the number of values does not fit, nothing to show
+Picture draw_slice(const SliceMap& map, const Caption& caption);
+
+}  // namespace miebrdf::plot

@@ -1,0 +1,73 @@
+#include "tools/bench/results.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "pipeline/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/bench/document.h"
+
+using namespace miebrdf;
+
+namespace {
+
+bench::Measurement point(const char* method, double error, double seconds, double spread = 0.02) {
+    return {"suite", "case, with comma", method, "n=1", error, seconds, 4096, spread};
+}
+
+}  // namespace
+
+TEST_CASE("the Pareto front is what no point beats in both", "[bench][results]") {
+    const std::vector<bench::Measurement> points = {
+        point("a", 1e-2, 1), point("b", 1e-1, 0.5),         point("c", 1e-1, 2),
+        point("d", 1e-5, 3), point("e", std::nan(""), 0.1), point("f", 1e-2, 4)};
+    CHECK(bench::pareto_front(points) == std::vector<std::size_t>{1, 0, 3});
+    CHECK(bench::best_for(points, 1e-1)->method == "b");
+    CHECK(bench::best_for(points, 1e-3)->method == "d");
+    CHECK(bench::best_for(points, 1e-9) == nullptr);
+}
+
+TEST_CASE("results come back from their file", "[bench][results]") {
+    bench::Results results;
+    results.facts = {{"version", "x"}, {"case suite/case, with comma", "what: where"}};
+    results.measurements = {point("a", 1e-2, 0.123456789012345678), point("b", std::nan(""), 2)};
+    const support::TemporaryFolder folder;
+    std::ostringstream text;
+    bench::write_results(results, text);
+    const auto path = folder.write("results.csv", text.str());
+    const auto back = bench::read_results(path);
+    CHECK(back.facts == results.facts);
+    REQUIRE(back.measurements.size() == 2);
+    CHECK(back.measurements[0].test_case == "case, with comma");
+    CHECK(back.measurements[0].seconds == results.measurements[0].seconds);
+    CHECK(std::isnan(back.measurements[1].error));
+    CHECK_THROWS_AS(bench::read_results(folder.write("other.csv", "a,b\n1,2\n")), InputError);
+    CHECK_THROWS_AS(bench::read_results(folder / "missing.csv"), InputError);
+}
+
+TEST_CASE("a comparison tells faster, slower, better and worse from noise", "[bench][results]") {
+    bench::Results before, after;
+    before.measurements = {point("quick", 1e-2, 2),      point("slow", 1e-2, 1),
+                           point("noisy", 1e-2, 1, 0.5), point("good", 1e-2, 1),
+                           point("bad", 1e-2, 1),        point("rounding", 1e-16, 1),
+                           point("gone", 1e-2, 1)};
+    after.measurements = {point("quick", 1e-2, 1),   point("slow", 1e-2, 1.5),
+                          point("noisy", 1e-2, 1.4), point("good", 1e-3, 1),
+                          point("bad", 1e-1, 2),     point("rounding", 1e-14, 1)};
+    const auto changes = bench::compare(before, after);
+    REQUIRE(changes.size() == 6);
+    CHECK(changes[0].verdict == "faster");
+    CHECK(changes[1].verdict == "slower");
+    CHECK(changes[2].verdict == "same");
+    CHECK(changes[3].verdict == "better");
+    CHECK(changes[4].verdict == "slower; worse");
+    CHECK(changes[5].verdict == "same");
+}
+
+TEST_CASE("generated parts of a page are replaced and nothing else", "[bench][results]") {
+    const std::string page = "before\n<!-- generated x -->\nold\n<!-- end x -->\nafter\n";
+    CHECK(bench::with_generated_part(page, "x", "new\n") ==
+          "before\n<!-- generated x -->\nnew\n<!-- end x -->\nafter\n");
+    CHECK_THROWS_WITH(bench::with_generated_part(page, "y", ""), Catch::Contains("generated y"));
+}

@@ -1,0 +1,48 @@
+// The suites themselves: truths are there, and methods that must be right are.
+#include "tools/bench/suites.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/error.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+TEST_CASE("every suite has truths, contenders and a source for each", "[bench][suites]") {
+    for (const std::string& name : bench::suite_names()) {
+        for (const auto& c : bench::suite(name)) {
+            CAPTURE(name, c.name);
+            CHECK(c.suite == name);
+            CHECK_FALSE(c.truth.empty());
+            CHECK_FALSE(c.true_values.empty());
+            CHECK(std::all_of(c.true_values.begin(), c.true_values.end(),
+                              [](double v) { return v > 0; }));
+            CHECK(c.contenders.size() >= 6);
+        }
+    }
+    CHECK_THROWS_AS(bench::suite("nonsense"), UsageError);
+}
+
+TEST_CASE("in the half-space suite the closed form beats the short cuts", "[bench][suites]") {
+    const auto c = bench::half_space_suite().front();
+    double best = 1, kubelka_munk = 0, paper = 1, photons = 1;
+    for (const auto& contender : c.contenders) {
+        if (contender.parameter.find("10000") != std::string::npos) {
+            photons = bench::largest_relative_error(contender.run(), c.true_values);
+        }
+        if (contender.method == "Monte Carlo" || contender.method == "adding-doubling") continue;
+        const double error = bench::largest_relative_error(contender.run(), c.true_values);
+        if (contender.method == "closed form, mapped Gauss") best = std::min(best, error);
+        if (contender.method == "Kubelka-Munk") kubelka_munk = error;
+        if (contender.method == "paper: eq. 3 on its grid") paper = std::min(paper, error);
+    }
+    // Mapped Gauss with 32 nodes resolves isotropic scattering to rounding.
+    CHECK(best <= 1e-12);
+    // The paper's iteration stops at 1e-6 on 32 nodes.
+    CHECK(paper <= 1e-5);
+    // A constant for a function that varies by a factor of 3 over these directions.
+    CHECK(kubelka_munk >= 0.2);
+    // 10,000 photons: 1 % a piece, largest of 16, grazing.
+    CHECK(photons <= 0.15);
+}

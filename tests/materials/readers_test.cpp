@@ -1,0 +1,173 @@
+// Each format: what is right, and what is refused with file, line and reason.
+#include "materials/readers/readers.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "materials/import.h"
+#include "materials/refractive_index.h"
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using namespace miebrdf::materials;
+
+namespace {
+
+Dataset sample(const std::string& name) {
+    return read_file(MIEBRDF_MATERIALS_TEST_SAMPLES "/" + name);
+}
+
+using Numbers = std::vector<double>;
+
+}  // namespace
+
+TEST_CASE("formats are recognised by content, not by the file's name", "[materials][import]") {
+    const std::pair<const char*, Format> cases[] = {
+        {"sopra_ev.nk", Format::sopra},      {"sopra_commas.NK", Format::sopra},
+        {"sopra_surplus.nk", Format::sopra}, {"imd.nk", Format::imd},
+        {"tfcalc.MAT", Format::tfcalc},      {"page_nk.yml", Format::rii},
+        {"page_formula.yml", Format::rii},   {"table.csv", Format::csv},
+        {"two_parts.csv", Format::csv},      {"energy.csv", Format::csv},
+        {"pair.eta.spd", Format::spd},
+    };
+    for (const auto& [name, format] : cases) {
+        CAPTURE(name);
+        const auto text =
+            support::read_file(std::string(MIEBRDF_MATERIALS_TEST_SAMPLES "/") + name);
+        CHECK(recognise(text) == format);
+    }
+    CHECK_FALSE(recognise("").has_value());
+    CHECK_FALSE(recognise("some words\nand more").has_value());
+    CHECK_FALSE(recognise("400 1.5 0\n500 1.4 0\n").has_value());  // three columns of what?
+}
+
+TEST_CASE("SOPRA: photon energies, noise below 0, trailing words", "[materials][import][sopra]") {
+    const Dataset d = sample("sopra_ev.nk");
+    REQUIRE((d.n && d.k));
+    CHECK(d.n->unit == Unit::electronvolt);
+    CHECK(d.n->x == Numbers{2.0, 1.5, 1.0, 0.5});  // ascending in wavelength
+    CHECK(d.n->y == Numbers{3.6, 3.3, 3.1, 3.0});
+    CHECK(d.k->y == Numbers{0.2, 0.01, 0.0, 0.0});
+    CHECK(d.n->longest_nm == Approx(1239.841984 / 0.5).epsilon(1e-15));
+    CHECK(d.note == "Dispersion LAw");
+    REQUIRE(d.corrections.size() == 1);
+    CHECK_THAT(d.corrections[0], Catch::Contains("1 negative k") && Catch::Contains("-0.002"));
+}
+
+TEST_CASE("SOPRA: commas, Ctrl-Z, one value per line, surplus rows, all four units",
+          "[materials][import][sopra]") {
+    CHECK(sample("sopra_commas.NK").n->wavelengths_nm().size() == 4);
+    CHECK(sample("sopra_commas.NK").n->x.front() == 0.4);
+    CHECK(sample("sopra_commas.NK").corrections.empty());
+    const Dataset surplus = sample("sopra_surplus.nk");
+    CHECK(surplus.k->y == Numbers{0, 0.001, 0.002});
+    CHECK_THAT(surplus.corrections.at(0), Catch::Contains("2 numbers after the last"));
+    CHECK(sample("sopra_wavenumber.nk").n->shortest_nm == 500.0);
+    CHECK(sample("sopra_nm.nk").n->x == Numbers{400, 500, 600});
+}
+
+TEST_CASE("SOPRA: what is refused, and where", "[materials][import][sopra][errors]") {
+    const auto refused = [](const char* text) { return read_sopra(text, "x.nk"); };
+    CHECK_THROWS_WITH(refused("1 .5 6 3\n1 0\n2 0\n"),
+                      Catch::Contains("x.nk:") && Catch::Contains("after 2 of the 4"));
+    CHECK_THROWS_WITH(refused("1 .5 6 1\n1 0\nabc 0\n"), Catch::Contains("x.nk:3: 'abc'"));
+    CHECK_THROWS_WITH(refused("1 .5 6 1\n1 0\n-2 0\n"), Catch::Contains("x.nk:3: n = -2"));
+    CHECK_THROWS_WITH(refused("1 .5 6 1\n1 0\n2 -.5\n"), Catch::Contains("x.nk:3: k = -0.5"));
+    CHECK_THROWS_WITH(refused("1 .5 6 1\n1 0\n2 nan\n"), Catch::Contains("x.nk:3"));
+    for (const char* header :
+         {"", "5 1 2 3", "1 2 1 3", "1 0 1 3", "1 1 2 0", "1 1 2 1.5", "1 1 2 1e9", "1.5 1 2 1"}) {
+        CAPTURE(header);
+        CHECK_THROWS_WITH(refused(header), Catch::Contains("no SOPRA header"));
+    }
+}
+
+TEST_CASE("TFCalc: a missing '*', the announced number of points", "[materials][import][tfcalc]") {
+    const Dataset d = sample("tfcalc.MAT");
+    CHECK(d.n->x == Numbers{400, 500, 600});
+    CHECK(d.k->y == Numbers{0.1, 0.05, 0.01});
+    CHECK(d.note == "our sample");
+    CHECK(d.corrections.empty());
+    CHECK_THROWS_WITH(read_tfcalc("POINTS*2*\nDATA1*1*400*1.5*0*\nEOF*\n", "x"),
+                      Catch::Contains("announces 2 points and has 1"));
+    CHECK_THROWS_WITH(read_tfcalc("FORMAT*2*\n", "x"), Catch::Contains("x:1"));
+    CHECK_THROWS_WITH(read_tfcalc("POINTS*1*\nDATA1*1*400*1.5\n", "x"), Catch::Contains("x:2"));
+}
+
+TEST_CASE("refractiveindex.info: n and k on grids of their own, the table before the formula",
+          "[materials][import][rii]") {
+    const Dataset d = sample("page_nk.yml");
+    CHECK(d.n->x == Numbers{0.4, 0.5, 0.6});
+    CHECK(d.n->y == Numbers{1.60, 1.55, 1.50});
+    CHECK(d.k->x == Numbers{0.45, 0.55});
+    CHECK(d.k->y == Numbers{0.10, 0.0});
+    CHECK(d.doi == "10.1000/xyz.1");
+    CHECK_THAT(d.reference, Catch::StartsWith("A. Author. J. Opt. 1, 1-2 (2001), doi"));
+    CHECK(d.note == "Sample 2; orientation <100>; thickness: 20 nm");
+    CHECK(d.ray == "e");
+    CHECK(d.temperature_k == 293.15);
+    const std::string all = fmt::format("{}", fmt::join(d.corrections, " | "));
+    CHECK_THAT(all, Catch::Contains("sorted") && Catch::Contains("1 rows with a repeated") &&
+                        Catch::Contains("negative k") && Catch::Contains("formula 5' ignored"));
+    CHECK(d.corrections.size() == 4);
+}
+
+TEST_CASE("refractiveindex.info: formulas, the older key of the range, unknown k",
+          "[materials][import][rii]") {
+    const Dataset d = sample("page_formula.yml");
+    CHECK_FALSE(d.k.has_value());
+    CHECK(d.n->formula == 3);
+    const RefractiveIndex index("x", d.n, d.k);
+    CHECK(index.at(500).real() == Approx(std::sqrt(2.25 + 0.01 / 0.25)).epsilon(1e-15));
+    CHECK_THROWS_AS(index.at(399), std::out_of_range);
+}
+
+TEST_CASE("refractiveindex.info: what is refused, and where", "[materials][import][rii][errors]") {
+    const auto refused = [](const std::string& text) { return read_rii_page(text, "p.yml"); };
+    CHECK_THROWS_WITH(refused("DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1.5\n"),
+                      Catch::Contains("p.yml:4: 2 columns"));
+    CHECK_THROWS_WITH(
+        refused("DATA:\n  - type: tabulated n\n    data: |\n      0.4 1.5\n      0.5 0\n"),
+        Catch::Contains("p.yml:5: n = 0"));
+    CHECK_THROWS_WITH(refused("DATA:\n  - type: formula 12\n"),
+                      Catch::Contains("p.yml:2") && Catch::Contains("formula 12"));
+    CHECK_THROWS_WITH(refused("DATA:\n  - type: formula 1\n    coefficients: 1 2\n"),
+                      Catch::Contains("without range"));
+    CHECK_THROWS_WITH(refused("DATA: nothing\n"), Catch::Contains("no list"));
+    CHECK_THROWS_WITH(refused("DATA: [\n"), Catch::Contains("no YAML"));
+    CHECK_THROWS_WITH(refused("DATA: &a\n  - *a\n"), Catch::Contains("anchors"));
+    CHECK_THROWS_WITH(refused("DATA: " + std::string(1000, '[')), Catch::Contains("nested"));
+}
+
+TEST_CASE("CSV: units by column name, two parts, other separators", "[materials][import][csv]") {
+    const Dataset d = sample("table.csv");
+    CHECK(d.n->unit == Unit::nanometre);
+    CHECK(d.label == "mine");
+    CHECK(d.reference == "our laboratory, 2024");
+    CHECK_THAT(d.corrections.at(0), Catch::Contains("'remark' ignored"));
+    const Dataset two = sample("two_parts.csv");
+    CHECK(two.n->unit == Unit::micrometre);
+    CHECK(two.k->x == Numbers{0.45, 0.55});
+    CHECK(sample("energy.csv").n->x == Numbers{3, 2.5, 2});
+    CHECK_THROWS_WITH(read_csv("wavelength,n\n400,1.5\n", "t.csv"),
+                      Catch::Contains("t.csv:1") && Catch::Contains("unit of 'wavelength'"));
+    CHECK_THROWS_WITH(read_csv("nm,n\n400,1.5\n500,x\n", "t.csv"), Catch::Contains("t.csv:3: 'x'"));
+    CHECK_THROWS_WITH(read_csv("nm,n\n", "t.csv"), Catch::Contains("no data"));
+    CHECK_THROWS_WITH(read_csv("a,b\n1,2\n", "t.csv"), Catch::Contains("no header"));
+}
+
+TEST_CASE("IMD and spd: Angstrom and nm, pairs of files", "[materials][import]") {
+    const Dataset imd = sample("imd.nk");
+    CHECK(imd.n->shortest_nm == 400.0);
+    CHECK(imd.k->y == Numbers{0.1, 0.0});
+    CHECK_THAT(imd.note, Catch::StartsWith("Optical constants, our sample"));
+    for (const char* half : {"pair.eta.spd", "pair.k.spd"}) {
+        const Dataset pair = sample(half);
+        CHECK(pair.n->y == Numbers{1.5, 1.4});
+        CHECK(pair.k->y == Numbers{0.5, 0.45, 0.4});  // sorted
+    }
+    CHECK_FALSE(read_spd("400 1.5\n", "", "x").k.has_value());
+    CHECK_FALSE(read_spd("", "400 1.5\n", "x").n.has_value());
+    CHECK_THROWS_WITH(read_spd("400 1.5\n500 1 2\n", "", "x"), Catch::Contains("x.eta.spd:2"));
+}

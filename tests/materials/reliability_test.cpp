@@ -1,0 +1,228 @@
+// Writers that are killed, several processes at once, full disks, read-only folders, damaged bytes:
+// the database is as before or as after, and whoever asks gets data or a clear error.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <random>
+#include <thread>
+
+#include "materials/database.h"
+#include "materials/database_writer.h"
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using namespace miebrdf::materials;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr int batch_size = 100;
+
+std::vector<Dataset> batch(const std::string& name, int rows = 40) {
+    std::vector<Dataset> datasets(batch_size);
+    for (int i = 0; i < batch_size; ++i) {
+        std::vector<double> x, y;
+        for (int row = 0; row < rows; ++row) {
+            x.push_back(400 + row);
+            y.push_back(1.5 + 1e-3 * i);
+        }
+        Dataset& d = datasets[static_cast<std::size_t>(i)];
+        d.material = fmt::format("{}-{}", name, i);
+        d.label = "x";
+        d.source = name;
+        d.n = make_table(Unit::nanometre, x, y);
+    }
+    return datasets;
+}
+
+/// Runs `work` in a process of its own; it ends with 0 unless `work` throws.
+pid_t in_child(const std::function<void()>& work) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    int code = 0;
+    try {
+        work();
+    } catch (const DatabaseError& error) {
+        code = 10;
+        if (std::string(error.what()).find("locked") != std::string::npos) code = 11;
+    } catch (...) {
+        code = 12;
+    }
+    _exit(code);
+}
+
+int exit_code(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/// How many datasets of a batch there are; reads every figure of them.
+int count_of(const fs::path& file, const std::string& name) {
+    const Database database = Database::layered(file);
+    int count = 0;
+    for (const MaterialInfo& m : database.search(name)) {
+        if (m.source != name) continue;
+        database.refractive_index(m.name).at(405);
+        ++count;
+    }
+    return count;
+}
+
+int kills_wanted() {
+    const char* text = std::getenv("MIEBRDF_KILLS");
+    return text == nullptr ? 60 : std::atoi(text);
+}
+
+}  // namespace
+
+TEST_CASE("a writer killed at any moment leaves the database as before or as after",
+          "[materials][reliability]") {
+    const support::TemporaryFolder folder;
+    const fs::path file = folder.path() / "user.sqlite";
+    std::mt19937 random(1);
+    const auto start = Clock::now();
+    REQUIRE(exit_code(in_child([&] { DatabaseWriter(file).add(batch("first")); })) == 0);
+    const auto whole =
+        std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start).count();
+
+    int before = 0, after = 0;
+    for (int i = 0; i < kills_wanted(); ++i) {
+        // Every third time the file does not exist yet: its creation is interrupted.
+        if (i % 3 == 0) {
+            for (const char* part : {"", "-wal", "-shm", "-journal"})
+                fs::remove(file.string() + part);
+        }
+        const std::string name = fmt::format("killed{}", i);
+        const pid_t child = in_child([&] { DatabaseWriter(file).add(batch(name)); });
+        std::this_thread::sleep_for(std::chrono::microseconds(random() % (whole * 4 / 5)));
+        kill(child, SIGKILL);
+        exit_code(child);
+        CAPTURE(i);
+        const int found = count_of(file, name);
+        CHECK((found == 0 || found == batch_size));
+        (found == 0 ? before : after)++;
+        CHECK(Database::layered(file).integrity_problems().empty());
+        // And it can be written again at once.
+        if (i % 3 == 1) CHECK_NOTHROW(DatabaseWriter(file).add_alias("SiO2", name));
+    }
+    std::printf("killed writers: %d, database as before: %d, as after: %d\n", before + after,
+                before, after);
+    CHECK(before > 0);  // otherwise the kills came too late to prove anything
+}
+
+TEST_CASE("two processes write while ten read: bounded waits, no errors",
+          "[materials][reliability]") {
+    const support::TemporaryFolder folder;
+    const fs::path file = folder.path() / "user.sqlite";
+    constexpr int batches = 8;
+    std::vector<pid_t> children;
+    const auto start = Clock::now();
+    for (int writer = 0; writer < 2; ++writer) {
+        children.push_back(in_child([&] {
+            for (int i = 0; i < batches; ++i) {
+                DatabaseWriter(file).add(batch(fmt::format("writer{}batch{}", writer, i), 10));
+            }
+        }));
+    }
+    for (int reader = 0; reader < 10; ++reader) {
+        children.push_back(in_child([&] {
+            for (int i = 0; i < 15; ++i) {
+                const Database database = Database::layered(file);
+                if (database.refractive_index("SiO2").at(550).real() < 1.4) _exit(20);
+                const auto found = database.search("writer0batch0");
+                if (!found.empty() && found.size() != batch_size) _exit(21);  // half a transaction
+            }
+        }));
+    }
+    for (const pid_t child : children) CHECK(exit_code(child) == 0);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    CAPTURE(seconds);
+    CHECK(seconds <= 30);  // one busy timeout; it takes well under a second of work
+    CHECK(count_of(file, "writer1batch7") == batch_size);
+    CHECK(Database::open(file).list().size() == 2 * batches * batch_size);
+}
+
+TEST_CASE("a full disk is an error and nothing is lost", "[materials][reliability]") {
+    const support::TemporaryFolder folder;
+    const fs::path file = folder.path() / "user.sqlite";
+    DatabaseWriter(file).add(batch("kept"));
+    int refused = 0;
+    for (const rlim_t allowed : {1u, 4096u, 20000u, 70000u, 150000u, 300000u}) {
+        const int code = exit_code(in_child([&] {
+            signal(SIGXFSZ, SIG_IGN);
+            const rlimit limit{allowed, allowed};
+            setrlimit(RLIMIT_FSIZE, &limit);
+            DatabaseWriter(file).add(batch(fmt::format("new{}", allowed), 400));
+        }));
+        CAPTURE(allowed, code);
+        CHECK((code == 0 || code == 10));
+        refused += code == 10;
+        CHECK(count_of(file, "kept") == batch_size);
+        CHECK(count_of(file, fmt::format("new{}", allowed)) == (code == 0 ? batch_size : 0));
+        CHECK(Database::open(file).integrity_problems().empty());
+    }
+    CHECK(refused >= 4);
+}
+
+TEST_CASE("a read-only folder: reading works, writing is a clear error",
+          "[materials][reliability]") {
+    const support::TemporaryFolder folder;
+    const fs::path file = folder.path() / "user.sqlite";
+    DatabaseWriter(file).add(batch("kept"));
+    for (const char* part : {"-wal", "-shm"}) fs::remove(file.string() + part);
+    fs::permissions(file, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+    fs::permissions(folder.path(), fs::perms(0555));
+    // root may write anywhere, so that the question is asked as nobody.
+    const auto as_nobody = [](const std::function<void()>& work) {
+        return in_child([&] {
+            if (geteuid() == 0 && setuid(65534) != 0) _exit(30);
+            work();
+        });
+    };
+    CHECK(exit_code(as_nobody([&] {
+              if (count_of(file, "kept") != batch_size) _exit(31);
+          })) == 0);
+    CHECK(exit_code(as_nobody([&] { DatabaseWriter(file).add(batch("new")); })) == 10);
+    CHECK(exit_code(as_nobody([&] { DatabaseWriter(folder.path() / "other.sqlite"); })) == 10);
+    fs::permissions(folder.path(), fs::perms(0755));
+    CHECK(count_of(file, "kept") == batch_size);
+}
+
+TEST_CASE("changed bytes give the right figures or an error", "[materials][reliability]") {
+    const support::TemporaryFolder folder;
+    const fs::path file = folder.path() / "user.sqlite";
+    DatabaseWriter(file).add(batch("kept"));
+    const std::string whole = support::read_file(file);
+    std::mt19937 random(3);
+    int noticed = 0;
+    for (int i = 0; i < 150; ++i) {
+        std::string changed = whole;
+        for (int j = 0; j < 20; ++j)
+            changed[random() % changed.size()] = static_cast<char>(random());
+        const fs::path damaged = folder.write("damaged.sqlite", changed);
+        try {
+            const Database database = Database::open(damaged);
+            for (int m = 0; m < batch_size; ++m) {
+                const std::string name = fmt::format("kept-{}", m);
+                if (database.resolve(name).size() != 1) continue;  // a damaged name is another name
+                const double n = database.refractive_index(name).at(420).real();
+                CHECK(n == Approx(1.5 + 1e-3 * m).epsilon(1e-15));
+            }
+        } catch (const std::runtime_error&) {
+            ++noticed;
+        } catch (const std::logic_error&) {
+            ++noticed;
+        }
+    }
+    CHECK(noticed > 100);
+}

@@ -1,0 +1,52 @@
+// The fast part of the stress battery; `miebrdf stress` runs all of it.
+#include "tools/bench/stress.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+using Suite = void (*)(const bench::StressOptions&, std::vector<bench::StressCheck>&);
+
+// Every check of a suite must hold; the ones that do not are shown with their cause.
+void require_all(Suite suite, std::size_t at_least) {
+    std::vector<bench::StressCheck> checks;
+    suite({.fast = true}, checks);
+    CHECK(checks.size() >= at_least);
+    for (const auto& c : checks) {
+        if (c.ok()) continue;
+        CAPTURE(c.suite, c.test_case, c.quantity, c.value, c.bound, c.cause);
+        CHECK(c.value <= c.bound);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("stress: spheres", "[stress]") { require_all(bench::stress_spheres, 200); }
+TEST_CASE("stress: ensembles", "[stress]") { require_all(bench::stress_ensembles, 100); }
+TEST_CASE("stress: half-spaces", "[stress]") { require_all(bench::stress_half_spaces, 200); }
+TEST_CASE("stress: coats", "[stress]") { require_all(bench::stress_coats, 80); }
+TEST_CASE("stress: surfaces", "[stress]") { require_all(bench::stress_surfaces, 80); }
+TEST_CASE("stress: materials", "[stress]") { require_all(bench::stress_materials, 30); }
+TEST_CASE("stress: refusals", "[stress]") { require_all(bench::stress_refusals, 60); }
+TEST_CASE("stress: photons", "[stress]") { require_all(bench::stress_photons, 30); }
+
+TEST_CASE("the battery notices what is broken", "[stress]") {
+    std::vector<bench::StressCheck> checks;
+    bench::StressLog log("test", checks);
+    log.at_most("nan", "q", std::nan(""), 1, "");
+    log.at_most("large", "q", 2, 1, "");
+    log.refused("accepted", [] {});
+    log.run("threw", [] { throw std::runtime_error("no"); });
+    REQUIRE(checks.size() == 4);
+    for (const auto& c : checks) CHECK_FALSE(c.ok());
+    log.at_most("small", "q", 1, 1, "");
+    log.refused("refused", [] { throw std::invalid_argument("no"); });
+    CHECK(checks[4].ok());
+    CHECK(checks[5].ok());
+    CHECK_THAT(bench::stress_tally(checks), Catch::Contains("| test | 6 | 4 |"));
+}

@@ -1,0 +1,134 @@
+// The materials subcommands as a user runs them, each with a database of its own.
+#include <filesystem>
+
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+
+namespace {
+
+constexpr int kCheckFailed = 1, kUsage = 2, kBadInput = 3;
+
+const std::string kCsv = "# label: lab\nwavelength_nm,n,k\n400,1.5,0.1\n500,1.6,0.2\n600,1.7,0.3\n";
+
+/// The program with a user database in a folder that goes away.
+struct Bench {
+    support::TemporaryFolder folder;
+    support::ProgramRun run(const std::string& arguments) const {
+        return support::run_program(
+            "materials " + arguments,
+            "XDG_DATA_HOME=" + folder.path().string() + " MIEBRDF_DATABASE=");
+    }
+    std::string import_sample() const {
+        const std::string file = folder.write("mine.csv", kCsv);
+        REQUIRE(run("import " + file + " --name MyOxide").exit_code == 0);
+        return file;
+    }
+};
+
+void check_error(const support::ProgramRun& run, int exit_code, const std::string& word) {
+    CAPTURE(run.err, run.out);
+    CHECK(run.exit_code == exit_code);
+    CHECK(run.out.empty());
+    CHECK_THAT(run.err, Catch::StartsWith("miebrdf: error: ") && Catch::Contains(word));
+}
+
+}  // namespace
+
+TEST_CASE("materials list, search and show", "[program][materials]") {
+    const Bench bench;
+    const support::CsvOutput list(bench.run("list").out);
+    CHECK(list.size() == 73);
+    CHECK(list.columns().front() == "name");
+    const support::CsvOutput found(
+        bench.run("search \"titanium dioxide\" --covers 400:700 --has-k").out);
+    REQUIRE(found.size() >= 1);
+    CHECK(found.text(0, "name") == "TiO2");
+    CHECK(bench.run("search zzzz").exit_code == kCheckFailed);
+    CHECK_THAT(bench.run("show AlGaAs7").out, Catch::Contains("AlGaAs_70/visible"));
+    CHECK_THAT(bench.run("show gap --json").out, Catch::StartsWith("{"));
+    check_error(bench.run("search x --covers 1:2:3"), kUsage, "--covers");
+    check_error(bench.run("show TiO3"), kBadInput, "TiO2");
+}
+
+TEST_CASE("materials nk: units, range, interpolation, clamping", "[program][materials]") {
+    const Bench bench;
+    const support::CsvOutput nk(
+        bench.run("nk GaP --wavelengths 550,0.55um,5500A,18181.818181818182cm-1").out);
+    CHECK(nk.columns() == std::vector<std::string>{"wavelength_nm", "n", "k"});
+    REQUIRE(nk.size() == 4);
+    // The row of the table at 0.550 um.
+    for (std::size_t row = 0; row < 4; ++row)
+        CHECK(nk.number(row, "n") == Approx(3.44962).epsilon(1e-12));
+    check_error(bench.run("nk GaP --wavelengths 900"), kBadInput, "360 to 840 nm");
+    check_error(bench.run("nk GaP --wavelengths -1"), kUsage, "-1");
+    check_error(bench.run("nk GaP --wavelengths 550 --interpolation magic"), kUsage, "magic");
+    const auto clamped = bench.run("nk GaP --wavelengths 900 --extrapolate clamp");
+    CHECK_THAT(clamped.out, Catch::Contains("# extrapolated: 900 nm is outside 360 to 840 nm"));
+    CHECK_THAT(bench.run("nk BaTiO3 --wavelengths 550").out, Catch::Contains("# k: unknown"));
+    CHECK_THAT(bench.run("nk SiO2 --wavelengths 550 --k-floor 1e-6").out,
+               Catch::Contains(",1e-06"));
+}
+
+TEST_CASE("materials import, alias, default, export and remove go round", "[program][materials]") {
+    const Bench bench;
+    const std::string file = bench.import_sample();
+    CHECK_THAT(bench.run("import " + file + " --name MyOxide").out, Catch::Contains("unchanged"));
+    CHECK(bench.run("alias \"house white\" MyOxide").exit_code == 0);
+    CHECK_THAT(bench.run("nk \"House White\" --wavelengths 500").out,
+               Catch::Contains("500,1.6,0.2"));
+    check_error(bench.run("alias gold MyOxide"), kBadInput, "Au");
+
+    REQUIRE(bench.run("import " + file + " --name GaP --label mine").exit_code == 0);
+    CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("GaP/visible"));
+    CHECK(bench.run("default GaP/mine").exit_code == 0);
+    CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("500,1.6,0.2"));
+    CHECK(bench.run("remove GaP/mine").exit_code == 0);
+    CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("GaP/visible"));
+    check_error(bench.run("remove GaP"), kBadInput, "embedded");
+
+    const std::string out = bench.folder / "out.yml";
+    REQUIRE(bench.run("export MyOxide --format yaml -o " + out).exit_code == 0);
+    REQUIRE(bench.run("import " + out + " --name Again --label again").exit_code == 0);
+    CHECK(bench.run("diff MyOxide Again").exit_code == 0);
+    CHECK(bench.run("diff MyOxide SiO2").exit_code == kCheckFailed);
+    CHECK(bench.run("export MyOxide --format spd -o " + (bench.folder / "pair")).exit_code == 0);
+    CHECK(std::filesystem::exists(bench.folder / "pair.k.spd"));
+    check_error(bench.run("export MyOxide --format spd"), kUsage, "two files");
+    check_error(bench.run("export BaTiO3 --format tfcalc"), kBadInput, "k is unknown");
+    CHECK(bench.run("verify").exit_code == 0);
+}
+
+TEST_CASE("a bad file changes nothing and says where it is bad", "[program][materials]") {
+    const Bench bench;
+    const std::string bad = bench.folder.write("bad.csv", "wavelength_nm,n\n400,1.5\n500,oops\n");
+    const std::string good = bench.folder.write("good.csv", kCsv);
+    check_error(bench.run("import " + good + " " + bad), kBadInput, "bad.csv:3: 'oops'");
+    CHECK_FALSE(bench.run("show good").exit_code == 0);
+    check_error(bench.run("import " + good + " --format nonsense"), kUsage, "nonsense");
+    check_error(bench.run("import " + (bench.folder / "missing.nk")), kUsage, "missing.nk");
+}
+
+TEST_CASE("materials plot draws n and k", "[program][materials]") {
+    const Bench bench;
+    const std::string file = bench.folder / "nk.svg";
+    REQUIRE(bench.run("plot GaP TiO2 -o " + file).exit_code == 0);
+    const std::string svg = support::read_file(file);
+    CHECK_THAT(svg, Catch::Contains("<svg") && Catch::Contains("GaP/visible"));
+    check_error(bench.run("plot GaP"), kUsage, "-o FILE");
+    check_error(bench.run("plot GaP --range 900:1000 -o " + file), kBadInput, "nothing to draw");
+}
+
+TEST_CASE("databases that are none are refused", "[program][materials]") {
+    const Bench bench;
+    const std::string text = bench.folder.write("text.db", std::string(5000, 'x'));
+    check_error(bench.run("list --database " + text), kBadInput, "not a materials database");
+    check_error(bench.run("list --database " + (bench.folder / "missing.db")), kBadInput,
+                "does not exist");
+    const std::string file = bench.folder.write("mine.csv", kCsv);
+    check_error(bench.run("import " + file + " --database " + text), kBadInput,
+                "not a materials database");
+    CHECK(support::read_file(text) == std::string(5000, 'x'));
+}

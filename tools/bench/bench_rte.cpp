@@ -1,0 +1,136 @@
+// Error against time of radiative transfer: each benchmark reports the error beside the time, so
+// that a faster but worse method cannot look like progress.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "rte/delta_m.h"
+#include "rte/half_space.h"
+#include "rte/layered_reflection.h"
+
+using namespace miebrdf;
+
+namespace {
+
+// Order-by-order reflection matrix of a half-space between all nodes, until two successive orders
+// are below the tolerance: what discrete-ordinate codes deliver.
+int all_modes(const rte::Optics& optics, int streams, double tolerance) {
+    const int moments = int(std::min<std::size_t>(2 * std::size_t(streams), optics.chi.size()));
+    const auto scaled = rte::scale_optics(optics, moments, true);
+    const auto grid = rte::make_mapped_gauss_grid(streams);
+    const Eigen::VectorXd strengths = scaled.strengths();
+    const Eigen::VectorXd D = rte::flux_weights(grid);
+    rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::PhaseMode mode;
+    double order_zero = 0.0;
+    int small_orders = 0;
+    int order = 0;
+    for (; order < moments && small_orders < 2; ++order) {
+        rte::make_phase_mode(order, moments, grid, none, mode);
+        const rte::ScatteringMode medium{strengths.tail(moments - order), scaled.one_minus_albedo};
+        const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, medium, mode,
+                                                      grid, none, tolerance);
+        const Eigen::MatrixXd single = mode.at_nodes *
+                                       rte::alternating(medium.strengths).asDiagonal() *
+                                       mode.at_nodes.transpose();
+        double largest = 0.0;
+        for (Eigen::Index q = 0; q < grid.size(); ++q) {
+            for (Eigen::Index p = 0; p <= q; ++p) {
+                const double bounded =
+                    half_space.nodes(p, q) / (2.0 * D[p] * D[q]) * (grid.mu[p] + grid.mu[q]);
+                largest = std::max(largest, std::abs(bounded - 0.25 * single(p, q)));
+            }
+        }
+        if (order == 0) order_zero = largest;
+        small_orders = largest <= tolerance * order_zero ? small_orders + 1 : 0;
+    }
+    return order;
+}
+
+// Largest deviation, relative to the largest value at each incidence, from four times the nodes.
+double error_of(const rte::Stack& stack, int streams, double tolerance) {
+    const rte::Directions directions{
+        {0.1, 0.3, 0.6, 1.0}, {0.1, 0.3, 0.6, 1.0}, {0.0, 60.0, 180.0}};
+    const auto value =
+        rte::reflect(stack, directions, {.tolerance = tolerance, .streams = streams});
+    const auto truth =
+        rte::reflect(stack, directions, {.tolerance = 1e-11, .streams = 4 * streams});
+    const std::size_t block = 12;
+    double largest = 0.0;
+    for (std::size_t start = 0; start < truth.reflection.size(); start += block) {
+        double scale = 0.0;
+        double difference = 0.0;
+        for (std::size_t k = start; k < start + block; ++k) {
+            scale = std::max(scale, truth.reflection[k]);
+            difference = std::max(difference, std::abs(truth.reflection[k] - value.reflection[k]));
+        }
+        largest = std::max(largest, difference / scale);
+    }
+    return largest;
+}
+
+// Arguments: albedo in 1e-4, g in 1e-2, nodes, -log10 of the tolerance.
+void half_space_all_modes(benchmark::State& state) {
+    const auto optics =
+        rte::henyey_greenstein_optics(double(state.range(0)) * 1e-4, double(state.range(1)) * 1e-2);
+    const int streams = int(state.range(2));
+    const double tolerance = std::pow(10.0, -double(state.range(3)));
+    int orders = 0;
+    for (auto _ : state) orders = all_modes(optics, streams, tolerance);
+    state.counters["orders"] = orders;
+    state.counters["error"] = error_of({.base = optics}, streams, tolerance);
+}
+BENCHMARK(half_space_all_modes)
+    ->Unit(benchmark::kMicrosecond)
+    ->Args({9900, 75, 16, 5})
+    ->Args({9900, 75, 24, 7})
+    ->Args({9900, 75, 32, 9})
+    ->Args({9999, 90, 24, 4})
+    ->Args({9999, 90, 32, 5})
+    ->Args({9999, 90, 64, 7})
+    ->Args({9000, 0, 16, 9})
+    ->Args({9000, 0, 32, 12});
+
+void order_zero(benchmark::State& state) {
+    const auto optics = rte::henyey_greenstein_optics(0.99, 0.75);
+    const int streams = int(state.range(0));
+    const auto method = rte::HalfSpaceMethod(state.range(1));
+    const auto scaled = rte::scale_optics(optics, 2 * streams, true);
+    const auto grid = rte::make_mapped_gauss_grid(streams);
+    rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::PhaseMode mode;
+    rte::make_phase_mode(0, 2 * streams, grid, none, mode);
+    const rte::ScatteringMode medium{scaled.strengths(), scaled.one_minus_albedo};
+    int iterations = 0;
+    for (auto _ : state) {
+        const auto result = rte::solve_half_space(method, medium, mode, grid, none, 1e-7);
+        iterations = result.iterations;
+        benchmark::DoNotOptimize(result.nodes.data());
+    }
+    state.counters["iterations"] = iterations;
+}
+BENCHMARK(order_zero)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32, 64}, {0, 1, 2}});
+
+// One wavelength of the paper's kind of scene: coat on base, 5 x 20 x 2 directions, fixed nodes.
+void coat_on_base(benchmark::State& state) {
+    const rte::Stack stack{
+        .base = rte::henyey_greenstein_optics(0.95, 0.7),
+        .coats = {{rte::henyey_greenstein_optics(0.9, 0.46), double(state.range(1)) * 1e-2}}};
+    rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
+    for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
+    rte::Stack scene = stack;
+    if (state.range(1) == 0) scene.coats.clear();
+    const rte::SolverOptions options{.tolerance = 1e-5, .streams = int(state.range(0))};
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(rte::reflect(scene, directions, options).reflection.data());
+    }
+    state.counters["error"] = error_of(scene, options.streams, options.tolerance);
+}
+BENCHMARK(coat_on_base)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32}, {0, 10, 1000}});
+
+}  // namespace
+
+BENCHMARK_MAIN();

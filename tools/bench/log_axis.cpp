@@ -1,0 +1,35 @@
+#include "tools/bench/log_axis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace miebrdf::bench {
+
+LogAxis::LogAxis(double lowest, double highest, double from, double to)
+    : low_(std::log10(lowest)), high_(std::log10(highest)), from_(from), to_(to) {
+    const double room = std::max(0.15, 0.05 * (high_ - low_));
+    low_ -= room;
+    high_ += room;
+}
+
+double LogAxis::position(double value) const {
+    return from_ + (std::log10(value) - low_) / (high_ - low_) * (to_ - from_);
+}
+
+std::vector<int> LogAxis::decades() const {
+    const int first = static_cast<int>(std::ceil(low_)), last = static_cast<int>(std::floor(high_));
+    const int step = std::max(1, (last - first + 9) / 10);
+    std::vector<int> result;
+    for (int d = first; d <= last; d += step) result.push_back(d);
+    return result;
+}
+
+std::string LogAxis::time_label(int decade) {
+    static const char* const kUnits[] = {"ns", "us", "ms", "s"};
+    const int unit = std::clamp(static_cast<int>(std::floor((decade + 9) / 3.0)), 0, 3);
+    return fmt::format("{:g} {}", std::pow(10.0, decade + 9 - 3 * unit), kUnits[unit]);
+}
+
+}  // namespace miebrdf::bench

@@ -1,0 +1,111 @@
+#include "tools/bench/measurement.h"
+
+#include <malloc.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace miebrdf::bench {
+namespace {
+
+double field_of_status(const std::string& name) {
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;) {
+        double kilobytes = 0;
+        if (word == name && status >> kilobytes) return kilobytes * 1024;
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t n = values.size();
+    return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+// One contender on its way through the rounds.
+struct Running {
+    const Contender* contender;
+    int loops = 1;  // runs in one sample
+    int rounds = 1;
+    std::vector<double> samples = {};
+
+    void take_sample() {
+        const double start = cpu_seconds();
+        for (int i = 0; i < loops; ++i) contender->run();
+        samples.push_back((cpu_seconds() - start) / loops);
+    }
+};
+
+// A run of its own: the first one also brings in code and tables that are there to stay.
+double memory_of(const Contender& contender) {
+    const double before = reset_peak_memory();
+    contender.run();
+    const double growth = peak_memory() - before;
+    return growth < 0 ? 0.0 : growth;
+}
+
+}  // namespace
+
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double reset_peak_memory() {
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << "5";
+    return field_of_status("VmHWM:");
+}
+
+double peak_memory() { return field_of_status("VmHWM:"); }
+
+double largest_relative_error(const std::vector<double>& values, const std::vector<double>& truth) {
+    if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+    if (values.size() != truth.size()) return std::numeric_limits<double>::infinity();
+    double worst = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const double scale = truth[i] != 0 ? std::abs(truth[i]) : 1.0;
+        const double error = std::abs(values[i] - truth[i]) / scale;
+        if (!(error <= worst)) worst = error;
+        if (std::isnan(worst)) break;
+    }
+    return worst;
+}
+
+std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptions& options) {
+    std::vector<Measurement> results;
+    std::vector<Running> running;
+    const auto judge = bench_case.error ? bench_case.error : largest_relative_error;
+    for (const Contender& contender : bench_case.contenders) {
+        Measurement m{bench_case.suite, bench_case.name, contender.method, contender.parameter};
+        const double start = cpu_seconds();
+        m.error = judge(contender.run(), bench_case.true_values);
+        const double once = std::max(cpu_seconds() - start, 1e-9);
+        m.memory = memory_of(contender);
+        Running r{&contender};
+        r.loops = std::clamp(static_cast<int>(options.shortest_sample / once), 1, 100000);
+        r.rounds = std::clamp(static_cast<int>(options.longest_total / (once * r.loops)), 1,
+                              std::max(1, options.repeats));
+        running.push_back(std::move(r));
+        results.push_back(std::move(m));
+    }
+    for (int round = 0; round < options.repeats; ++round) {
+        for (Running& r : running) {
+            if (round < r.rounds) r.take_sample();
+        }
+    }
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        const auto [low, high] =
+            std::minmax_element(running[i].samples.begin(), running[i].samples.end());
+        results[i].seconds = median(running[i].samples);
+        results[i].spread = (*high - *low) / results[i].seconds;
+    }
+    return results;
+}
+
+}  // namespace miebrdf::bench

@@ -1,0 +1,65 @@
+// Error and run time of one method at one setting of its knob, measured side by side with others.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace miebrdf::bench {
+
+/// One point of an error-time curve; also one row of results.csv.
+struct Measurement {
+    std::string suite;
+    std::string test_case;
+    std::string method;
+    std::string parameter;  ///< the knob as text, e.g. "n=16"
+    double error = 0.0;     ///< largest relative error of the case's quantities; NaN: no answer
+    double seconds = 0.0;   ///< median CPU time of one run
+    double memory = 0.0;    ///< growth of the peak resident memory in bytes; NaN: not known
+    double spread = 0.0;    ///< (slowest - fastest) / median of the repeats
+};
+
+/// A method at one setting. `run` computes the case and returns its numbers; it is what is timed.
+struct Contender {
+    std::string method;
+    std::string parameter;
+    std::function<std::vector<double>()> run;
+};
+
+/// How far an answer is from the truth: largest |value / truth - 1|; absolute where truth is 0.
+/// Infinite for answers of another length, NaN for a value that is none.
+double largest_relative_error(const std::vector<double>& values, const std::vector<double>& truth);
+
+/// A quantity, its truth from outside, and everyone who computes it.
+struct BenchCase {
+    std::string suite;
+    std::string name;
+    std::string quantity;  ///< one sentence: what is computed
+    std::string truth;     ///< where the truth comes from and how many digits it has
+    std::vector<double> true_values;
+    std::vector<Contender> contenders;
+    /// How answers are judged; empty: largest_relative_error.
+    std::function<double(const std::vector<double>&, const std::vector<double>&)> error = {};
+};
+
+struct MeasureOptions {
+    int repeats = 5;                ///< rounds over all contenders, at least 1
+    double shortest_sample = 2e-3;  ///< s; quicker runs are repeated inside one sample
+    double longest_total = 4.0;     ///< s per contender: slow ones are repeated less, at least once
+};
+
+/// Runs every contender of a case: once to warm up and for its error, once for its memory, then in
+/// rounds in which all take turns, so that a change of the machine's mood hits all alike.
+/// Time is the CPU time of the process: other programs on the machine do not count.
+std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptions& options = {});
+
+/// CPU time of this process in seconds.
+double cpu_seconds();
+
+/// Returns free memory to the system and starts the peak of resident memory anew, and the peak
+/// since then; both in bytes. The kernel counts in batches: good to some hundred KiB. Linux; NaN
+/// elsewhere.
+double reset_peak_memory();
+double peak_memory();
+
+}  // namespace miebrdf::bench

@@ -1,0 +1,165 @@
+#include "tools/bench/report_page.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/bench/curve_plot.h"
+
+namespace miebrdf::bench {
+namespace {
+
+constexpr char kHead[] = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>miebrdf: error against run time</title>
+<link rel="icon" href="data:,">
+<style>
+body{font:15px/1.45 Helvetica,Arial,sans-serif;color:#222;max-width:960px;margin:2em auto;padding:0 1em}
+h1{margin-bottom:.2em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}h3{margin:1.6em 0 .3em}
+table{border-collapse:collapse;margin:.6em 0;font-size:13px}td,th{padding:3px 9px;text-align:left;border-bottom:1px solid #e4e4e4}
+svg{max-width:100%;height:auto;border:1px solid #e4e4e4}.legend{cursor:pointer}.off{opacity:.12}
+.faint{color:#777}.faster,.better{color:#00734f}.slower,.worse{color:#b34700}nav a{margin-right:1em}
+</style></head><body>
+)";
+
+constexpr char kScript[] = R"(<script>
+// Click a legend entry to hide or show its curve; move over it to bring it out.
+for (const entry of document.querySelectorAll('svg .legend')) {
+  const svg = entry.ownerSVGElement, method = entry.dataset.method;
+  const all = [...svg.querySelectorAll('.series')], mine = all.filter(s => s.dataset.method === method);
+  entry.addEventListener('click', () => {
+    const hide = entry.classList.toggle('off');
+    for (const s of mine) s.style.display = hide ? 'none' : '';
+  });
+  entry.addEventListener('mouseenter', () => all.forEach(s => s.classList.toggle('off', !mine.includes(s))));
+  entry.addEventListener('mouseleave', () => all.forEach(s => s.classList.remove('off')));
+}
+</script>
+)";
+
+std::string time_text(double seconds) {
+    if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
+    if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
+    return fmt::format("{:.3g} s", seconds);
+}
+
+std::string choice_text(const std::vector<Measurement>& points, double error) {
+    const Measurement* best = best_for(points, error);
+    return best ? fmt::format("{} {}, {}", best->method, best->parameter, time_text(best->seconds))
+                : "none";
+}
+
+std::vector<std::string> suites_of(const Results& results) {
+    std::vector<std::string> suites;
+    for (const auto& [suite, name] : cases_of(results)) {
+        if (suites.empty() || suites.back() != suite) suites.push_back(suite);
+    }
+    return suites;
+}
+
+std::string choice_table_html(const Results& results, const std::string& suite) {
+    std::string html = "<table class='choice'><tr><th>case</th>";
+    for (const double e : wanted_errors()) html += fmt::format("<th>error &le; {:.0e}</th>", e);
+    html += "</tr>\n";
+    for (const auto& [s, name] : cases_of(results)) {
+        if (s != suite) continue;
+        const auto points = of_case(results, s, name);
+        html += "<tr><td>" + escape_markup(name) + "</td>";
+        for (const double e : wanted_errors())
+            html += "<td>" + escape_markup(choice_text(points, e)) + "</td>";
+        html += "</tr>\n";
+    }
+    return html + "</table>\n";
+}
+
+std::string changes_html(const std::vector<Change>& changes) {
+    if (changes.empty()) return {};
+    std::string rows;
+    std::size_t same = 0;
+    for (const Change& c : changes) {
+        if (c.verdict == "same") {
+            ++same;
+            continue;
+        }
+        const std::string first_word = c.verdict.substr(0, c.verdict.find(';'));
+        rows += fmt::format(
+            "<tr><td>{} / {}</td><td>{} {}</td><td>{} &rarr; {}</td><td>{:.2e} &rarr; "
+            "{:.2e}</td><td class='{}'>{}</td></tr>\n",
+            escape_markup(c.after.suite), escape_markup(c.after.test_case),
+            escape_markup(c.after.method), escape_markup(c.after.parameter),
+            time_text(c.before.seconds), time_text(c.after.seconds), c.before.error, c.after.error,
+            first_word, c.verdict);
+    }
+    return fmt::format(
+        "<h2 id='changes'>Since the earlier run</h2>\n<p>{} points compared, {} the same within 10 "
+        "% and their spread.</p>\n"
+        "<table><tr><th>case</th><th>method</th><th>time</th><th>error</th><th></th></tr>\n{}</"
+        "table>\n",
+        changes.size(), same, rows);
+}
+
+std::string facts_html(const Results& results) {
+    std::string rows;
+    for (const auto& [name, value] : results.facts) {
+        if (name.rfind("case ", 0) == 0) continue;
+        rows +=
+            "<tr><td>" + escape_markup(name) + "</td><td>" + escape_markup(value) + "</td></tr>\n";
+    }
+    return "<h2>Machine and versions</h2>\n<table>" + rows + "</table>\n";
+}
+
+}  // namespace
+
+const std::vector<double>& wanted_errors() {
+    static const std::vector<double> errors = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
+    return errors;
+}
+
+std::string description_of(const Results& results, const std::string& suite,
+                           const std::string& name) {
+    for (const auto& [fact, value] : results.facts) {
+        if (fact == "case " + suite + "/" + name) return value;
+    }
+    return {};
+}
+
+std::string report_page(const Results& results, const std::vector<Change>& changes) {
+    std::string html = kHead;
+    html +=
+        "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
+        "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
+        "what no other point beats in both. Click a method to hide it.</p>\n<nav>";
+    for (const std::string& suite : suites_of(results))
+        html += fmt::format("<a href='#{0}'>{0}</a>", suite);
+    html += "</nav>\n" + changes_html(changes);
+    const MethodStyles styles(results.measurements);
+    for (const std::string& suite : suites_of(results)) {
+        html += fmt::format("<h2 id='{0}'>{0}</h2>\n<p>What to choose:</p>\n{1}", suite,
+                            choice_table_html(results, suite));
+        for (const auto& [s, name] : cases_of(results)) {
+            if (s != suite) continue;
+            html += fmt::format("<h3>{}</h3>\n<p class='faint'>{}</p>\n{}", escape_markup(name),
+                                escape_markup(description_of(results, s, name)),
+                                curve_plot_svg(s + ": " + name, of_case(results, s, name), styles));
+        }
+    }
+    return html + facts_html(results) + kScript + "</body></html>\n";
+}
+
+std::string choice_table_markdown(const Results& results, const std::string& suite) {
+    std::string text = "| case |", line = "|---|";
+    for (const double e : wanted_errors()) {
+        text += fmt::format(" error <= {:.0e} |", e);
+        line += "---|";
+    }
+    text += "\n" + line + "\n";
+    for (const auto& [s, name] : cases_of(results)) {
+        if (s != suite) continue;
+        const auto points = of_case(results, s, name);
+        text += "| " + name + " |";
+        for (const double e : wanted_errors()) text += " " + choice_text(points, e) + " |";
+        text += "\n";
+    }
+    return text;
+}
+
+}  // namespace miebrdf::bench

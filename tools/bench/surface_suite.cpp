@@ -1,0 +1,87 @@
+// What a rough surface reflects of light from one direction: an integral over its lobe.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <functional>
+
+#include "rte/directional_reflectance.h"
+#include "rte/math/quadrature.h"
+#include "rte/surface_lobe.h"
+#include "tools/bench/random.h"
+#include "tools/bench/suites.h"
+
+namespace miebrdf::bench {
+namespace {
+
+using Rho = std::function<double(double mu_in)>;
+
+// Integral of R_s mu_out over the outgoing hemisphere on Gauss nodes of mu_out and azimuth.
+double by_product_rule(const rte::SurfaceLobe& lobe, double mu_in, int count, bool squared) {
+    const auto t = math::gauss_legendre(count, 0.0, 1.0);
+    const auto azimuth = math::gauss_legendre(count, 0.0, 180.0);
+    double sum = 0;
+    for (std::size_t i = 0; i < t.nodes.size(); ++i) {
+        const double mu = squared ? t.nodes[i] * t.nodes[i] : t.nodes[i];
+        const double weight = squared ? 2 * t.nodes[i] * t.weights[i] : t.weights[i];
+        for (std::size_t j = 0; j < azimuth.nodes.size(); ++j) {
+            sum += weight * azimuth.weights[j] * mu * lobe.brdf(mu_in, mu, azimuth.nodes[j]);
+        }
+    }
+    return 2 * M_PI / 180 * sum;
+}
+
+double by_chance(const rte::SurfaceLobe& lobe, double mu_in, int count) {
+    RandomStream random(1, 0);
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const double mu = std::sqrt(random.uniform());  // density proportional to the cosine
+        sum += lobe.brdf(mu_in, mu, 360 * random.uniform());
+    }
+    return M_PI * sum / count;
+}
+
+std::vector<double> at_all(const Rho& rho) { return {rho(0.1), rho(0.4), rho(0.7), rho(1.0)}; }
+
+BenchCase reflectance(double alpha, std::complex<double> index) {
+    BenchCase c;
+    c.suite = "surface";
+    c.name = fmt::format("rho, alpha {}, n {} k {}", alpha, index.real(), index.imag());
+    c.quantity = "Directional reflectance rho_dt at cosines 0.1, 0.4, 0.7, 1.";
+    c.truth =
+        "the lobe itself on 700 x 700 Gauss nodes in (sqrt mu_out, azimuth), 1e-10 by doubling.";
+    rte::SurfaceOptions options;
+    options.beckmann_alpha = alpha;
+    const rte::SurfaceLobe lobe(index, options);
+    c.true_values = at_all([&](double mu) { return by_product_rule(lobe, mu, 700, true); });
+    for (const double t : {1e-2, 1e-4, 1e-6, 1e-8}) {
+        c.contenders.push_back(
+            {"miebrdf", fmt::format("tol={:.0e}", t), [=] {
+                 return at_all([&](double mu) {
+                     return rte::directional_reflectance(index, options, mu, t).value;
+                 });
+             }});
+    }
+    for (const int n : {8, 16, 32, 64, 128}) {
+        c.contenders.push_back(
+            {"Gauss in mu_out and azimuth", fmt::format("{0} x {0}", n), [=] {
+                 return at_all([&](double mu) { return by_product_rule(lobe, mu, n, false); });
+             }});
+    }
+    for (const int n : {1000, 10000, 100000}) {
+        c.contenders.push_back(
+            {"Monte Carlo", fmt::format("{} rays", n),
+             [=] { return at_all([&](double mu) { return by_chance(lobe, mu, n); }); }});
+    }
+    return c;
+}
+
+}  // namespace
+
+std::vector<BenchCase> surface_suite() {
+    // The roughness of the paper's figures and one of its logo; TiO2-like and a metal.
+    return {reflectance(0.3, {2.6, 0.0}), reflectance(0.1, {1.5, 0.0}),
+            reflectance(0.3, {0.2, 3.4})};
+}
+
+}  // namespace miebrdf::bench

@@ -1,0 +1,92 @@
+#include "tools/miebrdf/render_materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/error.h"
+#include "pipeline/number_list.h"
+
+namespace miebrdf::program {
+namespace {
+
+/// Words in which a slash separates the values of different wavelengths; elsewhere it may belong to
+/// the name of a file.
+bool may_have_lists(const std::string& word, const std::string& option) {
+    if (option == "--surface-index") return true;
+    if (option != "--base" && option != "--coat") return false;
+    const auto begins = [&](const char* kind) { return word.rfind(kind, 0) == 0; };
+    return begins("hg:") || begins("isotropic:") || begins("rayleigh:") || begins("index:");
+}
+
+/// Replaces every list a/b/c between separators by its k-th value.
+std::string value_at(const std::string& word, std::size_t k, std::size_t count) {
+    constexpr char kSeparators[] = ":,@";
+    std::string result;
+    for (std::size_t start = 0; start <= word.size();) {
+        const std::size_t end = std::min(word.find_first_of(kSeparators, start), word.size());
+        const auto parts = split_list(word.substr(start, end - start), '/');
+        if (parts.size() != 1 && parts.size() != count) {
+            throw UsageError(fmt::format("'{}': {} values for {} wavelengths",
+                                         word.substr(start, end - start), parts.size(), count));
+        }
+        result += parts.size() == 1 ? parts[0] : parts[k];
+        if (end < word.size()) result += word[end];
+        start = end + 1;
+    }
+    return result;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+    std::vector<std::string> words = CLI::detail::split_up(text);
+    words.erase(std::remove(words.begin(), words.end(), ""), words.end());
+    return words;
+}
+
+Request parse_words(std::vector<std::string> words, const std::string& text) {
+    CLI::App parser;
+    SceneArguments arguments;
+    arguments.add_to(parser);
+    std::reverse(words.begin(), words.end());  // CLI11 takes its arguments from the back
+    try {
+        parser.parse(words);
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(fmt::format("material '{}': {}", text, error.what()));
+    }
+    if (parser.get_option("--wavelengths")->count() > 0) {
+        throw UsageError(fmt::format("material '{}': wavelengths belong to the whole picture", text));
+    }
+    return arguments.parse();
+}
+
+}  // namespace
+
+std::vector<Request> parse_material(const std::string& text, const std::vector<double>& wavelength_nm) {
+    const std::vector<std::string> words = words_of(text);
+    std::vector<Request> requests;
+    bool has_lists = false;
+    for (std::size_t k = 0; k < wavelength_nm.size(); ++k) {
+        std::vector<std::string> now = words;
+        for (std::size_t i = 1; i < now.size(); ++i) {
+            if (!may_have_lists(now[i], words[i - 1])) continue;
+            now[i] = value_at(words[i], k, wavelength_nm.size());
+            has_lists = has_lists || now[i] != words[i];
+        }
+        requests.push_back(parse_words(now, text));
+        requests.back().wavelength_nm = {wavelength_nm[k]};
+        if (!has_lists) {
+            requests.back().wavelength_nm = wavelength_nm;
+            break;
+        }
+    }
+    return requests;
+}
+
+render::Component parse_component(const std::string& text) {
+    if (text == "total") return render::Component::total;
+    if (text == "subsurface") return render::Component::subsurface;
+    if (text == "surface") return render::Component::surface;
+    throw UsageError(fmt::format("unknown component '{}'; allowed: total, subsurface, surface", text));
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,65 @@
+// miebrdf stress: the battery of stiff and extreme cases.
+#include <fmt/format.h>
+
+#include "pipeline/error.h"
+#include "tools/bench/document.h"
+#include "tools/bench/stress.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct StressArguments {
+    bool fast = false;
+    std::string docs;
+};
+
+Table table_of(const std::vector<bench::StressCheck>& checks) {
+    Table table;
+    table.facts.emplace_back("meaning", "a row is ok when value <= bound; not-a-number is not ok");
+    table.columns = {"suite", "case", "quantity", "value", "bound", "ok", "cause"};
+    for (const auto& c : checks) {
+        table.rows.push_back({c.suite, c.test_case, c.quantity, c.value, c.bound,
+                              std::string(c.ok() ? "true" : "false"), c.cause});
+    }
+    return table;
+}
+
+int run(const StressArguments& arguments, const Shell& shell) {
+    const auto checks = bench::stress_battery({.fast = arguments.fast},
+                                              [&](const std::string& suite) { shell.note(suite); });
+    shell.write(table_of(checks));
+    int failed = 0;
+    for (const auto& c : checks) {
+        if (c.ok()) continue;
+        ++failed;
+        shell.note(fmt::format("not ok: {} / {}: {} is {:.3g}, bound {:.3g}", c.suite, c.test_case,
+                               c.quantity, c.value, c.bound));
+    }
+    shell.note(fmt::format("{} checks, {} not ok", checks.size(), failed));
+    if (!arguments.docs.empty()) {
+        bench::update_document(arguments.docs + "/stability.md", "stress",
+                               fmt::format("{} checks, {} not ok.\n\n{}", checks.size(), failed,
+                                           bench::stress_tally(checks)));
+    }
+    return failed == 0 ? kGood : kCheckFailed;
+}
+
+}  // namespace
+
+void add_stress_command(CLI::App& program, Shell& shell) {
+    auto* command = program.add_subcommand(
+        "stress", "Stiff and extreme cases, each with a bound that has a cause");
+    auto arguments = std::make_shared<StressArguments>();
+    command->add_flag("--fast", arguments->fast, "leave out what takes longest");
+    command
+        ->add_option("--docs", arguments->docs,
+                     "rewrite the generated part of stability.md in this folder")
+        ->type_name("FOLDER");
+    shell.add_common_options(*command);
+    command->footer(
+        "Exit code 1 when a bound is broken.\nExample:\n  miebrdf stress -o stress.csv");
+    shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
+}
+
+}  // namespace miebrdf::program
