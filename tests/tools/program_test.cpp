@@ -100,7 +100,7 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
 }
 
 TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
-    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials"}) {
+    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "export", "check"}) {
         CAPTURE(command);
         const auto help = support::run_program(std::string(command) + " --help");
         CHECK(help.exit_code == 0);

@@ -69,6 +69,8 @@ void add_brdf_command(CLI::App& program, Shell& shell);
 void add_albedo_command(CLI::App& program, Shell& shell);
 void add_table1_command(CLI::App& program, Shell& shell);
 void add_materials_command(CLI::App& program, Shell& shell);
+void add_export_command(CLI::App& program, Shell& shell);
+void add_check_command(CLI::App& program, Shell& shell);
 void add_plot_command(CLI::App& program, Shell& shell);
 void add_render_command(CLI::App& program, Shell& shell);  // only where built (docs/rendering.md)
 void add_run_command(CLI::App& program, Shell& shell);

@@ -51,6 +51,8 @@ void add_commands(CLI::App& program, Shell& shell) {
     add_sphere_command(program, shell);
     add_table1_command(program, shell);
     add_materials_command(program, shell);
+    add_export_command(program, shell);
+    add_check_command(program, shell);
     add_plot_command(program, shell);
     add_bench_command(program, shell);
     add_stress_command(program, shell);

@@ -82,12 +82,12 @@ std::string MaterialArguments::database() const {
     return variable == nullptr ? "" : variable;
 }
 
-void SceneArguments::add_to(CLI::App& command) {
+void SceneArguments::add_to(CLI::App& command, Base base) {
     command.add_option("--base", base_,
                        "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
         ->type_name("MEDIUM")
-        ->required();
+        ->required(base == Base::required);
     command.add_option("--coat", coats_,
                        "a coat of paint; repeat it for more, each on top of the last")
         ->type_name("MEDIUM@OPTICAL_DEPTH")

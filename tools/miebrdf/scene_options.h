@@ -38,7 +38,10 @@ class MaterialArguments {
 /// Base, coats, surface and solver options.
 class SceneArguments {
   public:
-    void add_to(CLI::App& command);
+    enum class Base { required, optional };
+    void add_to(CLI::App& command, Base base = Base::required);
+    /// Whether --base was typed.
+    bool given() const { return !base_.empty(); }
     /// The request without directions and threads.
     /// @throws UsageError, InputError
     Request parse() const;

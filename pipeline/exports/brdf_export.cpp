@@ -1,0 +1,195 @@
+#include "pipeline/exports/brdf_export.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pipeline/atomic_file.h"
+#include "pipeline/error.h"
+#include "pipeline/exports/astm_writer.h"
+#include "pipeline/exports/exr_writer.h"
+#include "pipeline/exports/metadata.h"
+#include "pipeline/exports/pbrt_writer.h"
+#include "pipeline/exports/radiance_writer.h"
+#include "pipeline/exports/rgl_writer.h"
+#include "pipeline/exports/ssdd_writer.h"
+#include "pipeline/exports/table_writer.h"
+
+namespace miebrdf::exports {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kComparedDirections = 1500;
+
+struct Job {
+    const BrdfSource& spectral;
+    const RgbSource& rgb;
+    const ExportOptions& options;
+    const RunControl& control;
+};
+
+/// A format whose values a reader interpolates, so that its fineness matters.
+struct SampledFormat {
+    const char* name;
+    const char* variant;  ///< appended to the stem of the file's name
+    bool spectral;
+    int resolution;        ///< by default
+    int finest;            ///< the largest resolution worth proposing
+    double largest_error;  ///< by default
+    void (*write)(const Job& job, int resolution, std::ostream& out);
+};
+
+// Errors by default: what the format is known to reach with some room, docs/formats.
+constexpr SampledFormat kSampled[] = {
+    {"pbrt", "", false, 48, 192, 0.02,
+     [](const Job& job, int n, std::ostream& out) {
+         write_pbrt(job.rgb, {.intervals = n}, out, job.control);
+     }},
+    {"rgl", "_spec", true, 64, 256, 0.05,
+     [](const Job& job, int n, std::ostream& out) {
+         write_rgl_spectral(job.spectral, {n, job.options.incident_angles}, out, job.control);
+     }},
+    {"rgl", "_rgb", false, 64, 256, 0.05,
+     [](const Job& job, int n, std::ostream& out) {
+         write_rgl_rgb(job.rgb, {n, job.options.incident_angles}, out, job.control);
+     }},
+    {"merl", "", false, 90, 90, 0.05,
+     [](const Job& job, int, std::ostream& out) {
+         write_merl(job.rgb, {job.options.merl_sample}, out, job.control);
+     }},
+    {"ssdd", "", true, 18, 90, 0.05,
+     [](const Job& job, int n, std::ostream& out) {
+         write_ssdd(job.spectral, n, out, job.control);
+     }},
+    {"astm", "", true, 9, 90, 0.1,
+     [](const Job& job, int n, std::ostream& out) {
+         write_astm(job.spectral, n, out, job.control);
+     }},
+    {"radiance", "", false, 5, 7, 0.2,
+     [](const Job& job, int n, std::ostream& out) {
+         write_radiance_tree(job.rgb, n, out, job.control);
+     }},
+    {"klems", "", false, 145, 145, 0.2,
+     [](const Job& job, int, std::ostream& out) {
+         write_radiance_klems(job.rgb, out, job.control);
+     }},
+};
+
+Deviation compare(const BrdfFile& file, const Job& job, bool spectral) {
+    const BrdfSource& truth = spectral ? job.spectral : static_cast<const BrdfSource&>(job.rgb);
+    return measure_deviation(file, truth, random_directions(kComparedDirections, 99));
+}
+
+std::string bands(const Deviation& deviation) {
+    return fmt::format("{:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, {:.2g} below", deviation.rms[0],
+                       deviation.rms[1], deviation.rms[2]);
+}
+
+/// Tries finer and finer files, in memory, for the message that refuses this one.
+[[noreturn]] void refuse(const SampledFormat& format, const Job& job, int resolution, double bound,
+                         const Deviation& found) {
+    std::string advice = "no finer resolution was tried";
+    for (int finer = resolution * 2; finer <= format.finest; finer *= 2) {
+        std::ostringstream out;
+        format.write(job, finer, out);
+        const Deviation deviation =
+            compare(*read_brdf_file(out.str(), format.name), job, format.spectral);
+        advice = fmt::format("--resolution {} reaches {:.2g}", finer, deviation.rms[0]);
+        if (deviation.rms[0] <= bound) break;
+    }
+    throw TooCoarse(
+        fmt::format("format '{}' at resolution {} misses this BRDF by {} (rms, relative; allowed: "
+                    "{:.2g} at mu > 0.2); {}; --max-error accepts it as it is",
+                    format.name, resolution, bands(found), bound, advice));
+}
+
+fs::path with_variant(const fs::path& path, const char* variant) {
+    if (*variant == '\0') return path;
+    fs::path result = path;
+    result.replace_filename(path.stem().string() + variant + path.extension().string());
+    return result;
+}
+
+ExportedFile export_sampled(const SampledFormat& format, const Job& job, const fs::path& path) {
+    const int resolution = job.options.resolution > 0 ? job.options.resolution : format.resolution;
+    const double bound =
+        job.options.largest_error > 0 ? job.options.largest_error : format.largest_error;
+    ExportedFile written{with_variant(path, format.variant), 0, {}};
+    AtomicFile file(written.path);
+    format.write(job, resolution, file.stream());
+    file.stream().flush();
+    written.bytes = fs::file_size(file.temporary_path());
+    written.deviation =
+        compare(*open_brdf_file(file.temporary_path().string()), job, format.spectral);
+    if (!(written.deviation->rms[0] <= bound))
+        refuse(format, job, resolution, bound, *written.deviation);
+    file.commit();
+    return written;
+}
+
+TableGrid grid_of(const ExportOptions& options) {
+    TableGrid grid = options.grid;
+    const int fineness = options.resolution > 0 ? options.resolution : 16;
+    if (grid.mu_in.empty()) grid.mu_in = sine_squared_cosines(fineness);
+    if (grid.mu_out.empty()) grid.mu_out = sine_squared_cosines(fineness);
+    if (grid.azimuth_deg.empty()) grid.azimuth_deg = equally_spaced(0.0, 180.0, fineness + 3);
+    return grid;
+}
+
+ExportedFile export_table(const Job& job, const fs::path& path) {
+    const TableGrid grid = grid_of(job.options);
+    if (job.options.format == "npz") {
+        write_table_npz(job.spectral, grid, path, job.control);
+    } else {
+        AtomicFile file(path);
+        if (job.options.format == "csv")
+            write_table_csv(job.spectral, grid, file.stream(), job.control);
+        if (job.options.format == "json")
+            write_table_json(job.spectral, grid, file.stream(), job.control);
+        if (job.options.format == "exr") {
+            write_exr(job.spectral, job.rgb.weights(), grid, file.stream(), job.control);
+        }
+        file.commit();
+    }
+    return {path, fs::file_size(path), {}};
+}
+
+}  // namespace
+
+const std::vector<std::string>& export_formats() {
+    static const std::vector<std::string> names = {
+        "csv", "json", "npz", "exr", "pbrt", "rgl", "merl", "ssdd", "astm", "radiance", "klems"};
+    return names;
+}
+
+std::vector<ExportedFile> export_brdf(const BrdfSource& source, const ExportOptions& options,
+                                      const fs::path& path, const RunControl& control) {
+    RgbWeights weights = options.rgb;
+    if (weights.weight.empty()) weights = nearest_wavelengths(source.wavelength_nm());
+    const RgbSource rgb(source, weights);
+    const Job job{source, rgb, options, control};
+    std::vector<ExportedFile> files;
+    for (const char* table : {"csv", "json", "npz", "exr"}) {
+        if (options.format == table) files.push_back(export_table(job, path));
+    }
+    for (const SampledFormat& format : kSampled) {
+        if (options.format == format.name) files.push_back(export_sampled(format, job, path));
+    }
+    if (files.empty()) {
+        throw UsageError(fmt::format("unknown format '{}'; allowed: {}", options.format,
+                                     fmt::join(export_formats(), ", ")));
+    }
+    if (options.format == "merl") {  // the one format without room for a word
+        auto description = metadata(rgb, {.format = "merl",
+                                          .cosine_included = false,
+                                          .azimuth_zero = "difference angle, Rusinkiewicz",
+                                          .colour = weights.description});
+        description["wavelength_nm"] = source.wavelength_nm();
+        write_sidecar(path, description);
+    }
+    return files;
+}
+
+}  // namespace miebrdf::exports

@@ -1,0 +1,110 @@
+#include "pipeline/exports/file_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "rte/math/quadrature.h"
+
+namespace miebrdf::exports {
+namespace {
+
+constexpr double kIncidences[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1.0};
+constexpr int kAzimuths = 64;
+
+/// The one integral for both directions of light: `incident` says which cosine stays fixed.
+std::vector<double> integrate(const BrdfFile& file, double mu_fixed, bool fixed_is_incident) {
+    const math::Quadrature rule = math::gauss_legendre(32, 0.0, 1.0);
+    std::vector<double> sums(file.channels().size(), 0.0), values(sums.size());
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        const double mu = rule.nodes[i];
+        const double weight = rule.weights[i] * mu * 2 * std::numbers::pi / kAzimuths;
+        for (int a = 0; a < kAzimuths; ++a) {
+            const double azimuth = 180.0 * (a + 0.5) / kAzimuths;
+            file.evaluate(fixed_is_incident ? Direction{mu_fixed, mu, azimuth}
+                                            : Direction{mu, mu_fixed, azimuth},
+                          values);
+            for (std::size_t c = 0; c < sums.size(); ++c) {
+                if (!std::isnan(values[c])) sums[c] += weight * values[c];
+            }
+        }
+    }
+    return sums;
+}
+
+/// The albedo that a renderer finds which draws directions from the file's own tables.
+std::vector<double> albedo_by_sampling(const BrdfFile& file, double mu_fixed) {
+    constexpr int kSide = 48;
+    std::vector<double> sums(file.channels().size(), 0.0), values(sums.size());
+    for (int i = 0; i < kSide; ++i) {
+        for (int j = 0; j < kSide; ++j) {
+            const auto direction = file.sample(mu_fixed, (i + 0.5) / kSide, (j + 0.5) / kSide);
+            if (!direction) continue;
+            const double density = file.density(*direction);
+            if (!(density > 0)) continue;
+            file.evaluate(*direction, values);
+            const double mu = file.sampling() == BrdfFile::Sampling::from_mu_in ? direction->mu_out
+                                                                                : direction->mu_in;
+            for (std::size_t c = 0; c < sums.size(); ++c)
+                sums[c] += values[c] * mu / density / kSide / kSide;
+        }
+    }
+    return sums;
+}
+
+void check_albedos(const BrdfFile& file, FileCheck& check) {
+    for (const double mu : kIncidences) {
+        const std::vector<double> albedo = directional_albedo(file, mu);
+        for (std::size_t c = 0; c < albedo.size(); ++c) {
+            if (albedo[c] <= check.largest_albedo) continue;
+            check.largest_albedo = albedo[c];
+            check.largest_albedo_mu = mu;
+            check.largest_albedo_channel = file.channels()[c];
+        }
+        if (file.sampling() == BrdfFile::Sampling::none) continue;
+        const bool from_in = file.sampling() == BrdfFile::Sampling::from_mu_in;
+        const std::vector<double> expected = from_in ? albedo : integrate(file, mu, false);
+        const std::vector<double> sampled = albedo_by_sampling(file, mu);
+        for (std::size_t c = 0; c < expected.size(); ++c) {
+            if (!(expected[c] > 0)) continue;
+            const double error = std::abs(sampled[c] / expected[c] - 1.0);
+            check.sampled_albedo_error = std::max(check.sampled_albedo_error.value_or(0.0), error);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<double> directional_albedo(const BrdfFile& file, double mu_in) {
+    return integrate(file, mu_in, true);
+}
+
+FileCheck check_file(const BrdfFile& file, std::size_t directions) {
+    FileCheck check;
+    check.directions = directions;
+    check.least_value = std::numeric_limits<double>::infinity();
+    const std::size_t channels = file.channels().size();
+    std::vector<double> there(channels), back(channels);
+    double sum = 0.0;
+    std::size_t pairs = 0;
+    for (const Direction& d : random_directions(directions, 20)) {
+        file.evaluate(d, there);
+        file.evaluate({d.mu_out, d.mu_in, d.azimuth_deg}, back);
+        bool missing = false;
+        for (std::size_t c = 0; c < channels; ++c) {
+            missing = missing || std::isnan(there[c]);
+            if (there[c] < check.least_value) check.least_value = there[c];
+            const double mean = (there[c] + back[c]) / 2;
+            if (!(std::min(d.mu_in, d.mu_out) > 0.2) || !(mean > 0)) continue;
+            sum += std::pow((there[c] - back[c]) / mean, 2);
+            ++pairs;
+        }
+        check.missing += missing ? 1 : 0;
+    }
+    check.reciprocity_rms = pairs > 0 ? std::sqrt(sum / static_cast<double>(pairs)) : 0.0;
+    check_albedos(file, check);
+    return check;
+}
+
+}  // namespace miebrdf::exports

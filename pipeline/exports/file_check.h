@@ -1,0 +1,31 @@
+// Physics of a BRDF file, as the program that reads it will see it.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/exports/deviation.h"
+
+namespace miebrdf::exports {
+
+struct FileCheck {
+    /// Root mean square of |f(i, o) - f(o, i)| / mean of both, directions with both cosines > 0.2.
+    double reciprocity_rms = 0.0;
+    double largest_albedo = 0.0;  ///< directional, of all channels and angles of incidence
+    double largest_albedo_mu = 0.0;
+    std::string largest_albedo_channel;
+    double least_value = 0.0;    ///< of the BRDF, 1/sr
+    std::size_t missing = 0;     ///< directions without a value
+    std::size_t directions = 0;  ///< looked at for the above
+    /// Largest relative difference of the albedo found by importance sampling from the integrated
+    /// one; empty without sampling tables.
+    std::optional<double> sampled_albedo_error;
+};
+
+/// Looks at `directions` random directions, and integrates at six angles of incidence, mu 0.1 to 1.
+FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
+
+/// Integral of BRDF times cosine over the outgoing hemisphere, one for each channel: Gauss-Legendre
+/// in the cosine (32 nodes) and 64 midpoints in azimuth; good to 1e-3 for smooth BRDFs.
+std::vector<double> directional_albedo(const BrdfFile& file, double mu_in);
+
+}  // namespace miebrdf::exports

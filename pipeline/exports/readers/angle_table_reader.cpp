@@ -1,0 +1,148 @@
+// Tables over listed angles: SSDD (as libbsdf reads it) and ASTM E1392.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/readers/byte_reader.h"
+#include "pipeline/exports/readers/grid_file.h"
+#include "pipeline/exports/readers/text_lines.h"
+
+namespace miebrdf::exports {
+namespace {
+
+constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
+
+/// Entries of the header up to DATA, which is the last.
+std::map<std::string, std::string> read_ssdd_header(TextLines& lines) {
+    std::map<std::string, std::string> entries;
+    for (std::string_view line; lines.next(line);) {
+        if (line.empty() || line[0] == '#') continue;
+        const std::size_t space = std::min(line.find(' '), line.size());
+        const std::string name(line.substr(0, space));
+        entries[name] = line.substr(std::min(space + 1, line.size()));
+        if (name == "DATA") return entries;
+    }
+    throw InputError("ssdd: no entry DATA");
+}
+
+void require(const std::map<std::string, std::string>& entries, const char* name,
+             std::string_view wanted) {
+    const auto found = entries.find(name);
+    const std::string value = found == entries.end() ? "nothing" : found->second;
+    if (value != wanted)
+        throw InputError(fmt::format("ssdd: {} is '{}'; only '{}' is read", name, value, wanted));
+}
+
+std::vector<double> ssdd_values(const std::map<std::string, std::string>& entries, TextLines& lines,
+                                std::size_t count) {
+    if (entries.at("DATA") == "binary") {
+        ByteReader bytes(lines.rest());
+        const std::vector<float> floats = bytes.reals<float>(count);
+        return {floats.begin(), floats.end()};
+    }
+    std::vector<double> values;
+    for (std::string_view line; lines.next(line) && values.size() < count;) {
+        if (line.empty() || line[0] == '#') continue;
+        const std::vector<double> row = lines.numbers(line, " \t");
+        values.insert(values.end(), row.begin(), row.end());
+    }
+    if (values.size() != count)
+        throw InputError(fmt::format("ssdd: {} values; expected {}", values.size(), count));
+    return values;
+}
+
+}  // namespace
+
+bool looks_like_ssdd(std::string_view content) {
+    return content.starts_with("VERSION ") &&
+           content.substr(0, 1 << 20).find("\nDATA_TYPE ") != content.npos;
+}
+
+std::unique_ptr<BrdfFile> read_ssdd(std::string_view content) {
+    TextLines lines(content, "ssdd");
+    const auto entries = read_ssdd_header(lines);
+    require(entries, "DATA_TYPE", "brdf");
+    require(entries, "COLOR_MODEL", "spectrum");
+    require(entries, "PARAM_TYPE", "spherical_coordinate_system");
+    const auto list = [&](const char* name) {
+        const auto found = entries.find(name);
+        return found == entries.end() ? std::vector<double>() : lines.numbers(found->second, " \t");
+    };
+    if (list("PARAM1_LIST").size() > 1) throw InputError("ssdd: anisotropic data are not read");
+    GridTable table;
+    table.format = "ssdd";
+    table.elevation = Elevation::angle_deg;
+    table.wavelength_nm = list("WAVELENGTH_LIST");
+    table.in = list("PARAM0_LIST");
+    table.out = list("PARAM2_LIST");
+    const std::vector<double> azimuths = list("PARAM3_LIST");  // 0 = towards the source
+    for (auto azimuth = azimuths.rbegin(); azimuth != azimuths.rend(); ++azimuth) {
+        table.azimuth_deg.push_back(180.0 - *azimuth);
+    }
+    const std::size_t w = table.wavelength_nm.size(), i = table.in.size(), o = table.out.size(),
+                      a = azimuths.size();
+    std::uint64_t count = 1;
+    for (const std::size_t extent : {w, i, o, a}) {
+        count *= extent;
+        if (count > content.size())
+            throw InputError("ssdd: the lists announce more values than the file has bytes");
+    }
+    const std::vector<double> values = ssdd_values(entries, lines, count);
+    table.values.resize(count);
+    std::size_t index = 0;
+    for (std::size_t azimuth = a; azimuth-- > 0;) {
+        for (std::size_t out = 0; out < o; ++out) {
+            for (std::size_t in = 0; in < i; ++in) {
+                for (std::size_t c = 0; c < w; ++c) {
+                    table.values[((c * i + in) * o + out) * a + azimuth] = values[index++];
+                }
+            }
+        }
+    }
+    return make_grid_file(std::move(table));
+}
+
+bool looks_like_astm(std::string_view content) {
+    return content.substr(0, 1 << 20).find("VARS theta_i,phi_i,theta_s,phi_s,") != content.npos;
+}
+
+std::unique_ptr<BrdfFile> read_astm(std::string_view content) {
+    constexpr std::string_view kVariables = "VARS theta_i,phi_i,theta_s,phi_s,";
+    TextLines lines(content, "astm");
+    std::vector<double> wavelengths;
+    for (std::string_view line; wavelengths.empty() && lines.next(line);) {
+        if (!line.starts_with(kVariables)) continue;
+        std::string_view names = line.substr(kVariables.size());
+        while (!names.empty()) {
+            const std::size_t comma = std::min(names.find(','), names.size());
+            std::string_view name = names.substr(0, comma);
+            if (!name.ends_with("nm")) lines.refuse("only spectral columns ('550nm') are read");
+            wavelengths.push_back(lines.number(name.substr(0, name.size() - 2)));
+            names.remove_prefix(std::min(comma + 1, names.size()));
+        }
+    }
+    GridCollector rows("astm");
+    // Angles are rounded in the file; a microdegree tells directions apart.
+    const auto degrees = [](double radians) {
+        return std::round(radians * kDegreesOfRadian * 1e6) / 1e6;
+    };
+    for (std::string_view line; lines.next(line);) {
+        if (line.empty()) continue;
+        const std::vector<double> row = lines.numbers(line, ",");
+        if (row.size() != 4 + wavelengths.size()) {
+            lines.refuse(fmt::format("{} fields; expected {}", row.size(), 4 + wavelengths.size()));
+        }
+        for (std::size_t w = 0; w < wavelengths.size(); ++w) {
+            rows.add(wavelengths[w], degrees(row[0]), degrees(row[2]),
+                     degrees(std::numbers::pi - (row[3] - row[1])), row[4 + w]);
+        }
+    }
+    return make_grid_file(std::move(rows).table(Elevation::angle_deg));
+}
+
+}  // namespace miebrdf::exports

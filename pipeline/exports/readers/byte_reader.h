@@ -1,0 +1,72 @@
+// Little-endian numbers out of bytes that may be anything; never beyond their end.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/error.h"
+
+namespace miebrdf::exports {
+
+class ByteReader {
+  public:
+    explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+    std::size_t remaining() const { return bytes_.size() - position_; }
+
+    /// @throws InputError  when fewer bytes are left
+    std::string_view take(std::uint64_t count) {
+        if (count > remaining()) {
+            throw InputError(fmt::format("the file ends {} bytes early (at byte {})",
+                                         count - remaining(), bytes_.size()));
+        }
+        const std::string_view part = bytes_.substr(position_, count);
+        position_ += count;
+        return part;
+    }
+
+    void seek(std::uint64_t position) {
+        if (position > bytes_.size()) {
+            throw InputError(
+                fmt::format("the file points to byte {} but has {}", position, bytes_.size()));
+        }
+        position_ = position;
+    }
+
+    template <std::unsigned_integral Integer>
+    Integer number() {
+        const std::string_view bytes = take(sizeof(Integer));
+        Integer value = 0;
+        for (std::size_t i = 0; i < sizeof(Integer); ++i) {
+            value |= static_cast<Integer>(static_cast<Integer>(static_cast<unsigned char>(bytes[i]))
+                                          << (8 * i));
+        }
+        return value;
+    }
+
+    /// `count` floats or doubles; nothing is allocated unless they are all there.
+    template <std::floating_point Real>
+    std::vector<Real> reals(std::uint64_t count) {
+        static_assert(std::endian::native == std::endian::little);
+        if (count > remaining() / sizeof(Real)) {
+            throw InputError(
+                fmt::format("{} numbers announced, {} bytes left", count, remaining()));
+        }
+        const std::string_view bytes = take(count * sizeof(Real));
+        std::vector<Real> values(count);
+        if (count > 0) std::memcpy(values.data(), bytes.data(), bytes.size());
+        return values;
+    }
+
+  private:
+    std::string_view bytes_;
+    std::size_t position_ = 0;
+};
+
+}  // namespace miebrdf::exports

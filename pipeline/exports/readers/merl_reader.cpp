@@ -1,0 +1,116 @@
+// MERL tables, interpolated between the lower edges of their bins as libbsdf does.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/readers/brdf_file.h"
+#include "pipeline/exports/readers/byte_reader.h"
+
+namespace miebrdf::exports {
+namespace {
+
+constexpr std::uint32_t kHalf = 90, kDifference = 90, kAzimuth = 180;
+constexpr std::size_t kBins = std::size_t{kHalf} * kDifference * kAzimuth;
+constexpr double kFactor[3] = {1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
+constexpr double kPi = std::numbers::pi;
+
+/// Rusinkiewicz's angles; phi_d in [0, pi), its other half being the same by reciprocity.
+struct HalfDifference {
+    double theta_h, theta_d, phi_d;
+};
+
+HalfDifference half_difference(const Direction& d) {
+    const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in));
+    const double sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
+    const double azimuth = d.azimuth_deg * kPi / 180;
+    // Incident vector in the x-z plane; azimuth 0 is opposite to it.
+    const double out_x = -sin_out * std::cos(azimuth), out_y = sin_out * std::sin(azimuth);
+    double hx = sin_in + out_x, hy = out_y, hz = d.mu_in + d.mu_out;
+    const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
+    hx /= length, hy /= length, hz /= length;
+    const double sin_h = std::hypot(hx, hy);
+    const double cos_p = sin_h > 0 ? hx / sin_h : 1.0, sin_p = sin_h > 0 ? hy / sin_h : 0.0;
+    // Turn by -phi_h about the normal, then by -theta_h about y: the half vector becomes the pole.
+    const double x = sin_in * cos_p, y = -sin_in * sin_p, z = d.mu_in;
+    const double dx = hz * x - sin_h * z, dz = sin_h * x + hz * z;
+    double phi = std::atan2(y, dx);
+    if (phi < 0) phi += kPi;
+    return {std::atan2(sin_h, hz), std::atan2(std::hypot(dx, y), dz), phi};
+}
+
+class MerlFile : public BrdfFile {
+  public:
+    explicit MerlFile(std::string_view content) {
+        ByteReader bytes(content);
+        bytes.take(12);
+        values_ = bytes.reals<double>(3 * kBins);
+    }
+
+    std::string format() const override { return "merl"; }
+    std::string description() const override { return "90 x 90 x 180 half and difference angles"; }
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
+
+    /// Neighbours without a value (negative) are left out and the rest weighted up.
+    void evaluate(const Direction& direction, std::span<double> values) const override {
+        const HalfDifference angles = half_difference(direction);
+        const Axis h = axis(std::sqrt(angles.theta_h / (kPi / 2)) * kHalf, kHalf);
+        const Axis d = axis(angles.theta_d / (kPi / 2) * kDifference, kDifference);
+        const double position = std::clamp(angles.phi_d / kPi * kAzimuth, 0.0, kAzimuth - 1e-9);
+        const auto p0 = static_cast<std::uint32_t>(position);
+        const Axis p = {p0, (p0 + 1) % kAzimuth, position - p0};
+        for (std::size_t c = 0; c < 3; ++c) {
+            double sum = 0.0, weights = 0.0;
+            for (int corner = 0; corner < 8; ++corner) {
+                const double weight =
+                    h.weight(corner & 1) * d.weight(corner & 2) * p.weight(corner & 4);
+                const double value =
+                    values_[c * kBins + p.index(corner & 4) + kAzimuth * d.index(corner & 2) +
+                            std::size_t{kAzimuth} * kDifference * h.index(corner & 1)];
+                if (weight == 0.0 || !(value >= 0.0)) continue;
+                sum += weight * value;
+                weights += weight;
+            }
+            values[c] = weights > 0.0 ? sum / weights * kFactor[c]
+                                      : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+
+  private:
+    struct Axis {
+        std::uint32_t low, high;
+        double share;
+        double weight(int upper) const { return upper ? share : 1.0 - share; }
+        std::size_t index(int upper) const { return upper ? high : low; }
+    };
+
+    static Axis axis(double position, std::uint32_t count) {
+        const double inside = std::clamp(position, 0.0, count - 1.0);
+        const std::uint32_t low = std::min(count - 2, static_cast<std::uint32_t>(inside));
+        return {low, low + 1, inside - low};
+    }
+
+    std::vector<double> values_;
+    std::vector<std::string> channels_ = {"R", "G", "B"};
+    std::vector<double> no_wavelengths_;
+};
+
+}  // namespace
+
+bool looks_like_merl(std::string_view content) {
+    if (content.size() < 12) return false;
+    ByteReader bytes(content);
+    const auto half = bytes.number<std::uint32_t>();
+    const auto difference = bytes.number<std::uint32_t>();
+    return half == kHalf && difference == kDifference && bytes.number<std::uint32_t>() == kAzimuth;
+}
+
+std::unique_ptr<BrdfFile> read_merl(std::string_view content) {
+    return std::make_unique<MerlFile>(content);
+}
+
+}  // namespace miebrdf::exports

@@ -1,0 +1,228 @@
+// SCATFUN Fourier files, evaluated as pbrt-v3's FourierBSDF does.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/readers/brdf_file.h"
+#include "pipeline/exports/readers/byte_reader.h"
+#include "pipeline/exports/readers/catmull_rom.h"
+
+namespace miebrdf::exports {
+namespace {
+
+constexpr std::string_view kMagic("SCATFUN\x01", 8);
+
+struct Series {
+    std::uint32_t offset = 0;
+    std::uint32_t length = 0;
+};
+
+struct Tables {
+    std::vector<float> nodes;
+    std::vector<float> cdf;
+    std::vector<Series> series;
+    std::vector<float> coefficients;
+    std::uint32_t longest = 0;
+    std::uint32_t channels = 0;
+};
+
+[[noreturn]] void refuse(const std::string& reason) { throw InputError("pbrt: " + reason); }
+
+std::uint32_t expect(ByteReader& bytes, const char* field, std::uint32_t lowest,
+                     std::uint32_t highest) {
+    const auto value = bytes.number<std::uint32_t>();
+    if (value < lowest || value > highest) {
+        refuse(fmt::format("{} is {}; allowed: {} to {}", field, value, lowest, highest));
+    }
+    return value;
+}
+
+void validate(const Tables& tables) {
+    for (std::size_t i = 0; i < tables.nodes.size(); ++i) {
+        const float previous = i == 0 ? -1.0f : tables.nodes[i - 1];
+        if (!(tables.nodes[i] >= previous && tables.nodes[i] <= 1.0f)) {
+            refuse(fmt::format("cosine nodes are not ascending in [-1, 1] at {}", i));
+        }
+    }
+    const std::uint64_t available = tables.coefficients.size();
+    for (const Series& series : tables.series) {
+        if (series.length > tables.longest ||
+            series.offset + std::uint64_t{series.length} * tables.channels > available) {
+            refuse(
+                fmt::format("a series of {} terms at {} does not fit {} coefficients (longest {})",
+                            series.length, series.offset, available, tables.longest));
+        }
+    }
+}
+
+Tables parse(std::string_view content) {
+    ByteReader bytes(content);
+    bytes.take(kMagic.size());
+    expect(bytes, "flags", 1, 1);
+    Tables tables;
+    const std::uint64_t n = expect(bytes, "nodes", 4, 65536);
+    const std::uint64_t coefficients = bytes.number<std::uint32_t>();
+    tables.longest = bytes.number<std::uint32_t>();
+    tables.channels = bytes.number<std::uint32_t>();
+    if (tables.channels != 1 && tables.channels != 3) {
+        refuse(fmt::format("{} channels; allowed: 1 or 3", tables.channels));
+    }
+    expect(bytes, "bases", 1, 1);
+    bytes.number<std::uint32_t>();  // metadata: at the end, where it is nobody's business
+    expect(bytes, "parameters", 0, 0);
+    expect(bytes, "parameter values", 0, 0);
+    bytes.take(20);  // eta (of transmission), two roughnesses, two unused
+    tables.nodes = bytes.reals<float>(n);
+    tables.cdf = bytes.reals<float>(n * n);
+    if (bytes.remaining() / 8 < n * n) refuse("the file ends in the table of series");
+    tables.series.resize(n * n);
+    for (Series& series : tables.series) {
+        series.offset = bytes.number<std::uint32_t>();
+        series.length = bytes.number<std::uint32_t>();
+    }
+    tables.coefficients = bytes.reals<float>(coefficients);
+    validate(tables);
+    return tables;
+}
+
+class PbrtFile : public BrdfFile {
+  public:
+    explicit PbrtFile(std::string_view content) : tables_(parse(content)) {
+        channels_ = tables_.channels == 3 ? std::vector<std::string>{"R", "G", "B"}
+                                          : std::vector<std::string>{"Y"};
+    }
+
+    std::string format() const override { return "pbrt"; }
+    std::string description() const override {
+        return fmt::format("Fourier series on {} cosines, longest {} terms", tables_.nodes.size(),
+                           tables_.longest);
+    }
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
+    Sampling sampling() const override { return Sampling::from_mu_out; }
+
+    void evaluate(const Direction& direction, std::span<double> values) const override {
+        std::fill(values.begin(), values.end(), 0.0);
+        const auto row = spline_weights(tables_.nodes, direction.mu_out);
+        const auto column = spline_weights(tables_.nodes, -direction.mu_in);
+        if (!row || !column) return;
+        const double azimuth = direction.azimuth_deg * std::numbers::pi / 180;
+        double sums[3] = {0.0, 0.0, 0.0};
+        for (std::uint32_t c = 0; c < tables_.channels; ++c) {
+            sums[c] = sum_series(*row, *column, c, azimuth) / direction.mu_in;
+        }
+        sums[0] = std::max(sums[0], 0.0);
+        if (tables_.channels == 1) {
+            values[0] = sums[0];
+            return;
+        }
+        const double y = sums[0], r = sums[1], b = sums[2];
+        values[0] = std::max(r, 0.0);
+        values[1] = std::max(1.39829 * y - 0.100913 * b - 0.297375 * r, 0.0);
+        values[2] = std::max(b, 0.0);
+    }
+
+    /// pbrt samples the light's direction (the column) from that of the camera (the row), first its
+    /// cosine by the stored integrals, then the azimuth by the series.
+    std::optional<Direction> sample(double mu_out, double u, double v) const override {
+        const auto row = spline_weights(tables_.nodes, mu_out);
+        if (!row) return {};
+        const RowMix mix = mix_rows(*row);
+        if (!(mix.cdf.back() > 0)) return {};
+        const double mu_in = -sample_spline(tables_.nodes, mix.mean, mix.cdf, u);
+        if (!(mu_in > 0)) return {};
+        const auto azimuth = sample_azimuth(*row, mu_in, v);
+        if (!azimuth) return {};
+        return Direction{mu_in, mu_out, *azimuth};
+    }
+
+    double density(const Direction& direction) const override {
+        const auto row = spline_weights(tables_.nodes, direction.mu_out);
+        const auto column = spline_weights(tables_.nodes, -direction.mu_in);
+        if (!row || !column) return 0.0;
+        const double total = mix_rows(*row).cdf.back();
+        const double luminance =
+            sum_series(*row, *column, 0, direction.azimuth_deg * std::numbers::pi / 180);
+        return total > 0 ? std::max(luminance, 0.0) / (2 * std::numbers::pi * total) : 0.0;
+    }
+
+  private:
+    /// Mean luminance and its integral over the columns, at a row between the stored ones.
+    struct RowMix {
+        std::vector<double> mean, cdf;
+    };
+
+    RowMix mix_rows(const SplineWeights& row) const {
+        const std::size_t n = tables_.nodes.size();
+        RowMix mix{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+        for (int i = 0; i < 4; ++i) {
+            if (row.weight[i] == 0.0) continue;
+            const std::size_t first = static_cast<std::size_t>(row.offset + i) * n;
+            for (std::size_t c = 0; c < n; ++c) {
+                const Series& series = tables_.series[first + c];
+                if (series.length > 0)
+                    mix.mean[c] += row.weight[i] * tables_.coefficients[series.offset];
+                mix.cdf[c] += row.weight[i] * tables_.cdf[first + c];
+            }
+        }
+        return mix;
+    }
+
+    double sum_series(const SplineWeights& row, const SplineWeights& column, std::uint32_t channel,
+                      double azimuth) const {
+        double sum = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            for (int j = 0; j < 4; ++j) {
+                const double weight = row.weight[i] * column.weight[j];
+                if (weight == 0.0) continue;
+                const auto r = static_cast<std::size_t>(row.offset + i);
+                const auto c = static_cast<std::size_t>(column.offset + j);
+                const Series& series = tables_.series[r * tables_.nodes.size() + c];
+                const float* a = tables_.coefficients.data() + series.offset +
+                                 std::size_t{channel} * series.length;
+                for (std::uint32_t k = 0; k < series.length; ++k)
+                    sum += weight * a[k] * std::cos(k * azimuth);
+            }
+        }
+        return sum;
+    }
+
+    /// Inverts the integral of the luminance over azimuth on a fine grid; exact enough to test by.
+    std::optional<double> sample_azimuth(const SplineWeights& row, double mu_in, double v) const {
+        const auto column = spline_weights(tables_.nodes, -mu_in);
+        if (!column) return {};
+        constexpr int kSteps = 720;
+        std::vector<double> integral(kSteps + 1, 0.0);
+        double previous = std::max(sum_series(row, *column, 0, 0.0), 0.0);
+        for (int j = 1; j <= kSteps; ++j) {
+            const double value =
+                std::max(sum_series(row, *column, 0, std::numbers::pi * j / kSteps), 0.0);
+            integral[j] = integral[j - 1] + (previous + value) / 2;
+            previous = value;
+        }
+        if (!(integral.back() > 0)) return {};
+        const double target = v * integral.back();
+        const auto j = static_cast<std::size_t>(
+            std::upper_bound(integral.begin(), integral.end() - 1, target) - integral.begin() - 1);
+        const double width = integral[j + 1] - integral[j];
+        return 180.0 / kSteps *
+               (static_cast<double>(j) + (width > 0 ? (target - integral[j]) / width : 0.0));
+    }
+
+    Tables tables_;
+    std::vector<std::string> channels_;
+    std::vector<double> no_wavelengths_;
+};
+
+}  // namespace
+
+bool looks_like_pbrt(std::string_view content) { return content.starts_with(kMagic); }
+
+std::unique_ptr<BrdfFile> read_pbrt(std::string_view content) {
+    return std::make_unique<PbrtFile>(content);
+}
+
+}  // namespace miebrdf::exports

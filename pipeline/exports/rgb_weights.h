@@ -1,0 +1,14 @@
+// Which colour the RGB formats get.
+#pragma once
+
+#include "pipeline/exports/rgb_source.h"
+
+namespace miebrdf::exports {
+
+/// `cie`: linear sRGB of the CIE 1931 observer under D65 (pipeline/colour.h). `wavelengths`: the
+/// three wavelengths nearest to 620, 535 and 480 nm. `auto`: cie where at least eight wavelengths
+/// reach from 430 nm or less to 650 nm or more, else wavelengths.
+/// @throws UsageError  for another word, or cie with wavelengths that do not ascend
+RgbWeights rgb_weights(const std::string& mode, const std::vector<double>& wavelength_nm);
+
+}  // namespace miebrdf::exports

@@ -1,0 +1,161 @@
+#include "pipeline/exports/rgl_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/half_vector.h"
+#include "pipeline/exports/metadata.h"
+#include "pipeline/exports/tensor_file.h"
+
+namespace miebrdf::exports {
+namespace {
+
+constexpr double kHalfPi = std::numbers::pi / 2;
+/// The last incident angle is stored as 90 degrees but computed here: at 90 itself nothing arrives.
+constexpr double kLargestAngle = 89.9 * kDegree;
+/// Every half vector stays reachable by importance sampling, however dark it is.
+constexpr double kLuminanceFloor = 1e-6;
+
+/// What is stored at half vector (x, y) of incident angle t: BRDF * cos(theta_out), as readers
+/// compute it with ndf = 1, sigma = 1/4 and an identity warp (vndf = 1).
+class RglGrid {
+  public:
+    RglGrid(const BrdfSource& source, const RglOptions& options)
+        : source_(source),
+          n_(static_cast<std::size_t>(options.resolution)),
+          angles_(static_cast<std::size_t>(options.incident_angles)),
+          channels_(source.channels().size()) {}
+
+    void fill(const RunControl& control) {
+        spectra_.assign(angles_ * channels_ * n_ * n_, 0.0f);
+        luminance_.assign(angles_ * n_ * n_, 0.0f);
+        for (std::size_t t = 0; t < angles_; ++t) fill_incidence(t, control);
+    }
+
+    std::vector<TensorField> fields(const std::string& description) {
+        std::vector<float> theta(angles_);
+        for (std::size_t t = 0; t < angles_; ++t) theta[t] = static_cast<float>(theta_in(t));
+        std::vector<TensorField> fields;
+        fields.push_back(byte_field("description", description));
+        fields.push_back(float_field("phi_i", {1}, {0.0f}));
+        fields.push_back(float_field("theta_i", {angles_}, std::move(theta)));
+        fields.push_back(float_field("ndf", {2, 2}, std::vector<float>(4, 1.0f)));
+        fields.push_back(float_field("sigma", {2, 2}, std::vector<float>(4, 0.25f)));
+        fields.push_back(
+            float_field("vndf", {1, angles_, 2, 2}, std::vector<float>(4 * angles_, 1.0f)));
+        fields.push_back(float_field("luminance", {1, angles_, n_, n_}, std::move(luminance_)));
+        fields.push_back(byte_field("jacobian", "\1"));
+        if (source_.wavelength_nm().empty()) {
+            fields.push_back(
+                float_field("rgb", {1, angles_, channels_, n_, n_}, std::move(spectra_)));
+        } else {
+            std::vector<float> wavelengths(source_.wavelength_nm().begin(),
+                                           source_.wavelength_nm().end());
+            fields.push_back(float_field("wavelengths", {channels_}, std::move(wavelengths)));
+            fields.push_back(
+                float_field("spectra", {1, angles_, channels_, n_, n_}, std::move(spectra_)));
+        }
+        return fields;
+    }
+
+  private:
+    double theta_in(std::size_t t) const {
+        return kHalfPi * static_cast<double>(t) / static_cast<double>(angles_ - 1);
+    }
+
+    double unit(std::size_t i) const {
+        return static_cast<double>(i) / static_cast<double>(n_ - 1);
+    }
+
+    void fill_incidence(std::size_t t, const RunControl& control) {
+        const Eigen::Vector3d in = spherical(std::min(theta_in(t), kLargestAngle), 0.0);
+        std::vector<Direction> lit;
+        std::vector<std::size_t> texels;
+        for (std::size_t y = 0; y < n_; ++y) {
+            for (std::size_t x = 0; x < n_; ++x) {
+                const Eigen::Vector3d half = half_vector(x, y);
+                const Eigen::Vector3d out = mirrored(in, half);
+                if (!(out.z() > 0.0 && in.dot(half) > 0.0)) continue;
+                lit.push_back(direction_of(in, out));
+                texels.push_back(y * n_ + x);
+            }
+        }
+        const auto stage = fmt::format("incidence {} of {}", t + 1, angles_);
+        const std::vector<double> values = evaluate_all(source_, lit, stage, control);
+        for (std::size_t i = 0; i < lit.size(); ++i)
+            store(t, texels[i], lit[i], &values[i * channels_]);
+        for (std::size_t y = 0; y < n_; ++y) {
+            for (std::size_t x = 0; x < n_; ++x) weigh(t, x, y, in);
+        }
+    }
+
+    Eigen::Vector3d half_vector(std::size_t x, std::size_t y) const {
+        return spherical(unit(x) * unit(x) * kHalfPi, (2.0 * unit(y) - 1.0) * std::numbers::pi);
+    }
+
+    void store(std::size_t t, std::size_t texel, const Direction& direction, const double* values) {
+        double sum = 0.0;
+        for (std::size_t c = 0; c < channels_; ++c) {
+            const double value = values[c] * direction.mu_out;
+            spectra_[(t * channels_ + c) * n_ * n_ + texel] = static_cast<float>(value);
+            sum += std::max(value, 0.0);
+        }
+        luminance_[t * n_ * n_ + texel] = static_cast<float>(sum / static_cast<double>(channels_));
+    }
+
+    /// Readers divide the density of (x, y) by this Jacobian to get one per solid angle; times it,
+    /// sampling by luminance follows BRDF * cosine.
+    void weigh(std::size_t t, std::size_t x, std::size_t y, const Eigen::Vector3d& in) {
+        const Eigen::Vector3d half = half_vector(x, y);
+        const double sin_theta = std::hypot(half.x(), half.y());
+        const double jacobian =
+            std::max(2.0 * std::numbers::pi * std::numbers::pi * unit(x) * sin_theta, 1e-6) * 4.0 *
+            std::max(in.dot(half), 0.0);
+        float& luminance = luminance_[(t * n_ + y) * n_ + x];
+        luminance = static_cast<float>(std::max(luminance * jacobian, kLuminanceFloor));
+    }
+
+    const BrdfSource& source_;
+    std::size_t n_, angles_, channels_;
+    std::vector<float> spectra_, luminance_;
+};
+
+void write_rgl(const BrdfSource& source, const RglOptions& options, const std::string& colour,
+               std::ostream& out, const RunControl& control) {
+    if (!(options.resolution >= 4 && options.resolution <= 1024)) {
+        throw UsageError(fmt::format("rgl: resolution {} is out of range; allowed: 4 to 1024",
+                                     options.resolution));
+    }
+    if (!(options.incident_angles >= 2 && options.incident_angles <= 512)) {
+        throw UsageError(fmt::format("rgl: {} incident angles are out of range; allowed: 2 to 512",
+                                     options.incident_angles));
+    }
+    RglGrid grid(source, options);
+    grid.fill(control);
+    const auto description = metadata(source, {.format = "rgl",
+                                               .cosine_included = true,
+                                               .azimuth_zero = "towards the source",
+                                               .colour = colour});
+    write_tensor_file(grid.fields(description.dump(1)), out);
+}
+
+}  // namespace
+
+void write_rgl_spectral(const BrdfSource& source, const RglOptions& options, std::ostream& out,
+                        const RunControl& control) {
+    require_wavelengths(source, "rgl");
+    write_rgl(source, options, "", out, control);
+}
+
+void write_rgl_rgb(const RgbSource& source, const RglOptions& options, std::ostream& out,
+                   const RunControl& control) {
+    write_rgl(source, options, source.weights().description, out, control);
+}
+
+}  // namespace miebrdf::exports

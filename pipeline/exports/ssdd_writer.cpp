@@ -1,0 +1,46 @@
+#include "pipeline/exports/ssdd_writer.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/exports/binary_writer.h"
+#include "pipeline/exports/half_vector.h"
+#include "pipeline/exports/metadata.h"
+#include "pipeline/exports/polar_grid.h"
+
+namespace miebrdf::exports {
+
+void write_ssdd(const BrdfSource& source, int intervals, std::ostream& out,
+                const RunControl& control) {
+    require_wavelengths(source, "ssdd");
+    const PolarGrid grid = make_polar_grid("ssdd", intervals);
+    // Incident angle fastest, then outgoing, then azimuth.
+    std::vector<Direction> directions;
+    for (const double azimuth : grid.azimuth_deg) {
+        for (const double theta_out : grid.theta_deg) {
+            for (const double theta_in : grid.theta_deg) {
+                directions.push_back(
+                    {std::cos(theta_in * kDegree), std::cos(theta_out * kDegree), 180.0 - azimuth});
+            }
+        }
+    }
+    const std::vector<double> values = evaluate_all(source, directions, "table", control);
+    const Provenance& origin = source.provenance();
+    const auto description = metadata(source, {.format = "ssdd",
+                                               .cosine_included = false,
+                                               .azimuth_zero = "towards the source",
+                                               .colour = ""});
+    out << "VERSION 0.2\nSOFTWARE " << origin.version << "\n\n# " << description.dump() << '\n';
+    out << "DATA_TYPE brdf\nCOLOR_MODEL spectrum\n";
+    out << fmt::format("WAVELENGTH_LIST {}\n", fmt::join(source.wavelength_nm(), " "));
+    out << "PARAM_TYPE spherical_coordinate_system\nREDUCTION_TYPE bilateral_symmetry\n";
+    out << fmt::format("PARAM0_LIST {0}\nPARAM2_LIST {0}\n", fmt::join(grid.theta_deg, " "));
+    out << fmt::format("PARAM3_LIST {}\n", fmt::join(grid.azimuth_deg, " "));
+    out << "NAME " << origin.title << "\nSOURCE_TYPE generated\nDATA binary\n";
+    BinaryWriter binary(out);
+    const std::vector<float> floats(values.begin(), values.end());
+    binary.put_all(floats);
+}
+
+}  // namespace miebrdf::exports

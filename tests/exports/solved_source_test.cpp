@@ -1,0 +1,84 @@
+#include "pipeline/exports/solved_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/brdf.h"
+#include "pipeline/error.h"
+#include "pipeline/exports/deviation.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+using namespace miebrdf::exports;
+
+namespace {
+
+Request half_space_request() {
+    Request request;
+    request.scene.base = HenyeyGreensteinMedium{0.9, 0.4};
+    request.wavelength_nm = {500, 600};
+    request.solver.tolerance = 1e-5;
+    return request;
+}
+
+/// Largest difference from compute_brdf, which solves at each direction itself, relative to the
+/// largest BRDF at that incidence, as the tolerance is defined.
+double largest_difference(const Request& request, const SolvedSource& source, std::size_t count) {
+    double largest = 0.0;
+    Request asked = request;
+    for (const Direction& d : random_directions(count, 3)) {
+        asked.directions = {{d.mu_in}, {d.mu_out, 0.05, 1.0}, {d.azimuth_deg, 0.0, 180.0}};
+        const BrdfResult expected = compute_brdf(asked);
+        std::vector<double> found(source.channels().size());
+        source.evaluate({&d, 1}, found);
+        for (std::size_t w = 0; w < found.size(); ++w) {
+            const std::vector<double>& total = expected.slices[w].total;
+            const double scale = *std::max_element(total.begin(), total.end());
+            largest = std::max(largest, std::abs(found[w] - total[0]) / scale);
+        }
+    }
+    return largest;
+}
+
+}  // namespace
+
+TEST_CASE("solved once, evaluated anywhere: the same as solving at each direction",
+          "[exports][solved_source]") {
+    Request request = half_space_request();
+    SECTION("half-space") {}
+    SECTION("coat") { request.scene.coats = {{HenyeyGreensteinMedium{0.6, 0.2}, 0.1}}; }
+    SECTION("rough surface, reciprocal coupling") {
+        request.scene.surface = rte::SurfaceOptions{};
+        request.scene.surface_index = {1.5, 0.0};
+        request.scene.coupling = rte::SurfaceCoupling::reciprocal;
+    }
+    const SolvedSource source(request, Component::total, "test", {});
+    CHECK(source.converged());
+    // Both solve to 1e-5; interpolation between the cosines must not add to that by an order.
+    CHECK(largest_difference(request, source, 12) <= 1e-4);
+}
+
+TEST_CASE("components add up: total is the surface and what it lets through",
+          "[exports][solved_source]") {
+    Request request = half_space_request();
+    request.scene.surface = rte::SurfaceOptions{};
+    request.scene.surface_index = {2.0, 0.0};
+    const SolvedSource total(request, Component::total, "", {});
+    const SolvedSource surface(request, Component::surface, "", {});
+    const SolvedSource subsurface(request, Component::subsurface, "", {});
+    const Direction direction{0.6, 0.6, 0.0};
+    double values[3][2];
+    total.evaluate({&direction, 1}, values[0]);
+    surface.evaluate({&direction, 1}, values[1]);
+    subsurface.evaluate({&direction, 1}, values[2]);
+    const double share = (values[0][0] - values[1][0]) / values[2][0];
+    CHECK(share > 0.8);  // 1 - rho of n = 2 is near 0.89
+    CHECK(share < 0.95);
+}
+
+TEST_CASE("a surface that is not there cannot be exported", "[exports][solved_source][errors]") {
+    CHECK_THROWS_WITH(SolvedSource(half_space_request(), Component::surface, "", {}),
+                      Catch::Contains("--roughness"));
+    CHECK_THROWS_WITH(parse_component("glitter"),
+                      Catch::Contains("glitter") && Catch::Contains("subsurface"));
+}

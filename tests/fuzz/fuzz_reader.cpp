@@ -1,0 +1,23 @@
+// Any bytes as a BRDF file of one format: an InputError or a file that can be evaluated.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/readers/brdf_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace miebrdf;
+    try {
+        const auto file =
+            exports::MIEBRDF_READER(std::string_view(reinterpret_cast<const char*>(data), size));
+        std::vector<double> values(file->channels().size());
+        for (const double mu : {1e-9, 0.3, 1.0}) {
+            file->evaluate({mu, 0.7, 200.0}, values);
+            file->sample(mu, 0.5, 0.25);
+            file->density({mu, 0.7, 200.0});
+        }
+    } catch (const InputError&) {
+    }
+    return 0;
+}

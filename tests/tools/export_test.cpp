@@ -1,0 +1,78 @@
+// miebrdf export and miebrdf check as their users meet them.
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+
+namespace {
+
+const std::string kScene = " --base hg:0.9,0.4 --wavelengths 450,550,650 ";
+
+}  // namespace
+
+TEST_CASE("what export writes passes check, alone and against its scene", "[program][export]") {
+    const std::string format = GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm");
+    const support::TemporaryFolder folder;
+    const auto exported = support::run_program("export --format " + format + kScene + "-o " +
+                                               (folder / "paint.file"));
+    CAPTURE(format, exported.err);
+    REQUIRE(exported.exit_code == 0);
+    CHECK_THAT(exported.err, Catch::Contains("paint"));
+    const std::string file = format == "rgl" ? folder / "paint_spec.file" : folder / "paint.file";
+    const auto checked = support::run_program("check " + file);
+    CAPTURE(checked.out, checked.err);
+    CHECK(checked.exit_code == 0);
+    CHECK_THAT(checked.out, Catch::Contains("# format: " + format) &&
+                                Catch::Contains("largest_directional_albedo"));
+    // Interpolation between 16 cosines and 19 azimuths is the user's choice, not the file's error.
+    const auto compared = support::run_program("check " + file + kScene + " --max-deviation 0.06");
+    CAPTURE(compared.out, compared.err);
+    CHECK(compared.exit_code == 0);
+    CHECK_THAT(compared.out, Catch::Contains("deviation_rms (mu > 0.2)"));
+}
+
+TEST_CASE("check fails with 1 on a bound and with 3 on a damaged file", "[program][export]") {
+    const support::TemporaryFolder folder;
+    REQUIRE(support::run_program("export --format pbrt" + kScene + "-o " + (folder / "a.bsdf"))
+                .exit_code == 0);
+    const auto dark = support::run_program("check " + (folder / "a.bsdf") + " --max-albedo 0.1");
+    CHECK(dark.exit_code == 1);
+    CHECK_THAT(dark.out, Catch::Contains(",no"));
+    // The same file against another scene.
+    CHECK(support::run_program("check " + (folder / "a.bsdf") + " --base hg:0.5,0.4").exit_code ==
+          1);
+    const std::string content = support::read_file(folder / "a.bsdf");
+    folder.write("b.bsdf", content.substr(0, content.size() / 2));
+    const auto damaged = support::run_program("check " + (folder / "b.bsdf"));
+    CHECK(damaged.exit_code == 3);
+    CHECK_THAT(damaged.err, Catch::Contains("b.bsdf"));
+}
+
+TEST_CASE("export refuses what it cannot write, with the allowed choices", "[program][export]") {
+    const support::TemporaryFolder folder;
+    const auto unknown =
+        support::run_program("export --format vrml" + kScene + "-o " + (folder / "x"));
+    CHECK(unknown.exit_code == 2);
+    CHECK_THAT(unknown.err, Catch::Contains("vrml") && Catch::Contains("merl"));
+    const auto nowhere = support::run_program("export --format csv" + kScene);
+    CHECK(nowhere.exit_code == 2);
+    CHECK_THAT(nowhere.err, Catch::Contains("-o FILE"));
+    const auto component = support::run_program("export --format csv --component surface" + kScene +
+                                                "-o " + (folder / "x"));
+    CHECK(component.exit_code == 2);
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("spectra and single-scattering tables are exports too", "[program][export]") {
+    const support::TemporaryFolder folder;
+    for (const char* format : {"spd", "irregular", "scattering"}) {
+        CAPTURE(format);
+        CHECK(support::run_program(std::string("export --format ") + format + kScene + "-o " +
+                                   (folder / format))
+                  .exit_code == 0);
+    }
+    CHECK_THAT(support::read_file(folder / "spd"), Catch::Contains("\n550 0."));
+    CHECK_THAT(support::read_file(folder / "irregular"), Catch::Contains("450, 550, 650"));
+    CHECK_THAT(support::read_file(folder / "scattering"), Catch::Contains("lm_a1.npy"));
+}

@@ -1,0 +1,135 @@
+// miebrdf check: what a BRDF file of any known format holds, and whether that can be.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pipeline/error.h"
+#include "pipeline/exports/file_check.h"
+#include "pipeline/exports/rgb_weights.h"
+#include "pipeline/exports/solved_source.h"
+#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/scene_options.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct CheckArguments {
+    std::string file;
+    SceneArguments scene;
+    std::string component = "total";
+    std::string rgb = "auto";
+    double largest_asymmetry = 0.05;
+    double largest_albedo = 1.002;
+    double largest_deviation = 0.05;
+    double largest_sampling_error = 0.03;
+};
+
+/// Rows `quantity,value,bound,ok` and whether all is well.
+class Verdict {
+  public:
+    explicit Verdict(Table& table) : table_(table) {}
+
+    void at_most(const std::string& quantity, double value, double bound) {
+        add(quantity, value, bound, value <= bound);
+    }
+    void at_least(const std::string& quantity, double value, double bound) {
+        add(quantity, value, bound, value >= bound);
+    }
+    bool good() const { return good_; }
+
+  private:
+    void add(const std::string& quantity, double value, double bound, bool ok) {
+        table_.rows.push_back({quantity, value, bound, std::string(ok ? "yes" : "no")});
+        good_ = good_ && ok;
+    }
+    Table& table_;
+    bool good_ = true;
+};
+
+/// How far the file is from the scene that it is said to hold.
+void compare(const exports::BrdfFile& file, const CheckArguments& arguments, const Shell& shell,
+             Verdict& verdict) {
+    Request request = arguments.scene.parse();
+    if (!file.wavelength_nm().empty()) request.wavelength_nm = file.wavelength_nm();
+    const exports::SolvedSource source(request, exports::parse_component(arguments.component),
+                                       shell.command_line(), shell.control());
+    const exports::RgbSource rgb(source,
+                                 exports::rgb_weights(arguments.rgb, request.wavelength_nm));
+    const exports::BrdfSource& truth =
+        file.wavelength_nm().empty() ? rgb : static_cast<const exports::BrdfSource&>(source);
+    const auto deviation =
+        exports::measure_deviation(file, truth, exports::random_directions(3000, 5));
+    for (std::size_t band = 0; band < 3; ++band) {
+        // Only the first band has a bound: near the horizon every format loses digits.
+        const double bound = band == 0 ? arguments.largest_deviation : std::nan("");
+        const std::string name = fmt::format("deviation_rms ({})", exports::kDeviationBands[band]);
+        band == 0 ? verdict.at_most(name, deviation.rms[band], bound)
+                  : verdict.at_least(name, deviation.rms[band], 0.0);
+    }
+}
+
+int run_check(const CheckArguments& arguments, const Shell& shell) {
+    const auto file = exports::open_brdf_file(arguments.file);
+    const exports::FileCheck check = exports::check_file(*file);
+    Table table;
+    table.facts = {
+        {"file", arguments.file},
+        {"format", file->format()},
+        {"description", file->description()},
+        {"channels", fmt::format("{}", fmt::join(file->channels(), ", "))},
+        {"directions without a value", fmt::format("{} of {}", check.missing, check.directions)},
+        {"largest albedo", fmt::format("channel {}, mu_in {}", check.largest_albedo_channel,
+                                       check.largest_albedo_mu)}};
+    table.columns = {"quantity", "value", "bound", "ok"};
+    Verdict verdict(table);
+    verdict.at_most("reciprocity_error_rms (mu > 0.2)", check.reciprocity_rms,
+                    arguments.largest_asymmetry);
+    verdict.at_most("largest_directional_albedo", check.largest_albedo, arguments.largest_albedo);
+    verdict.at_least("least_value_per_sr", check.least_value, 0.0);
+    if (check.sampled_albedo_error) {
+        verdict.at_most("sampled_albedo_error", *check.sampled_albedo_error,
+                        arguments.largest_sampling_error);
+    }
+    if (arguments.scene.given()) compare(*file, arguments, shell, verdict);
+    shell.write(std::move(table));
+    return verdict.good() ? kGood : kCheckFailed;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& program, Shell& shell) {
+    auto* command =
+        program.add_subcommand("check", "reciprocity, albedo and least value of a BRDF file");
+    auto arguments = std::make_shared<CheckArguments>();
+    command
+        ->add_option("FILE", arguments->file,
+                     "a BRDF file; its format is recognised by its content")
+        ->required();
+    auto* group = command->add_option_group("Bounds");
+    group
+        ->add_option("--max-reciprocity-error", arguments->largest_asymmetry,
+                     "rms of |f(i,o) - f(o,i)| / mean, both cosines > 0.2")
+        ->capture_default_str();
+    group->add_option("--max-albedo", arguments->largest_albedo, "directional, any channel")
+        ->capture_default_str();
+    group
+        ->add_option("--max-deviation", arguments->largest_deviation,
+                     "rms relative error at mu > 0.2, when a scene is given to compare with")
+        ->capture_default_str();
+    group
+        ->add_option("--max-sampling-error", arguments->largest_sampling_error,
+                     "of the albedo found by the file's importance sampling")
+        ->capture_default_str();
+    arguments->scene.add_to(*command, SceneArguments::Base::optional);
+    command->add_option("--component", arguments->component, "of the scene to compare with")
+        ->capture_default_str();
+    command->add_option("--rgb", arguments->rgb, "colours of the scene to compare with")
+        ->capture_default_str();
+    shell.add_common_options(*command);
+    command->footer(
+        "Example:\n  miebrdf check paint.bsdf\n  miebrdf check paint_spec.bsdf --base TiO2 --coat "
+        "AlGaAs7@0.1");
+    shell.on_run(*command, [arguments, &shell] { return run_check(*arguments, shell); });
+}
+
+}  // namespace miebrdf::program
