@@ -171,9 +171,10 @@ class PbrtFile : public BrdfFile {
         return mix;
     }
 
-    double sum_series(const SplineWeights& row, const SplineWeights& column, std::uint32_t channel,
-                      double azimuth) const {
-        double sum = 0.0;
+    /// The series between the stored pairs: each coefficient interpolated by itself.
+    std::vector<double> mix_series(const SplineWeights& row, const SplineWeights& column,
+                                   std::uint32_t channel) const {
+        std::vector<double> mixed;
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
                 const double weight = row.weight[i] * column.weight[j];
@@ -183,11 +184,28 @@ class PbrtFile : public BrdfFile {
                 const Series& series = tables_.series[r * tables_.nodes.size() + c];
                 const float* a = tables_.coefficients.data() + series.offset +
                                  std::size_t{channel} * series.length;
-                for (std::uint32_t k = 0; k < series.length; ++k)
-                    sum += weight * a[k] * std::cos(k * azimuth);
+                if (mixed.size() < series.length) mixed.resize(series.length, 0.0);
+                for (std::uint32_t k = 0; k < series.length; ++k) mixed[k] += weight * a[k];
             }
         }
-        return sum;
+        return mixed;
+    }
+
+    /// sum a_k cos(k azimuth) by Clenshaw's recurrence.
+    static double sum(const std::vector<double>& a, double azimuth) {
+        const double cosine = std::cos(azimuth);
+        double next = 0.0, after = 0.0;
+        for (std::size_t k = a.size(); k-- > 1;) {
+            const double current = a[k] + 2.0 * cosine * next - after;
+            after = next;
+            next = current;
+        }
+        return a.empty() ? 0.0 : a[0] + cosine * next - after;
+    }
+
+    double sum_series(const SplineWeights& row, const SplineWeights& column, std::uint32_t channel,
+                      double azimuth) const {
+        return sum(mix_series(row, column, channel), azimuth);
     }
 
     /// Inverts the integral of the luminance over azimuth on a fine grid; exact enough to test by.
@@ -195,11 +213,11 @@ class PbrtFile : public BrdfFile {
         const auto column = spline_weights(tables_.nodes, -mu_in);
         if (!column) return {};
         constexpr int kSteps = 720;
+        const std::vector<double> series = mix_series(row, *column, 0);
         std::vector<double> integral(kSteps + 1, 0.0);
-        double previous = std::max(sum_series(row, *column, 0, 0.0), 0.0);
+        double previous = std::max(sum(series, 0.0), 0.0);
         for (int j = 1; j <= kSteps; ++j) {
-            const double value =
-                std::max(sum_series(row, *column, 0, std::numbers::pi * j / kSteps), 0.0);
+            const double value = std::max(sum(series, std::numbers::pi * j / kSteps), 0.0);
             integral[j] = integral[j - 1] + (previous + value) / 2;
             previous = value;
         }
