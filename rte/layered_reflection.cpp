@@ -10,6 +10,7 @@
 
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
+#include "rte/narrow_features.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -69,23 +70,27 @@ struct Attempt {
     bool physical = false;
 };
 
+// First order, and what is narrower than the moments kept, to a fiftieth of the tolerance.
 void add_first_order(const ScaledStack& stack, const Directions& directions,
                      const SolverOptions& options, std::vector<double>& reflection) {
     std::vector<double> cos_azimuth;
     for (const double azimuth : directions.azimuth_deg) {
         cos_azimuth.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
     }
-    std::size_t index = 0;
+    double mu_least = 1.0;
+    for (const double mu : directions.mu_in) mu_least = std::min(mu_least, mu);
+    for (const double mu : directions.mu_out) mu_least = std::min(mu_least, mu);
+    NarrowFeatures narrow;
+    if (options.single_scattering_correction) {
+        narrow = NarrowFeatures(stack.media, mu_least, 0.02 * options.tolerance);
+    }
+    double* next = reflection.data();
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {
-            std::vector<double> narrow(cos_azimuth.size(), 0.0);
-            if (options.single_scattering_correction) {
-                narrow = narrow_feature_correction(stack.media, mu_in, mu_out, cos_azimuth);
-            }
-            for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-                reflection[index++] +=
-                    narrow[a] + single_scattering(stack.media, options.single_scattering_correction,
-                                                  mu_in, mu_out, cos_azimuth[a]);
+            narrow.add_to(next, mu_in, mu_out, cos_azimuth);
+            for (const double cosine : cos_azimuth) {
+                *next++ += single_scattering(stack.media, options.single_scattering_correction,
+                                             mu_in, mu_out, cosine);
             }
         }
     }
@@ -175,8 +180,25 @@ void require_physical(Attempt& attempt, std::size_t count) {
     attempt.report.error_estimate = std::numeric_limits<double>::infinity();
 }
 
+// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
+// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on would
+// cost n^3 and gain nothing.
+class Progress {
+  public:
+    /// True once two steps in a row have not halved the best estimate so far.
+    bool has_stalled_at(double estimate) {
+        idle_steps_ = estimate <= 0.5 * best_ ? 0 : idle_steps_ + 1;
+        best_ = std::min(best_, estimate);
+        return idle_steps_ >= 2;
+    }
+
+  private:
+    double best_ = std::numeric_limits<double>::infinity();
+    int idle_steps_ = 0;
+};
+
 // Two numbers of nodes give the result and what its error may be; without a given number of nodes
-// they grow until the estimate meets the tolerance.
+// they grow until the estimate meets the tolerance or stops falling.
 template <typename Solve>
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
                             std::size_t block, Solve solve) {
@@ -190,6 +212,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     if (options.streams == 0) ladder = stream_ladder(stack, options);
     Attempt coarse = attempt_at(coarser_streams(ladder.front()));
     Attempt fine;
+    Progress progress;
     for (const int streams : ladder) {
         fine = attempt_at(streams);
         if (fine.physical) {
@@ -203,6 +226,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         fine.report.converged =
             fine.report.converged && fine.report.error_estimate <= options.tolerance;
         if (fine.report.converged) break;
+        if (fine.physical && progress.has_stalled_at(fine.report.error_estimate)) break;
         coarse = fine;
     }
     fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
