@@ -123,7 +123,9 @@ void WavelengthSolution::add_layers(std::span<const Direction> directions, doubl
     for (const Direction& d : directions)
         cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
     std::vector<double> narrow(directions.size(), 0.0);
-    narrow_.add_to(narrow.data(), mu_in, mu_out, cos_azimuth);
+    // The table ends at this cosine, and beyond its end it is a polynomial gone astray.
+    narrow_.add_to(narrow.data(), std::max(mu_in, kLeastCosine), std::max(mu_out, kLeastCosine),
+                   cos_azimuth);
     for (std::size_t a = 0; a < directions.size(); ++a) {
         const double first_order =
             rte::single_scattering(media_, exact_first_order_, mu_in, mu_out, cos_azimuth[a]);
