@@ -50,7 +50,7 @@ std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed) 
 
 std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed) {
     Uniform uniform(seed);
-    constexpr double kLeastTilt = 1e-3, kLargestTilt = 0.5, kLeastCosine = 0.3;
+    constexpr double kLeastTilt = 1e-3, kLargestTilt = 0.5, kLeastCosine = 0.4;
     std::vector<Direction> directions;
     while (directions.size() < count) {
         const double mu_in = kLeastCosine + (1.0 - kLeastCosine) * uniform();

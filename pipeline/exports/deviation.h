@@ -28,7 +28,7 @@ inline constexpr std::array<const char*, 3> kDeviationBands = {"mu > 0.2", "mu 0
 /// Cosines and azimuth uniform, each band filled; the same numbers on every machine for a seed.
 std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed);
 
-/// Both cosines above 0.3; the half vector is off the normal by 0.001 to 0.5 rad, evenly in its
+/// Both cosines above 0.4; the half vector is off the normal by 0.001 to 0.5 rad, evenly in its
 /// logarithm, so that lobes of any width are met.
 std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed);
 
