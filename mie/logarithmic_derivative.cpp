@@ -41,6 +41,10 @@ std::vector<Number> upward(Number z, int highest_order) {
     return D;
 }
 
+// exp(3): one digit of sixteen.
+constexpr double allowed_growth = 3;
+constexpr double most_damping = 100;  // exp(4 Im z), in squares of products, stays in range
+
 // Orders so far below |z| that neither a turning point nor its neighbourhood matters.
 double far_above(int order) { return 1.3 * order + 20; }
 
@@ -70,12 +74,19 @@ std::optional<Complex> damped_logarithmic_derivative(Complex z, int order) {
     return s0 + s1 + s2 + s3;
 }
 
+bool upward_is_stable(Complex z, int highest_order) {
+    const double ratio = highest_order / z.real();
+    if (!(ratio < 0.97 && z.imag() < most_damping)) return false;
+    return 2 * z.imag() * (1 - std::sqrt(1 - ratio * ratio)) < allowed_growth;
+}
+
 std::vector<Complex> logarithmic_derivatives(Complex z, int highest_order) {
     if (const auto start_value = damped_logarithmic_derivative(z, highest_order)) {
         return downward(z, highest_order, highest_order, *start_value);
     }
-    // Errors grow as exp(2 Im z) upward; 0.05 costs nothing visible.
-    if (z.imag() < 0.05 && z.real() > far_above(highest_order)) return upward(z, highest_order);
+    if (z.real() > far_above(highest_order) && upward_is_stable(z, highest_order)) {
+        return upward(z, highest_order);
+    }
     return downward(z, highest_order, safe_start(std::abs(z), highest_order), Complex(0));
 }
 

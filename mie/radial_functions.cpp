@@ -20,19 +20,25 @@ RadialFunctions radial_functions(double size_parameter, int highest_order) {
     std::vector<double>& psi = radial.psi;
     std::vector<double>& eta = radial.eta;
 
-    double before = std::sin(x);  // eta_{-1}
-    eta[0] = -std::cos(x);
-    for (int n = 1; n <= highest_order; ++n) {
-        eta[n] = (2 * n - 1) / x * eta[n - 1] - before;
-        before = eta[n - 1];
-    }
-
     const int turn = std::min(highest_order, static_cast<int>(x));  // psi_n still oscillates
-    before = std::cos(x);                                           // psi_{-1}
-    psi[0] = std::sin(x);
+    double eta_before = std::sin(x), eta_here = -std::cos(x);       // eta_{-1}, eta_0
+    double psi_before = std::cos(x), psi_here = std::sin(x);        // psi_{-1}, psi_0
+    eta[0] = eta_here;
+    psi[0] = psi_here;
+    // Two recurrences in one loop hide each other's latency.
     for (int n = 1; n <= turn; ++n) {
-        psi[n] = (2 * n - 1) / x * psi[n - 1] - before;
-        before = psi[n - 1];
+        const double factor = (2 * n - 1) / x;
+        const double next_eta = factor * eta_here - eta_before;
+        const double next_psi = factor * psi_here - psi_before;
+        eta_before = eta_here;
+        psi_before = psi_here;
+        eta[n] = eta_here = next_eta;
+        psi[n] = psi_here = next_psi;
+    }
+    for (int n = turn + 1; n <= highest_order; ++n) {
+        const double next_eta = (2 * n - 1) / x * eta_here - eta_before;
+        eta_before = eta_here;
+        eta[n] = eta_here = next_eta;
     }
     double E = 0;  // E_n(x) of logarithmic_derivative.h, downward
     for (int n = highest_order + static_cast<int>(2 * std::cbrt(x)) + 15; n > turn; --n) {
