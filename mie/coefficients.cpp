@@ -34,7 +34,10 @@ Complex response(Number p, Number q) {
         const double scale = 1 / (p * p + q * q);
         return {p * p * scale, -p * q * scale};
     } else {
-        return p / (p + Complex(0, 1) * q);
+        const Complex d(p.real() - q.imag(), p.imag() + q.real());
+        const double scale = 1 / std::norm(d);
+        return {(p.real() * d.real() + p.imag() * d.imag()) * scale,
+                (p.imag() * d.real() - p.real() * d.imag()) * scale};
     }
 }
 
@@ -43,7 +46,7 @@ double absorbed(Number A, Number p, Number q) {
     if constexpr (std::is_same_v<Number, double>) {
         return 0;
     } else {
-        return -A.imag() / std::norm(p + Complex(0, 1) * q);
+        return -A.imag() / std::norm(Complex(p.real() - q.imag(), p.imag() + q.real()));
     }
 }
 

@@ -22,19 +22,6 @@ struct InsideValues {
     std::vector<double> re, im;
 };
 
-InsideValues inside_values(double z, int terms, int padded) {
-    InsideValues psi{std::vector<double>(padded, 1.0), {}};
-    double before = std::cos(z), here = std::sin(z);
-    psi.re[0] = here;
-    for (int n = 1; n <= terms; ++n) {
-        // Divided, not times 1/z: that would be another z, by a rounding, for all orders.
-        const double next = (2 * n - 1) / z * here - before;
-        before = here;
-        psi.re[n] = here = next;
-    }
-    return psi;
-}
-
 InsideValues inside_values(Complex z, int terms, int padded) {
     InsideValues psi{std::vector<double>(padded, 1.0), std::vector<double>(padded, 0.0)};
     const Complex inverse = 1.0 / z;
@@ -85,14 +72,19 @@ PartialWaves by_vectors(Number m, double x) {
     const int terms = number_of_terms(x);
     PartialWaves waves(terms);
     const int padded = waves.vectors() * lane_count + 1;
-    RadialFunctions radial = radial_functions(x, terms);
-    radial.psi.resize(padded, 0.0);
-    radial.eta.resize(padded, 1.0);
-    const InsideValues inside = inside_values(m * x, terms, padded);
+    InsideValues inside;
+    RadialFunctions radial;
     std::vector<double> sources;
-    if constexpr (!std::is_same_v<Number, double>) {
+    if constexpr (std::is_same_v<Number, double>) {
+        inside.re.assign(padded, 1.0);
+        radial = radial_functions(x, terms, inside.re.data(), m * x);
+    } else {
+        radial = radial_functions(x, terms);
+        inside = inside_values(m * x, terms, padded);
         sources = absorption_sources(m * x, inside, terms, padded);
     }
+    radial.psi.resize(padded, 0.0);
+    radial.eta.resize(padded, 1.0);
     const Number m_minus_inverse = m - 1.0 / m;
     Lanes orders = Lanes::LinSpaced(lane_count, 1, lane_count);
     Response a, b;
