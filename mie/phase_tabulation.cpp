@@ -193,6 +193,10 @@ void PhaseTabulation::judge(Panel& panel) const {
         panel.noise =
             0.5 * difference.norm() / (std::sqrt(double(PhaseTable::panel_nodes)) * largest);
     }
+    if (options_.scattering_efficiency > 0) {
+        const double sampled = panel.scattered[0] + panel.scattered[1];
+        panel.noise = std::max(panel.noise, std::abs(sampled / options_.scattering_efficiency - 1));
+    }
     const Eigen::VectorXd c = PhaseTable::coefficients_of(values);
     panel.tail =
         (std::abs(c[PhaseTable::panel_nodes - 1]) + std::abs(c[PhaseTable::panel_nodes - 2])) /

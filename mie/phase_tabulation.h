@@ -15,7 +15,10 @@ struct PhaseTabulationOptions {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
     double size_tolerance = 1e-2;           ///< relative to the largest P of each panel, rms
     int first_moment = 0;                   ///< lowest one that will be asked of the table
-    double moment_tolerance = 1.0;          ///< absolute, of what each panel gives to a moment
+    /// Scattering efficiency of the average times the area share of the range, when known: sizes
+    /// that miss it have missed resonances too narrow for two levels of them to tell. 0: not known.
+    double scattering_efficiency = 0;
+    double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };
 
 /// Each panel of scattering angles takes levels of sizes (nested_size_nodes) until what the last
