@@ -25,7 +25,10 @@ struct EnsembleOptics {
     double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
     double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
     int size_nodes = 0;
-    bool converged = false;  ///< both estimates within their tolerances
+    /// Both estimates within their tolerances, that of the moments for those of the band: moments
+    /// from the phase table (hundreds asked) are as good as its sizes allow, and are in
+    /// error_estimate only.
+    bool converged = false;
 };
 
 /// Averages Mie theory over the sizes.

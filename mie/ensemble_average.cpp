@@ -192,7 +192,6 @@ void EnsembleAverage::tabulate_phase() {
     optics_.chi.insert(optics_.chi.end(), chi.begin() + safe_band_width + 1, chi.end());
     optics_.chi.resize(request_.highest_moment + 1, 0.0);
     optics_.error_estimate = std::max(optics_.error_estimate, tabulation.moment_error());
-    optics_.converged = optics_.converged && optics_.error_estimate <= request_.tolerance;
 }
 
 }  // namespace miebrdf::mie
