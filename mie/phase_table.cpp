@@ -25,6 +25,34 @@ double clenshaw(const double* coefficients, double t) {
     return coefficients[0] + t * b1 - b2;
 }
 
+// sum of weighted P_l(mu) over the samples [first, end), l = 0 ... highest_moment.
+std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
+                              int highest_moment) {
+    std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
+    constexpr int group = 4 * lane_count;  // hides the latency of the recurrence
+    using Group = Eigen::Array<double, group, 1>;
+    for (std::size_t first = first_sample; first < end; first += group) {
+        Group mu = Group::Zero(), weighted = Group::Zero();
+        for (std::size_t i = first; i < std::min(first + group, end); ++i) {
+            mu[static_cast<Eigen::Index>(i - first)] = samples.mu[i];
+            weighted[static_cast<Eigen::Index>(i - first)] = samples.weighted[i];
+        }
+        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}, with the weight carried along.
+        Group before = Group::Zero(), here = weighted;
+        for (int l = 0; l <= highest_moment; ++l) {
+            sums[l] += (here.segment<8>(0) + here.segment<8>(8)) +
+                       (here.segment<8>(16) + here.segment<8>(24));
+            const double inverse = 1.0 / (l + 1);
+            const Group next = ((2 * l + 1) * inverse) * mu * here - (l * inverse) * before;
+            before = here;
+            here = next;
+        }
+    }
+    std::vector<double> projections;
+    for (const Lanes& sum : sums) projections.push_back(sum.sum());
+    return projections;
+}
+
 }  // namespace
 
 std::vector<double> PhaseTable::nodes_of(double lower, double upper) {
@@ -85,7 +113,7 @@ double PhaseTable::operator()(double cos_theta) const {
     return at_angle(std::acos(std::clamp(cos_theta, -1.0, 1.0)));
 }
 
-std::vector<double> PhaseTable::moments(int highest_moment) const {
+std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {
     // Each panel in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up to
     // 2 rad per node to rounding.
     constexpr int piece_nodes = 16;
@@ -107,28 +135,18 @@ std::vector<double> PhaseTable::moments(int highest_moment) const {
             }
         }
     }
-    std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
-    constexpr int group = 4 * lane_count;  // hides the latency of the recurrence
-    using Group = Eigen::Array<double, group, 1>;
-    for (std::size_t first = 0; first < samples.mu.size(); first += group) {
-        Group mu = Group::Zero(), weighted = Group::Zero();
-        for (std::size_t i = first; i < std::min(first + group, samples.mu.size()); ++i) {
-            mu[static_cast<Eigen::Index>(i - first)] = samples.mu[i];
-            weighted[static_cast<Eigen::Index>(i - first)] = samples.weighted[i];
-        }
-        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}, with the weight carried along.
-        Group before = Group::Zero(), here = weighted;
-        for (int l = 0; l <= highest_moment; ++l) {
-            sums[l] += (here.segment<8>(0) + here.segment<8>(8)) +
-                       (here.segment<8>(16) + here.segment<8>(24));
-            const double inverse = 1.0 / (l + 1);
-            const Group next = ((2 * l + 1) * inverse) * mu * here - (l * inverse) * before;
-            before = here;
-            here = next;
-        }
+    constexpr int jobs = 8;
+    std::vector<std::vector<double>> parts(jobs);
+    const std::size_t share = (samples.mu.size() + jobs - 1) / jobs;
+    run(jobs, [&](int job) {
+        const std::size_t first = std::min(samples.mu.size(), job * share);
+        parts[job] =
+            projected(samples, first, std::min(samples.mu.size(), first + share), highest_moment);
+    });
+    std::vector<double> chi(highest_moment + 1, 0.0);
+    for (const auto& part : parts) {
+        for (int l = 0; l <= highest_moment; ++l) chi[l] += part[l];
     }
-    std::vector<double> chi;
-    for (const Lanes& sum : sums) chi.push_back(0.5 * sum.sum());
     const double whole = chi[0];
     for (double& value : chi) value /= whole;
     return chi;

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mie/executor.h"
+
 namespace miebrdf::mie {
 
 /// P(cos Theta) of an ensemble as polynomials on panels of the scattering angle.
@@ -37,7 +39,7 @@ class PhaseTable {
     /// enough for order l. Absolute error about that of the table times the share of the light that
     /// it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
     /// @param highest_moment  >= 0
-    std::vector<double> moments(int highest_moment) const;
+    std::vector<double> moments(int highest_moment, const Executor& run = run_in_order) const;
 
     /// Angles in radians of the Chebyshev nodes of a panel, ascending.
     static std::vector<double> nodes_of(double lower, double upper);

@@ -113,9 +113,11 @@ std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelengt
                                             const RunControl& control) const {
     const JobList list = list_jobs(media_, scene_.particles.k_floor, wavelength_nm);
     std::vector<MediumOptics> done(list.jobs.size());
+    const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
         const Job& job = list.jobs[j];
-        done[j] = medium_optics(media_[job.medium], job.wavelength_nm, scene_.particles, demand);
+        done[j] =
+            medium_optics(media_[job.medium], job.wavelength_nm, scene_.particles, demand, pieces);
     });
 
     std::vector<SceneOptics> scenes;
