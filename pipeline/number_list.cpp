@@ -49,7 +49,7 @@ void append_range(std::string_view part, const std::string& what, const Parse& p
         throw UsageError(fmt::format("{}: '{}' has {:.0f} numbers; at most {} are allowed", what,
                                      part, steps + 1.0, kLongestList));
     }
-    for (double i = 0; i <= steps; ++i) {
+    for (int i = 0; i <= static_cast<int>(steps); ++i) {
         const double value = first + i * step;
         numbers.push_back(std::abs(value - last) <= 1e-9 * std::abs(step) ? last : value);
     }
