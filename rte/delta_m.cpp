@@ -22,7 +22,25 @@ double forward_fraction(const Optics& optics, std::size_t moments) {
     return std::min(f, 1.0 - 1e-9);
 }
 
+// K: the more light the peak holds, the wider the window of cutoffs.
+int first_cutoff(double f, int moments) {
+    constexpr double widest_share = 0.25;
+    return std::max(1, moments - int(std::lround(widest_share * peak_strength(f) * moments)));
+}
+
 }  // namespace
+
+double peak_strength(double f) {
+    constexpr double weak = 1e-4;
+    constexpr double strong = 0.2;
+    return f > weak ? std::min(1.0, std::log(f / weak) / std::log(strong / weak)) : 0.0;
+}
+
+double ScaledOptics::share_scaled_away(int degree) const {
+    const int last = int(chi.size());
+    if (degree < first_cutoff) return 0.0;
+    return degree >= last ? 1.0 : double(degree - first_cutoff + 1) / (last - first_cutoff + 1);
+}
 
 Eigen::VectorXd ScaledOptics::strengths() const {
     Eigen::VectorXd result(chi.size());
@@ -32,14 +50,22 @@ Eigen::VectorXd ScaledOptics::strengths() const {
 
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     ScaledOptics scaled;
-    scaled.truncated = delta_m ? forward_fraction(optics, moments) : 0.0;
-    const double f = scaled.truncated;
+    const double sharp = delta_m ? forward_fraction(optics, moments) : 0.0;
+    scaled.first_cutoff = first_cutoff(sharp, moments);
+    scaled.chi = Eigen::VectorXd::Zero(moments);  // (1 - f) chi' until f is known
+    double sum = 0.0;
+    const int cutoffs = moments - scaled.first_cutoff + 1;
+    for (int cutoff = moments; cutoff >= scaled.first_cutoff; --cutoff) {
+        const double f = cutoff == moments ? sharp : chi_at(optics, cutoff);
+        sum += f;
+        for (int l = 0; l < cutoff; ++l) scaled.chi[l] += chi_at(optics, l) - f;
+    }
+    const double f = scaled.truncated = sum / cutoffs;
+    scaled.chi /= double(scaled.chi[0]);  // = cutoffs (1 - f), and exactly 1 afterwards
     // 1 - alpha f = (1 - f) + (1 - alpha) f: no digits lost when both are close to 1.
     scaled.depth_factor = (1.0 - f) + optics.one_minus_albedo * f;
     scaled.one_minus_albedo = optics.one_minus_albedo / scaled.depth_factor;
     scaled.albedo = optics.single_scattering_albedo * (1.0 - f) / scaled.depth_factor;
-    scaled.chi.resize(moments);
-    for (int l = 0; l < moments; ++l) scaled.chi[l] = (chi_at(optics, l) - f) / (1.0 - f);
     return scaled;
 }
 

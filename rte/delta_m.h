@@ -15,14 +15,26 @@ struct ScaledOptics {
     Eigen::VectorXd chi;            ///< chi'_0 = 1 ... chi'_{L-1}
     double truncated = 0.0;         ///< f, the fraction of scattering in the forward peak
     double depth_factor = 1.0;      ///< tau' / tau = 1 - alpha f
+    int first_cutoff = 0;           ///< K; the cutoffs averaged over are K ... L, K = L: one only
+
+    /// The share of chi_l that is scaled away with the peak: 0 below K, 1 from L on.
+    double share_scaled_away(int degree) const;
 
     /// alpha' (2l+1) chi'_l, the strength of each degree in the phase matrices.
     Eigen::VectorXd strengths() const;
 };
 
+/// s(f) for how much truncation matters: 0 up to f = 1e-4, rising with log f to 1 from f = 0.2 on.
+double peak_strength(double f);
+
 /// delta-M (Wiscombe 1977) with L moments: f = chi_L, chi' = (chi - f) / (1 - f),
 /// 1 - alpha' = (1 - alpha) / (1 - alpha f). f is taken as 0 where chi_L is no tail of a forward
 /// peak: negative, or not below its neighbours (a backward peak alternates in sign).
+///
+/// Where a peak is left, the cutoff is soft: f and (1 - f) chi' are means over the cutoffs K ... L.
+/// A sharp one leaves a kink at l = L, which rings in angle with the period 360 / L degrees and
+/// spoils directions near the forward horizon; K = L (1 - s / 4), s the peak's strength
+/// (docs/numerics.md).
 ///
 /// @param moments  L >= 1; degrees at and above L are dropped (no delta-M) or scaled away
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rte/delta_m.h"
+
 namespace miebrdf::rte {
 namespace {
 
@@ -28,16 +30,22 @@ std::size_t most_usable_moments(const Stack& stack) {
     return most;
 }
 
+// Of that degree, over all media.
+double largest_moment(const Stack& stack, int degree) {
+    double largest = 0.0;
+    const auto look_at = [&](const Optics& optics) {
+        const auto l = std::size_t(degree);
+        if (l < optics.chi.size()) largest = std::max(largest, optics.chi[l]);
+    };
+    if (stack.base_kind == BaseKind::half_space) look_at(stack.base);
+    for (const Coat& coat : stack.coats) look_at(coat.optics);
+    return largest;
+}
+
 }  // namespace
 
 bool strongly_peaked(const Stack& stack, int streams) {
-    const auto peaked = [streams](const Optics& optics) {
-        const std::size_t degree = 2 * std::size_t(streams);
-        return degree < optics.chi.size() && optics.chi[degree] > peaked_above;
-    };
-    return (stack.base_kind == BaseKind::half_space && peaked(stack.base)) ||
-           std::any_of(stack.coats.begin(), stack.coats.end(),
-                       [&](const Coat& coat) { return peaked(coat.optics); });
+    return largest_moment(stack, 2 * streams) > peaked_above;
 }
 
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
@@ -45,12 +53,12 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    // Half-range Gauss integrates products of two kept degrees up to l + l' <= 2n - 1. Where the
-    // moments have decayed by l = 2n that does no harm to keep 2n of them; where they have not,
-    // 4n/3 makes the result independent of n (docs/numerics.md).
-    const std::size_t kept =
-        std::size_t(strongly_peaked(stack, streams) ? (4 * streams) / 3 : 2 * streams);
-    choice.moments = int(std::min(most_usable_moments(stack), std::max<std::size_t>(kept, 1)));
+    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. Where the moments
+    // have decayed by l = 2n that does no harm to keep 2n of them; where they have not, 11n/6, of
+    // which the soft cutoff of delta-M lets the last quarter fade (docs/numerics.md).
+    const double kept = streams * (2.0 - peak_strength(largest_moment(stack, 2 * streams)) / 6.0);
+    choice.moments = int(
+        std::min(most_usable_moments(stack), std::max<std::size_t>(1, std::size_t(kept + 0.5))));
     return choice;
 }
 
@@ -79,7 +87,9 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
         ScaledOptics medium = scale_optics(optics, moments, delta_m);
         const double depth = optical_depth * medium.depth_factor;
         ForwardPeak narrow;
-        if (medium.truncated > 0.0) narrow = split_forward_peak(optics.chi, moments);
+        if (medium.truncated > 0.0) {
+            narrow = split_forward_peak(optics.chi, medium.first_cutoff);
+        }
         scaled.media.push_back({optics, std::move(medium), depth, std::move(narrow)});
     };
     if (stack.base_kind == BaseKind::half_space) add(stack.base, infinite);

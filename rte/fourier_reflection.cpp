@@ -69,6 +69,18 @@ double largest_bounded(const Eigen::MatrixXd& reflection, const RequestedDirecti
     return largest;
 }
 
+// Adds (2 - delta_m0) R^m cos(m azimuth).
+void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd& multiple,
+               std::vector<double>& reflection) {
+    Eigen::VectorXd cosines(Eigen::Index(azimuth_deg.size()));
+    for (Eigen::Index a = 0; a < cosines.size(); ++a) {
+        const double azimuth = azimuth_deg[std::size_t(a)] * (std::numbers::pi / 180.0);
+        cosines[a] = m == 0 ? 1.0 : 2.0 * std::cos(m * azimuth);
+    }
+    Eigen::Map<Eigen::MatrixXd> table(reflection.data(), cosines.size(), multiple.size());
+    table.noalias() += cosines * multiple.reshaped().transpose();
+}
+
 bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
     return std::all_of(indices.begin(), indices.end(),
                        [&](int index) { return requested.mu[index] == 1.0; });
@@ -101,16 +113,7 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
         sum.iterations = std::max(sum.iterations, reflector.iterations);
         sum.residual = std::max(sum.residual, reflector.residual);
         sum.converged = sum.converged && reflector.converged;
-        std::size_t index = 0;
-        for (Eigen::Index i = 0; i < reflector.multiple.cols(); ++i) {
-            for (Eigen::Index o = 0; o < reflector.multiple.rows(); ++o) {
-                for (const double azimuth : azimuth_deg) {
-                    const double cosine = std::cos(m * azimuth * (std::numbers::pi / 180.0));
-                    sum.reflection[index++] +=
-                        (m == 0 ? 1.0 : 2.0 * cosine) * reflector.multiple(o, i);
-                }
-            }
-        }
+        add_order(m, azimuth_deg, reflector.multiple, sum.reflection);
         const double largest = largest_bounded(reflector.multiple, requested);
         if (m == 0) order_zero = largest;
         sum.tail = order_zero > 0.0 ? largest / order_zero : 0.0;

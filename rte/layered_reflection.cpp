@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "rte/automatic_streams.h"
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
+#include "rte/narrow_features.h"
 
 namespace miebrdf::rte {
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 void require_cosines(const std::vector<double>& cosines, const char* name) {
     for (const double mu : cosines) {
@@ -55,53 +54,30 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
-std::string method_name(const SolverOptions& options, GridKind grid) {
-    const char* const half_space[] = {"closed form", "fixed point", "doubling"};
-    const char* const coat[] = {"impedance", "first order", "first order, patched", "exponential"};
-    const char* const grids[] = {"automatic", "Gauss", "mapped Gauss", "paper"};
-    return fmt::format("{}, {}, {} grid", half_space[int(options.half_space_method)],
-                       coat[int(options.coat_method)], grids[int(grid)]);
-}
-
-struct Attempt {
-    std::vector<double> values;  ///< reflection, or plane albedos and the spherical albedo
-    SolverReport report;
-    bool physical = false;
-};
-
+// First order, and what is narrower than the moments kept, to a fiftieth of the tolerance.
 void add_first_order(const ScaledStack& stack, const Directions& directions,
                      const SolverOptions& options, std::vector<double>& reflection) {
     std::vector<double> cos_azimuth;
     for (const double azimuth : directions.azimuth_deg) {
         cos_azimuth.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
     }
-    std::size_t index = 0;
+    double mu_least = 1.0;
+    for (const double mu : directions.mu_in) mu_least = std::min(mu_least, mu);
+    for (const double mu : directions.mu_out) mu_least = std::min(mu_least, mu);
+    NarrowFeatures narrow;
+    if (options.single_scattering_correction) {
+        narrow = NarrowFeatures(stack.media, mu_least, 0.02 * options.tolerance);
+    }
+    double* next = reflection.data();
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {
-            std::vector<double> narrow(cos_azimuth.size(), 0.0);
-            if (options.single_scattering_correction) {
-                narrow = narrow_feature_correction(stack.media, mu_in, mu_out, cos_azimuth);
-            }
-            for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-                reflection[index++] +=
-                    narrow[a] + single_scattering(stack.media, options.single_scattering_correction,
-                                                  mu_in, mu_out, cos_azimuth[a]);
+            narrow.add_to(next, mu_in, mu_out, cos_azimuth);
+            for (const double cosine : cos_azimuth) {
+                *next++ += single_scattering(stack.media, options.single_scattering_correction,
+                                             mu_in, mu_out, cosine);
             }
         }
     }
-}
-
-// With too many moments for the nodes the discrete equations have no physical solution: fewer then.
-template <typename Solve>
-Attempt with_fewer_moments_if_needed(Discretisation discretisation, Solve solve) {
-    Attempt attempt = solve(discretisation);
-    while (!attempt.physical && discretisation.moments > 1) {
-        discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
-        attempt = solve(discretisation);
-    }
-    attempt.report.streams = discretisation.streams;
-    attempt.report.moments = discretisation.moments;
-    return attempt;
 }
 
 Attempt reflect_with(const Stack& stack, const Directions& directions,
@@ -140,73 +116,6 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     attempt.report.converged = reflector.converged;
     attempt.report.error_estimate = reflector.residual;
     return attempt;
-}
-
-// Largest difference of two tables relative to the largest value in each block (one incidence).
-double relative_difference(const std::vector<double>& a, const std::vector<double>& b,
-                           std::size_t block) {
-    double largest = 0.0;
-    for (std::size_t start = 0; block > 0 && start < a.size(); start += block) {
-        double scale = 0.0;
-        double difference = 0.0;
-        for (std::size_t k = start; k < std::min(a.size(), start + block); ++k) {
-            scale = std::max(scale, std::abs(a[k]));
-            difference = std::max(difference, std::abs(a[k] - b[k]));
-        }
-        if (difference > 0.0) largest = std::max(largest, difference / scale);
-    }
-    return largest;
-}
-
-// What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
-// with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
-// unresolved peaks fall algebraically and keep the difference itself (docs/numerics.md).
-double remaining_error(double difference, bool peaked) {
-    return peaked || difference >= 1.0 ? difference : std::pow(difference, 1.25);
-}
-
-// Matrix products of n terms, the sums over orders, the files' own digits: never claim less.
-constexpr double rounding = 1e-13;
-
-void require_physical(Attempt& attempt, std::size_t count) {
-    if (attempt.physical) return;
-    attempt.values.assign(count, not_a_number);
-    attempt.report.converged = false;
-    attempt.report.error_estimate = std::numeric_limits<double>::infinity();
-}
-
-// Two numbers of nodes give the result and what its error may be; without a given number of nodes
-// they grow until the estimate meets the tolerance.
-template <typename Solve>
-Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, Solve solve) {
-    const auto attempt_at = [&](int streams) {
-        Attempt attempt =
-            with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve);
-        require_physical(attempt, count);
-        return attempt;
-    };
-    std::vector<int> ladder{options.streams};
-    if (options.streams == 0) ladder = stream_ladder(stack, options);
-    Attempt coarse = attempt_at(coarser_streams(ladder.front()));
-    Attempt fine;
-    for (const int streams : ladder) {
-        fine = attempt_at(streams);
-        if (fine.physical) {
-            const double difference = coarse.physical
-                                          ? relative_difference(fine.values, coarse.values, block)
-                                          : std::numeric_limits<double>::infinity();
-            fine.report.error_estimate =
-                std::max({fine.report.error_estimate, rounding,
-                          remaining_error(difference, strongly_peaked(stack, streams))});
-        }
-        fine.report.converged =
-            fine.report.converged && fine.report.error_estimate <= options.tolerance;
-        if (fine.report.converged) break;
-        coarse = fine;
-    }
-    fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
-    return fine;
 }
 
 }  // namespace

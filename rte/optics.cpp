@@ -121,7 +121,8 @@ Optics mix(const std::vector<MixtureComponent>& components) {
         for (std::size_t l = 0; l < chi.size(); ++l) mixture.chi[l] += scattering[c] * chi[l];
     }
     for (const MixtureComponent& component : components) {
-        if (!component.optics.has_more_moments) continue;  // beyond a list that was cut, none is known
+        if (!component.optics.has_more_moments)
+            continue;  // beyond a list that was cut, none is known
         mixture.has_more_moments = true;
         mixture.chi.resize(std::min(mixture.chi.size(), component.optics.chi.size()));
     }

@@ -1,7 +1,6 @@
 // Light scattered exactly once: known in closed form for any phase function and any layers.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "rte/delta_m.h"
@@ -31,12 +30,5 @@ double exact_phase(const Optics& optics, double cos_theta);
 ///               that the discrete equations use
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,
                          double mu_out, double cos_azimuth);
-
-/// What the first order must change because light is diffracted before and after it is scattered:
-/// sum_{l >= L} (2l+1) N_l P_l(cos Theta) [G(F_l) - G(f)] over all media, with G(F) the factor of
-/// the first order above when the forward peak holds the fraction F in every medium. One value for
-/// each azimuth. Derived in docs/maths-rte.md.
-std::vector<double> narrow_feature_correction(const std::vector<ScaledMedium>& media, double mu_in,
-                                              double mu_out, std::span<const double> cos_azimuth);
 
 }  // namespace miebrdf::rte

@@ -1,6 +1,7 @@
 // What a caller may choose, and what the solver says about how it went.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace miebrdf::rte {
@@ -27,6 +28,10 @@ struct SolverReport {
     int azimuthal_orders = 0;     ///< Fourier orders summed, m = 0 included
     int iterations = 0;           ///< most of any order, for iterative methods
     double error_estimate = 0.0;  ///< relative to the largest value at that incidence
+    /// Share of the values whose own estimate meets the tolerance, and where in the result the worst
+    /// one is: a peak on the horizon may be wrong where everything else has long converged.
+    double share_within_tolerance = 1.0;
+    std::size_t worst_value = 0;
     bool converged = false;       ///< error_estimate <= tolerance
     std::string method;
 };

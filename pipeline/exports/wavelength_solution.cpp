@@ -15,6 +15,8 @@ constexpr double kPi = std::numbers::pi;
 /// Stands for the horizon, where R itself has a limit but mu = 0 is no direction.
 constexpr double kHorizon = 1e-9;
 constexpr int kStencil = 6;
+/// Narrow features closer to the horizon are those of this cosine.
+constexpr double kLeastCosine = 1e-3;
 
 double node_cosine(int k, int intervals) {
     const double sine = std::sin(kPi * k / (2.0 * intervals));
@@ -126,6 +128,9 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
     const rte::MultipleScattering multiple =
         rte::sum_orders(scaled, grid, requested, azimuth_deg, 0.1 * options.tolerance, options);
     media_ = scaled.media;
+    if (exact_first_order_) {
+        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.02 * options.tolerance);
+    }
     orders_ = static_cast<std::size_t>(std::max(1, multiple.orders));
     modes_.resize(nodes.size() * nodes.size() * orders_);
     const Eigen::MatrixXd analysis = analysis_matrix(orders_, samples);
@@ -183,8 +188,7 @@ void WavelengthSolution::add_layers(std::span<const Direction> directions, doubl
     for (const Direction& d : directions)
         cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
     std::vector<double> narrow(directions.size(), 0.0);
-    if (exact_first_order_)
-        narrow = rte::narrow_feature_correction(media_, mu_in, mu_out, cos_azimuth);
+    narrow_.add_to(narrow.data(), mu_in, mu_out, cos_azimuth);
     for (std::size_t a = 0; a < directions.size(); ++a) {
         const double reflection =
             cosine_sum(series, cos_azimuth[a]) + narrow[a] +

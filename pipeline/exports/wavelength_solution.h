@@ -8,6 +8,7 @@
 #include "pipeline/exports/brdf_source.h"
 #include "pipeline/scene_optics.h"
 #include "rte/layered_brdf.h"
+#include "rte/narrow_features.h"
 #include "rte/single_scattering.h"
 
 namespace miebrdf::exports {
@@ -46,6 +47,7 @@ class WavelengthSolution {
     Component component_;
     bool exact_first_order_ = true;
     std::vector<rte::ScaledMedium> media_;
+    rte::NarrowFeatures narrow_;
     std::size_t orders_ = 0;
     std::vector<double> modes_;  ///< [(i * (kIntervals + 1) + o) * orders_ + m], (mu + mu') a_m
     std::optional<rte::SurfaceLobe> lobe_;

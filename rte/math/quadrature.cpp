@@ -13,8 +13,8 @@ Quadrature gauss_legendre(int count, double lower, double upper) {
         throw std::invalid_argument(fmt::format("{} quadrature nodes; allowed: 1 to 4096", count));
     }
     if (!(lower < upper && std::isfinite(upper - lower))) {
-        throw std::invalid_argument(
-            fmt::format("quadrature on ({}, {}): the interval must be finite and not empty", lower, upper));
+        throw std::invalid_argument(fmt::format(
+            "quadrature on ({}, {}): the interval must be finite and not empty", lower, upper));
     }
     const double centre = 0.5 * (lower + upper);
     const double half_width = 0.5 * (upper - lower);

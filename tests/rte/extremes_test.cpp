@@ -27,8 +27,8 @@ TEST_CASE("any asymmetry, albedo and number of nodes gives finite, reciprocal, p
                       1e-12 * std::abs(value) + 1e-15 * largest);
             }
         }
-        // Two nodes and two moments cannot keep every direction positive: -1e-5 seen.
-        CHECK(albedos.plane_albedo[i] >= (streams == 2 ? -1e-4 : -1e-12));
+        // Two nodes and four moments cannot keep every direction positive: -2.3e-4 seen.
+        CHECK(albedos.plane_albedo[i] >= (streams == 2 ? -5e-4 : -1e-12));
         CHECK(albedos.plane_albedo[i] <= 1.0 + 1e-12);
         if (albedo == 1.0) CHECK(std::abs(albedos.plane_albedo[i] - 1.0) <= 1e-12);
     }

@@ -1,7 +1,9 @@
 #include <cmath>
 
+#include "rte/discretisation.h"
 #include "rte/forward_peak.h"
 #include "rte/layered_reflection.h"
+#include "rte/narrow_features.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -76,4 +78,68 @@ TEST_CASE("Henyey-Greenstein has no narrow features, short lists none either", "
         CHECK(std::abs(split.peak[std::size_t(l - 30)] - 0.5 * std::exp(-std::pow(l / 90.0, 2))) <=
               0.01);
     }
+}
+
+TEST_CASE("the table of narrow features is the sum over degrees that it stands for",
+          "[rte][narrow]") {
+    rte::Stack stack{.base = glory_optics(0.9)};
+    const bool coated = GENERATE(false, true);
+    if (coated) {
+        stack.coats = {{rte::henyey_greenstein_optics(0.6, 0.5), 0.01}, {glory_optics(1.0), 0.7}};
+    }
+    const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, 24, true).media;
+    const double tolerance = 1e-7;
+    const double mu_least = 0.01;
+    const rte::NarrowFeatures features(media, mu_least, tolerance);
+    REQUIRE(!features.none());
+    double largest = 0.0;
+    double largest_error = 0.0;
+    for (const double mu_in : {0.01, 0.033, 0.25, 0.7, 1.0}) {
+        for (const double mu_out : {0.01, 0.02, 0.5, 0.93, 1.0}) {
+            const std::vector<double> strengths =
+                rte::narrow_strengths(media, 1.0 / mu_in + 1.0 / mu_out);
+            for (const double cos_azimuth : {-1.0, -0.9, 0.1, 1.0}) {
+                const double x = rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth);
+                double P0 = 1.0;
+                double P1 = x;
+                double exact = 0.0;
+                for (std::size_t l = 0; l < strengths.size(); ++l) {
+                    exact += strengths[l] * P0;
+                    const double P2 = ((2.0 * double(l) + 3.0) * x * P1 - (double(l) + 1.0) * P0) /
+                                      (double(l) + 2.0);
+                    P0 = P1;
+                    P1 = P2;
+                }
+                double added = 0.0;
+                features.add_to(&added, mu_in, mu_out, {&cos_azimuth, 1});
+                largest = std::max(largest, std::abs(exact));
+                largest_error =
+                    std::max(largest_error, std::abs(4.0 * (mu_in + mu_out) * added - exact));
+            }
+        }
+    }
+    CHECK(largest >= 0.1);
+    // Interpolation in q, panels in angle, the dropped tail: each within the tolerance, and the sum
+    // over the nodes' weights (below 3) multiplies the panels' part.
+    CHECK(largest_error <= 6.0 * tolerance);
+}
+
+TEST_CASE("the soft cutoff fades moments without moving energy", "[rte][delta_m]") {
+    const rte::Optics optics = rte::henyey_greenstein_optics(0.99, 0.99);
+    const rte::ScaledOptics scaled = rte::scale_optics(optics, 64, true);
+    CHECK(scaled.first_cutoff == 48);
+    CHECK(std::abs(scaled.chi[0] - 1.0) <= 1e-14);
+    // Absorption per length is what it was.
+    CHECK(std::abs(scaled.one_minus_albedo * scaled.depth_factor - 0.01) <= 1e-15);
+    for (int l = 0; l < 64; ++l) {
+        const double kept = (1.0 - scaled.truncated) * scaled.chi[l];
+        const double chi = optics.chi[std::size_t(l)];
+        // Up to the first cutoff it is delta-M; beyond, less and less is kept.
+        if (l <= 48) CHECK(std::abs(kept + scaled.truncated - chi) <= 1e-14);
+        CHECK(kept >= 0.0);
+        CHECK(kept <= chi - optics.chi[64] + 1e-14);
+    }
+    // Weak peaks keep the sharp cutoff.
+    CHECK(rte::scale_optics(rte::henyey_greenstein_optics(0.99, 0.75), 64, true).first_cutoff ==
+          64);
 }

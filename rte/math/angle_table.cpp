@@ -1,0 +1,114 @@
+#include "rte/math/angle_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace miebrdf::math {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr int nodes = AngleTable::nodes;
+constexpr int first_panel_count = 48;
+
+using NodeMatrix = Eigen::Matrix<double, nodes, nodes>;
+
+// Row = node, column = degree: values at Chebyshev's points times this are coefficients.
+NodeMatrix make_analysis() {
+    NodeMatrix analysis;
+    for (int i = 0; i < nodes; ++i) {
+        for (int k = 0; k < nodes; ++k) {
+            analysis(i, k) = (k == 0 ? 1.0 : 2.0) / nodes * std::cos(k * pi * (i + 0.5) / nodes);
+        }
+    }
+    return analysis;
+}
+
+double node_angle(double lower, double upper, int i) {
+    const double t = std::cos(pi * (i + 0.5) / nodes);
+    return std::clamp(0.5 * (lower + upper) + 0.5 * (upper - lower) * t, 0.0, pi);
+}
+
+}  // namespace
+
+AngleTable::AngleTable(const Functions& functions, double narrowest, double tolerance) {
+    std::vector<Panel> panels = first_panels();
+    while (!panels.empty()) panels = refine(panels, functions, narrowest, tolerance);
+    sort_panels();
+}
+
+std::vector<AngleTable::Panel> AngleTable::first_panels() const {
+    std::vector<Panel> panels;
+    for (int p = 0; p < first_panel_count; ++p) {
+        panels.push_back({pi * p / first_panel_count, pi * (p + 1) / first_panel_count});
+    }
+    return panels;
+}
+
+std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& panels,
+                                                  const Functions& functions, double narrowest,
+                                                  double tolerance) {
+    static const NodeMatrix analysis = make_analysis();
+    Eigen::VectorXd angles(Eigen::Index(panels.size()) * nodes);
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        for (int i = 0; i < nodes; ++i) {
+            angles[Eigen::Index(p) * nodes + i] = node_angle(panels[p].lower, panels[p].upper, i);
+        }
+    }
+    const Eigen::MatrixXd values = functions(angles);
+    function_count_ = int(values.cols());
+    std::vector<Panel> halves;
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        const auto [lower, upper] = panels[p];
+        const Eigen::MatrixXd coefficients =
+            values.middleRows(Eigen::Index(p) * nodes, nodes).transpose() * analysis;
+        const double tail = coefficients.rightCols(2).cwiseAbs().maxCoeff();
+        if (tail <= tolerance || upper - lower <= narrowest) {
+            lower_.push_back(lower);
+            upper_.push_back(upper);
+            coefficients_.push_back(coefficients);
+        } else {
+            const double middle = 0.5 * (lower + upper);
+            halves.push_back({lower, middle});
+            halves.push_back({middle, upper});
+        }
+    }
+    return halves;
+}
+
+void AngleTable::sort_panels() {
+    std::vector<std::size_t> order(upper_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return upper_[a] < upper_[b]; });
+    std::vector<double> lower, upper;
+    std::vector<Eigen::MatrixXd> coefficients;
+    for (const std::size_t p : order) {
+        lower.push_back(lower_[p]);
+        upper.push_back(upper_[p]);
+        coefficients.push_back(std::move(coefficients_[p]));
+    }
+    lower_ = std::move(lower);
+    upper_ = std::move(upper);
+    coefficients_ = std::move(coefficients);
+}
+
+double AngleTable::combined(double angle, const Eigen::Ref<const Eigen::VectorXd>& weights) const {
+    const auto above = std::lower_bound(upper_.begin(), upper_.end() - 1, angle);
+    const auto panel = std::size_t(above - upper_.begin());
+    const double t =
+        (2.0 * angle - lower_[panel] - upper_[panel]) / (upper_[panel] - lower_[panel]);
+    Eigen::Matrix<double, nodes, 1> c;
+    c.noalias() = coefficients_[panel].transpose() * weights;
+    double b1 = 0.0;
+    double b2 = 0.0;
+    for (int k = nodes - 1; k >= 1; --k) {
+        const double b = c[k] + 2.0 * t * b1 - b2;
+        b2 = b1;
+        b1 = b;
+    }
+    return c[0] + t * b1 - b2;
+}
+
+}  // namespace miebrdf::math

@@ -1,0 +1,48 @@
+// Functions of an angle in [0, pi] that are expensive to compute, as adaptive pieces of Chebyshev
+// series.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+namespace miebrdf::math {
+
+/// Several functions of one angle on common panels. Panels are halved until the last two Chebyshev
+/// coefficients of every function are below the tolerance.
+class AngleTable {
+  public:
+    static constexpr int nodes = 8;  ///< of a panel
+
+    /// Values of all functions at angles in [0, pi]: row = angle, column = function.
+    using Functions = std::function<Eigen::MatrixXd(const Eigen::VectorXd& angles)>;
+
+    /// @param functions  called with the nodes of many panels at a time
+    /// @param narrowest  no panel gets narrower than this: where the functions are a known sum of
+    ///                   waves, half a wavelength of the shortest
+    /// @param tolerance  absolute
+    AngleTable(const Functions& functions, double narrowest, double tolerance);
+
+    int function_count() const { return function_count_; }
+
+    /// sum_j weights_j f_j(angle).
+    /// @param angle  in [0, pi]
+    double combined(double angle, const Eigen::Ref<const Eigen::VectorXd>& weights) const;
+
+  private:
+    struct Panel {
+        double lower, upper;
+    };
+    std::vector<Panel> first_panels() const;
+    /// Keeps what has converged, returns the halves of the others.
+    std::vector<Panel> refine(const std::vector<Panel>& panels, const Functions& functions,
+                              double narrowest, double tolerance);
+    void sort_panels();
+
+    int function_count_ = 0;
+    std::vector<double> upper_;  ///< ascending, last = pi
+    std::vector<double> lower_;
+    std::vector<Eigen::MatrixXd> coefficients_;  ///< row = function, column = degree
+};
+
+}  // namespace miebrdf::math

@@ -1,0 +1,56 @@
+// Glories and rainbows seen through a forward peak: the correction of the first order that delta-M
+// needs, summed once and then read from a table.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rte/math/angle_table.h"
+#include "rte/single_scattering.h"
+
+namespace miebrdf::rte {
+
+/// What the first order must change because light is diffracted before and after it is scattered:
+/// C(q, Theta) / (4 (mu_in + mu_out)),
+/// C = sum over media, sum_{l >= K} (2l+1) N_l P_l(cos Theta)
+///     [G(F_l) - G(f) - s_l (G(F'_l) - G(f))],
+/// with G the factor of a medium in the first order of scattering (q = 1/mu_in + 1/mu_out) when the
+/// given fraction of every medium's scattering counts as none. The second part is what the discrete
+/// equations know already: the share s_l of N_l, fed by what they keep of the peak, F'_l
+/// (docs/maths-rte.md).
+///
+/// C is a table: Chebyshev series in log q (it is made of exponentials of q) of functions of Theta.
+class NarrowFeatures {
+  public:
+    /// Nothing to correct anywhere.
+    NarrowFeatures() = default;
+
+    /// @param media      from the bottom up, as for single_scattering
+    /// @param mu_least   smallest cosine that will be asked for, in (0, 1]
+    /// @param tolerance  of C, absolute
+    NarrowFeatures(const std::vector<ScaledMedium>& media, double mu_least, double tolerance);
+
+    bool none() const { return !table_; }
+
+    /// What to add to R at many azimuths of one pair of cosines, both at least mu_least.
+    void add_to(double* reflection, double mu_in, double mu_out,
+                std::span<const double> cos_azimuth) const;
+
+  private:
+    /// The coefficients of P_l at as many nodes in log q as the tolerance needs; row = node.
+    Eigen::MatrixXd strengths_at_nodes(const std::vector<ScaledMedium>& media,
+                                       double tolerance) const;
+    /// Weights of the nodes in log q.
+    Eigen::VectorXd node_weights(double q) const;
+
+    double log_q_middle_ = 0.0;
+    double log_q_half_ = 1.0;
+    std::optional<math::AngleTable> table_;  ///< one function for each node in log q
+};
+
+/// The coefficients of P_l(cos Theta) in C at one q, l = 0, 1, ...; empty if there are none.
+std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
+
+}  // namespace miebrdf::rte
