@@ -8,12 +8,11 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
+#include "pipeline/rules.h"
+#include "pipeline/tolerance.h"
 
 namespace miebrdf {
 namespace {
-
-/// The size average may err by this share of the request's tolerance, so that it does not show.
-constexpr double kMieShare = 0.1;
 
 // Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
 // the rest (docs/numerics.md).
@@ -67,38 +66,58 @@ JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
 OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     const double wanted = request.scene.particles.tolerance;
     OpticsDemand demand;
-    demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
+    demand.tolerance = wanted > 0.0 ? wanted : kToleranceShares.mie * request.solver.tolerance;
     demand.highest_moment = highest_moment(request.solver);
     demand.whole_phase_function =
         phase == PhaseDemand::whole && request.solver.single_scattering_correction;
     return demand;
 }
 
-SceneMedia::SceneMedia(const Request& request) : scene_(request.scene) {
+SceneMedia::SceneMedia(const Request& request) : scene_(without_empty_coats(request.scene)) {
     const MediumResolver resolver(request.database);
-    const Scene& scene = request.scene;
-    media_.push_back(resolver.resolve(scene.base));
-    for (const CoatMedium& coat : scene.coats) media_.push_back(resolver.resolve(coat.medium));
-    if (scene.surface && !scene.surface_index && !needs_mie(top_medium(scene))) {
+    media_.push_back(resolver.resolve(scene_.base));
+    for (const CoatMedium& coat : scene_.coats) media_.push_back(resolver.resolve(coat.medium));
+    if (!scene_.surface || scene_.surface_index) return;
+    const Medium& top = top_medium(request.scene);
+    if (!needs_mie(top)) {
         throw UsageError(fmt::format(
             "the surface of '{}' has no refractive index; give one with --surface-index N,K, or leave "
-            "the surface out with --roughness 0", describe(top_medium(scene))));
+            "the surface out with --roughness 0", describe(top)));
     }
+    surface_medium_ = resolver.resolve(top);
+}
+
+SceneMedia SceneMedia::from_coat(std::size_t coat) const {
+    const auto position = static_cast<std::ptrdiff_t>(coat);
+    SceneMedia upper = *this;
+    upper.scene_.base = scene_.coats[coat].medium;
+    upper.scene_.coats.erase(upper.scene_.coats.begin(), upper.scene_.coats.begin() + position + 1);
+    upper.media_.erase(upper.media_.begin(), upper.media_.begin() + position + 1);
+    return upper;
+}
+
+SceneMedia SceneMedia::below_coat(std::size_t coat) const {
+    SceneMedia lower = *this;
+    lower.scene_.coats.resize(coat);
+    lower.media_.resize(coat + 1);
+    return lower;
 }
 
 std::vector<std::string> SceneMedia::sources() const {
     std::vector<std::string> lines;
-    for (const ResolvedMedium& medium : media_) {
+    const auto add = [&](const ResolvedMedium& medium) {
         if (std::find(lines.begin(), lines.end(), medium.source) == lines.end()) {
             lines.push_back(medium.source);
         }
-    }
+    };
+    for (const ResolvedMedium& medium : media_) add(medium);
+    if (surface_medium_) add(*surface_medium_);
     return lines;
 }
 
 std::complex<double> SceneMedia::surface_index_at(double wavelength_nm) const {
     if (scene_.surface_index) return *scene_.surface_index;
-    return *media_.back().index_at(wavelength_nm, scene_.particles.k_floor);
+    return *surface_medium_->index_at(wavelength_nm, scene_.particles.k_floor);
 }
 
 void SceneMedia::add_to(JobKey& key, double wavelength_nm) const {
