@@ -129,7 +129,8 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
         rte::sum_orders(scaled, grid, requested, azimuth_deg, 0.1 * options.tolerance, options);
     media_ = scaled.media;
     if (exact_first_order_) {
-        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.02 * options.tolerance);
+        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.1 * options.tolerance);
+        narrow_.tabulate();
     }
     orders_ = static_cast<std::size_t>(std::max(1, multiple.orders));
     modes_.resize(nodes.size() * nodes.size() * orders_);
@@ -188,7 +189,7 @@ void WavelengthSolution::add_layers(std::span<const Direction> directions, doubl
     for (const Direction& d : directions)
         cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
     std::vector<double> narrow(directions.size(), 0.0);
-    narrow_.add_to(narrow.data(), mu_in, mu_out, cos_azimuth);
+    narrow_.add_to(narrow.data(), {&mu_in, 1}, {&mu_out, 1}, cos_azimuth);
     for (std::size_t a = 0; a < directions.size(); ++a) {
         const double reflection =
             cosine_sum(series, cos_azimuth[a]) + narrow[a] +
