@@ -14,7 +14,7 @@
 namespace miebrdf {
 
 std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
-                    double wavelength_nm) {
+                       double wavelength_nm) {
     const rte::SolverOptions& solver = request.solver;
     JobKey key("layers");
     key.add(static_cast<int>(quantity));
@@ -43,10 +43,14 @@ namespace {
 std::vector<double> packed(const LayerSlice& slice) {
     const rte::SolverReport& report = slice.report;
     NumberPacker packer;
-    packer.add(slice.values).add(slice.plane_albedo).add(slice.mie_error_estimate).add(slice.error_estimate);
+    packer.add(slice.values)
+        .add(slice.plane_albedo)
+        .add(slice.mie_error_estimate)
+        .add(slice.error_estimate);
     packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
     packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
-    packer.add(report.converged ? 1 : 0).add(report.method);
+    packer.add(report.converged ? 1 : 0).add(report.method).add(report.share_within_tolerance);
+    packer.add(report.worst_mu_in).add(report.worst_mu_out).add(report.worst_azimuth_deg);
     return packer.numbers();
 }
 
@@ -65,6 +69,10 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
     slice.report.error_estimate = unpacker.number();
     slice.report.converged = unpacker.number() == 1;
     slice.report.method = unpacker.text();
+    slice.report.share_within_tolerance = unpacker.number();
+    slice.report.worst_mu_in = unpacker.number();
+    slice.report.worst_mu_out = unpacker.number();
+    slice.report.worst_azimuth_deg = unpacker.number();
     return slice;
 }
 
@@ -177,8 +185,8 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
             missing_nm.push_back(jobs.wavelength_nm[j]);
         }
     }
-    const PhaseDemand phase = quantity == LayerQuantity::reflection ? PhaseDemand::whole
-                                                                    : PhaseDemand::moments_only;
+    const PhaseDemand phase =
+        quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
     const auto optics =
         visible_optics(media, reduced, missing_nm, demand_of(reduced, phase), control);
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
@@ -187,7 +195,8 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
         if (control.cache != nullptr) control.cache->store(jobs.hashes[j], packed(solved[j]));
     });
     std::vector<LayerSlice> slices;
-    for (const std::size_t j : jobs.serving) slices.push_back(spread(solved[j], distinct, quantity));
+    for (const std::size_t j : jobs.serving)
+        slices.push_back(spread(solved[j], distinct, quantity));
     return slices;
 }
 

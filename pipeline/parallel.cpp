@@ -1,8 +1,10 @@
 #include "pipeline/parallel.h"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace miebrdf {
@@ -41,7 +43,9 @@ void run_parallel(const std::string& stage, std::size_t count, const RunControl&
         for (std::size_t i = 0; i < count; ++i) watched(i);
         return;
     }
-    tbb::task_arena arena(control.threads > 0 ? control.threads : tbb::task_arena::automatic);
+    // More threads than processors gain nothing, and TBB complains about them on standard error.
+    const int processors = tbb::info::default_concurrency();
+    tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, processors) : processors);
     arena.execute([&] {
         // Jobs differ in cost by orders of magnitude, so each is a task of its own.
         tbb::parallel_for(

@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "pipeline/error.h"
+#include "pipeline/packed_optics.h"
 #include "pipeline/parallel.h"
+#include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
 #include "pipeline/tolerance.h"
 
@@ -61,6 +63,25 @@ JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
     return list;
 }
 
+/// Everything that the optics of one medium at one wavelength depend on: scenes that share the
+/// medium share the entry.
+std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
+                        const ParticleOptions& particles, const OpticsDemand& demand) {
+    JobKey key("single scattering");
+    medium.add_to(key, wavelength_nm, particles);
+    key.add(demand.highest_moment).add(demand.whole_phase_function ? 1 : 0);
+    key.add(std::span<const double>(demand.angles_deg)).add(demand.tolerance);
+    return key.hash();
+}
+
+template <typename Compute>
+MediumOptics remembered(ResultCache& cache, const std::string& hash, const Compute& compute) {
+    if (const auto numbers = cache.find(hash)) return unpacked_optics(*numbers);
+    MediumOptics optics = compute();
+    cache.store(hash, packed(optics));
+    return optics;
+}
+
 }  // namespace
 
 OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
@@ -80,9 +101,11 @@ SceneMedia::SceneMedia(const Request& request) : scene_(without_empty_coats(requ
     if (!scene_.surface || scene_.surface_index) return;
     const Medium& top = top_medium(request.scene);
     if (!needs_mie(top)) {
-        throw UsageError(fmt::format(
-            "the surface of '{}' has no refractive index; give one with --surface-index N,K, or leave "
-            "the surface out with --roughness 0", describe(top)));
+        throw UsageError(
+            fmt::format("the surface of '{}' has no refractive index; give one with "
+                        "--surface-index N,K, or leave "
+                        "the surface out with --roughness 0",
+                        describe(top)));
     }
     surface_medium_ = resolver.resolve(top);
 }
@@ -135,8 +158,16 @@ std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelengt
     const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
         const Job& job = list.jobs[j];
-        done[j] =
-            medium_optics(media_[job.medium], job.wavelength_nm, scene_.particles, demand, pieces);
+        const ResolvedMedium& medium = media_[job.medium];
+        const auto compute = [&] {
+            return medium_optics(medium, job.wavelength_nm, scene_.particles, demand, pieces);
+        };
+        const bool worth_remembering = control.cache != nullptr && needs_mie(medium.medium);
+        done[j] = worth_remembering
+                      ? remembered(*control.cache,
+                                   optics_hash(medium, job.wavelength_nm, scene_.particles, demand),
+                                   compute)
+                      : compute();
     });
 
     std::vector<SceneOptics> scenes;

@@ -120,6 +120,16 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     return attempt;
 }
 
+void name_worst_direction(const Directions& directions, SolverReport& report) {
+    const std::size_t azimuths = directions.azimuth_deg.size();
+    const std::size_t outgoing = directions.mu_out.size();
+    if (azimuths == 0 || outgoing == 0 || directions.mu_in.empty()) return;
+    const std::size_t pair = report.worst_value / azimuths;
+    report.worst_azimuth_deg = directions.azimuth_deg[report.worst_value % azimuths];
+    report.worst_mu_out = directions.mu_out[pair % outgoing];
+    report.worst_mu_in = directions.mu_in[pair / outgoing];
+}
+
 }  // namespace
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
@@ -141,6 +151,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                                               return reflect_with(stack, directions, requested,
                                                                   options, discretisation);
                                           });
+    name_worst_direction(directions, attempt.report);
     return {std::move(attempt.values), std::move(attempt.report)};
 }
 

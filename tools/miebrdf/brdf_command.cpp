@@ -56,9 +56,26 @@ void add_report(Table& table, const AlbedoResult& result) {
     for (const AlbedoSlice& slice : result.slices) table.report.push_back(report_row(slice));
 }
 
+/// What missed the tolerance, and where: often one corner of the hemisphere, not the whole.
+template <typename Slice>
+std::string shortfall(const Slice& slice) {
+    std::string text =
+        fmt::format("{} nm: error estimate {:.2e}", slice.wavelength_nm, slice.error_estimate);
+    const rte::SolverReport& report = slice.report;
+    if (report.worst_mu_out > 0.0) {
+        text += fmt::format(
+            " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within "
+            "the tolerance",
+            report.worst_mu_in, report.worst_mu_out, report.worst_azimuth_deg,
+            100.0 * report.share_within_tolerance);
+    }
+    return text;
+}
+
 /// What the output says about how it was computed.
 template <typename Result>
-void add_facts(Table& table, const Result& result, const Request& request, const std::string& units) {
+void add_facts(Table& table, const Result& result, const Request& request,
+               const std::string& units) {
     table.facts.emplace_back("units", units);
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
     table.facts.emplace_back("tolerance", fmt::format("{}", request.solver.tolerance));
@@ -66,8 +83,7 @@ void add_facts(Table& table, const Result& result, const Request& request, const
     table.facts.emplace_back("method", result.slices.front().report.method);
     for (const auto& slice : result.slices) {
         if (slice.converged) continue;
-        table.facts.emplace_back("not converged", fmt::format("{} nm: error estimate {:.2e}",
-                                                              slice.wavelength_nm, slice.error_estimate));
+        table.facts.emplace_back("not converged", shortfall(slice));
     }
     add_report(table, result);
 }
@@ -95,11 +111,12 @@ int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
     const BrdfResult result = compute_brdf(request, shell.control());
 
     Table table;
-    add_facts(table, result, request,
-              std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = "
-                          "mirror side, 180 = towards the source; ") +
-                  (as_reflection ? "reflection: pi times the BRDF, 1 for white Lambertian"
-                                 : "brdf: 1/sr, cosine not included"));
+    add_facts(
+        table, result, request,
+        std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = "
+                    "mirror side, 180 = towards the source; ") +
+            (as_reflection ? "reflection: pi times the BRDF, 1 for white Lambertian"
+                           : "brdf: 1/sr, cosine not included"));
     table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg"};
     const std::vector<std::string> components = arguments.components();
     for (const std::string& name : components) {
