@@ -23,7 +23,8 @@ std::shared_ptr<const Database::Layer> Database::open_layer(const std::filesyste
                                         error ? error.message() : "no such file"));
     }
     sqlite::Connection connection = sqlite::Connection::open_read_only(file);
-    if (check_schema(connection) == DatabaseState::empty) {
+    const DatabaseState state = check_schema(connection);
+    if (state == DatabaseState::empty) {
         if (may_be_empty) return nullptr;
         throw DatabaseError(fmt::format("materials database {}: is empty", file.string()));
     }
@@ -32,6 +33,11 @@ std::shared_ptr<const Database::Layer> Database::open_layer(const std::filesyste
     if (std::filesystem::file_size(file) % page_size != 0) {
         throw DatabaseError(
             fmt::format("materials database {}: is damaged or cut short", file.string()));
+    }
+    if (state == DatabaseState::older) {
+        // Whoever only reads does not change the file: the next writer does.
+        connection = connection.copy_in_memory();
+        create_or_migrate_schema(connection);
     }
     return std::make_shared<const Layer>(Layer{file.string(), std::move(connection)});
 }
@@ -85,7 +91,9 @@ std::vector<std::string> Database::all_names() const {
 void Database::throw_unknown(const std::string& name) const {
     std::vector<std::string> nearest = nearest_names(name, all_names());
     std::string message = fmt::format("no material is named '{}'", name);
-    if (!nearest.empty()) message += fmt::format("; did you mean {}?", fmt::join(nearest, ", "));
+    message += nearest.empty()
+                   ? ", and nothing is spelled like it; search looks through titles and sources too"
+                   : fmt::format("; did you mean {}?", fmt::join(nearest, ", "));
     throw UnknownMaterial(message, name, std::move(nearest));
 }
 

@@ -30,6 +30,7 @@ struct DatasetInfo {
     std::string file;
     std::string file_sha256;
     std::string content_sha256;
+    std::string imported;  ///< when: UTC, ISO 8601; empty: not known
     std::optional<double> temperature_k;
     std::vector<std::string> corrections;  ///< what was changed while it was read
     bool n_known = true;

@@ -13,6 +13,7 @@ namespace {
 
 std::vector<std::string> full_names(const std::vector<DatasetInfo>& datasets) {
     std::vector<std::string> names;
+    names.reserve(datasets.size());
     for (const DatasetInfo& d : datasets) names.push_back(d.material + "/" + d.label);
     return names;
 }

@@ -49,6 +49,7 @@ std::vector<MaterialInfo> Database::list() const {
         for (const LayerMaterial& material : layer->materials()) names.insert(material.name);
     }
     std::vector<MaterialInfo> all;
+    all.reserve(names.size());
     for (const std::string& name : names) all.push_back(info(name));
     return all;
 }

@@ -7,6 +7,7 @@
 
 #include "materials/errors.h"
 #include "materials/names.h"
+#include "materials/new_database.h"
 #include "materials/schema.h"
 
 namespace miebrdf::materials {
@@ -21,16 +22,11 @@ sqlite::Connection open_for_writing(const std::filesystem::path& file) {
                                             file.string(), error.message()));
         }
     }
+    create_database_file(file);
     sqlite::Connection connection = sqlite::Connection::open_read_write(file);
+    // First of all, since it refuses files that are not ours before a byte of them is changed.
     create_or_migrate_schema(connection);
-    // After the tables exist: in this mode readers go on reading while we write. FULL: a commit
-    // that was reported survives a power cut.
-    sqlite::Statement mode = connection.prepare("PRAGMA journal_mode");
-    if (mode.step() && mode.text(0) != "wal") {
-        mode.reset();
-        connection.execute("PRAGMA journal_mode = WAL");
-    }
-    connection.execute("PRAGMA synchronous = FULL");
+    connection.use_write_ahead_log();
     return connection;
 }
 
@@ -87,7 +83,7 @@ AddOutcome DatabaseWriter::add_one(const Dataset& dataset, const AddOptions& opt
         "SELECT id, content_sha256 FROM dataset WHERE material_id = ? AND label = ?");
     same.bind(material).bind(dataset.label);
     if (!same.step()) {
-        insert(dataset, material);
+        insert(dataset, material, options.imported);
         return AddOutcome::added;
     }
     if (same.text(1) == content_sha256(dataset)) return AddOutcome::unchanged;
@@ -99,7 +95,7 @@ AddOutcome DatabaseWriter::add_one(const Dataset& dataset, const AddOptions& opt
                         dataset.material, dataset.label, connection_.name()));
     }
     connection_.prepare("DELETE FROM dataset WHERE id = ?").bind(same.integer(0)).run();
-    insert(dataset, material);
+    insert(dataset, material, options.imported);
     return AddOutcome::replaced;
 }
 
@@ -116,15 +112,15 @@ std::int64_t DatabaseWriter::material_id(const std::string& name, const Dataset*
     return connection_.last_insert_rowid();
 }
 
-void DatabaseWriter::insert(const Dataset& d, std::int64_t material) {
+void DatabaseWriter::insert(const Dataset& d, std::int64_t material, const std::string& imported) {
     sqlite::Statement statement = connection_.prepare(
         "INSERT INTO dataset (material_id, label, source, source_key, reference, doi, licence, "
-        "ray, "
-        "composition, note, format, file, file_sha256, content_sha256, temperature_k) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        "ray, composition, note, format, file, file_sha256, content_sha256, temperature_k, "
+        "imported) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     statement.bind(material).bind(d.label).bind(d.source).bind(d.key).bind(d.reference).bind(d.doi);
     statement.bind(d.licence).bind(d.ray).bind(d.composition).bind(d.note).bind(d.format);
-    statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k).run();
+    statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k);
+    statement.bind(imported).run();
     const std::int64_t id = connection_.last_insert_rowid();
     if (d.n) insert_series(id, 'n', *d.n, true);
     if (d.k) {

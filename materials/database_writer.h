@@ -14,8 +14,9 @@ namespace miebrdf::materials {
 enum class AddOutcome { added, unchanged, replaced };
 
 struct AddOptions {
-    bool replace =
-        false;  ///< another dataset of the same label gives way instead of being an error
+    /// Another dataset of the same label gives way instead of being an error.
+    bool replace = false;
+    std::string imported{};  ///< when: UTC, ISO 8601; empty: not recorded
 };
 
 /// The only way to write. Each call is one transaction: done, or as if it had not been made, even
@@ -51,7 +52,7 @@ class DatabaseWriter {
   private:
     std::int64_t material_id(const std::string& name, const Dataset* from);
     AddOutcome add_one(const Dataset& dataset, const AddOptions& options, std::int64_t material);
-    void insert(const Dataset& dataset, std::int64_t material);
+    void insert(const Dataset& dataset, std::int64_t material, const std::string& imported);
     void insert_series(std::int64_t dataset_id, char quantity, const Series& series, bool own_grid);
     /// @returns false when it was there already
     bool insert_alias(std::int64_t material, const std::string& alias);

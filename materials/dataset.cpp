@@ -99,20 +99,20 @@ std::vector<double> from_bytes(const void* bytes, std::size_t size) {
 }
 
 std::string content_sha256(const Dataset& dataset) {
-    Sha256 sum;
+    std::string bytes;
     for (const auto* series : {&dataset.n, &dataset.k}) {
         if (!*series) {
-            sum.update("unknown;");
+            bytes += "unknown;";
             continue;
         }
         const Series& s = **series;
-        sum.update(fmt::format("formula {} {} {} {};", s.formula, name_of(s.unit), s.x.size(),
-                               s.y.size()));
-        sum.update(to_bytes({s.shortest_nm, s.longest_nm}));
-        sum.update(to_bytes(s.x));
-        sum.update(to_bytes(s.y));
+        bytes +=
+            fmt::format("formula {} {} {} {};", s.formula, name_of(s.unit), s.x.size(), s.y.size());
+        bytes += to_bytes({s.shortest_nm, s.longest_nm});
+        bytes += to_bytes(s.x);
+        bytes += to_bytes(s.y);
     }
-    return sum.hex();
+    return sha256_hex(bytes);
 }
 
 }  // namespace miebrdf::materials

@@ -32,8 +32,8 @@ JointTable joint_table(const Dataset& d, Format format, const ExportOptions& opt
     if (!d.n->tabulated()) refuse(d, format, "n is a formula; only yaml keeps formulas");
     if (!d.k && !options.unknown_k_as_zero) {
         refuse(d, format,
-               "k is unknown and the format has no word for it (unknown k can be written as 0 "
-               "on request)");
+               "k is unknown and the format has no word for it (unknown k is written as 0 with "
+               "--unknown-k-zero)");
     }
     if (d.k && (d.k->unit != d.n->unit || d.k->x != d.n->x)) {
         refuse(d, format, "n and k have different grids; csv, yaml and spd can");

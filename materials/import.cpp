@@ -1,8 +1,10 @@
 #include "materials/import.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ctime>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -148,11 +150,15 @@ void refuse_clashes(std::vector<Candidate>& candidates, const Database& known, b
     }
 }
 
+std::string utc_now() {
+    return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
 }  // namespace
 
-std::vector<ImportItem> import_files(const Database& known, DatabaseWriter& writer,
-                                     std::span<const fs::path> files,
+std::vector<ImportItem> import_files(const fs::path& database, std::span<const fs::path> files,
                                      const ImportOptions& options) {
+    const Database known = Database::layered(database);
     Importer importer(known, options);
     for (const fs::path& file : files) importer.add(file);
     refuse_clashes(importer.candidates, known, options.replace);
@@ -161,7 +167,8 @@ std::vector<ImportItem> import_files(const Database& known, DatabaseWriter& writ
     for (const Candidate& c : importer.candidates) {
         if (c.refusal.empty()) datasets.push_back(c.dataset);
     }
-    const std::vector<AddOutcome> outcomes = writer.add(datasets, {.replace = options.replace});
+    const std::vector<AddOutcome> outcomes =
+        DatabaseWriter(database).add(datasets, {.replace = options.replace, .imported = utc_now()});
 
     std::vector<ImportItem> items;
     std::size_t added = 0;

@@ -23,10 +23,10 @@ std::optional<Format> parse_format(std::string_view name);
 std::optional<Format> recognise(std::string_view text);
 
 struct ImportOptions {
-    std::optional<Format> format{};        ///< nothing: recognised by content
-    std::string material{};                ///< name of the material; empty: from the file
-    std::string label{};                   ///< of the dataset; empty: from source and file
-    std::string source{};                  ///< collection; empty: what the format implies
+    std::optional<Format> format{};      ///< nothing: recognised by content
+    std::string material{};              ///< name of the material; empty: from the file
+    std::string label{};                 ///< of the dataset; empty: from source and file
+    std::string source{};                ///< collection; empty: what the format implies
     double negative_k_tolerance = 1e-2;  ///< k down to minus this is set to 0 (ReadOptions)
     bool replace = false;  ///< a dataset of the same label with other figures gives way
 };
@@ -39,17 +39,18 @@ struct ImportItem {
     std::vector<std::string> corrections;
 };
 
-/// Reads files and folders and adds what they hold, in one transaction.
+/// Reads files and folders and adds what they hold to the user's database, in one transaction. The
+/// database is created when it is missing, but only when there is something to add.
 ///
 /// A file given by name must be right: otherwise nothing at all is changed. In a folder (every file
 /// below it, or what its `catalog-nk.yml` / `library.yml` lists) bad files are refused one by one
 /// and the rest is added; the items say which and why. `X.eta.spd` and `X.k.spd` belong together.
 ///
 /// The material is the one named, or what the catalogue says, or the one that the file's name
-/// without extension means in `known` (exactly, by alias or normalised), else a new one of that
-/// name.
+/// without extension means in it or the embedded database (exactly, by alias or normalised), else a
+/// new one of that name.
 /// @throws ImportError  file, line and reason; DatabaseError
-std::vector<ImportItem> import_files(const Database& known, DatabaseWriter& writer,
+std::vector<ImportItem> import_files(const std::filesystem::path& database,
                                      std::span<const std::filesystem::path> files,
                                      const ImportOptions& options = {});
 

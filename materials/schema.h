@@ -7,9 +7,9 @@ namespace miebrdf::materials {
 
 /// "mieb": marks the file in SQLite's header, so that a foreign database is never taken for ours.
 inline constexpr int database_application_id = 0x6d696562;
-inline constexpr int database_version = 1;
+inline constexpr int database_version = 2;
 
-enum class DatabaseState { empty, ready };
+enum class DatabaseState { empty, older, ready };
 
 /// @throws DatabaseError  when the file is another program's, damaged or of a newer version
 DatabaseState check_schema(const sqlite::Connection& connection);

@@ -1,4 +1,4 @@
--- Materials database of miebrdf, version 1. A change here needs a new version and a migration
+-- Materials database of miebrdf, version 2. A change here needs a new version and a migration
 -- (schema.cpp); docs/materials.md explains the tables.
 
 CREATE TABLE material (
@@ -36,6 +36,7 @@ CREATE TABLE dataset (
     file_sha256    TEXT NOT NULL DEFAULT '' CHECK (length(file_sha256) IN (0, 64)),
     content_sha256 TEXT NOT NULL CHECK (length(content_sha256) = 64),
     temperature_k  REAL CHECK (temperature_k > 0),
+    imported       TEXT NOT NULL DEFAULT '',  -- UTC, ISO 8601; '' when that is not known
     UNIQUE (material_id, label)
 ) STRICT;
 CREATE INDEX dataset_key ON dataset (source_key);

@@ -3,6 +3,12 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+#include <thread>
+
 #include "materials/errors.h"
 
 namespace miebrdf::materials::sqlite {
@@ -11,18 +17,36 @@ namespace {
 // How long to wait for another process that is writing.
 constexpr int busy_timeout_ms = 30000;
 
+// What the system said when a file could not be read or written; 0 when it said nothing.
+int system_error(sqlite3* connection) {
+    return connection == nullptr ? 0 : sqlite3_system_errno(connection);
+}
+
+// SQLite reports a full disk as such only where it writes the database itself, not when the log or
+// the shared memory beside it cannot grow.
+bool no_room(int code, sqlite3* connection) {
+    const int error = system_error(connection);
+    const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+    return (code & 0xff) == SQLITE_FULL || ((code & 0xff) == SQLITE_IOERR && full);
+}
+
+std::string with_system_error(const std::string& text, sqlite3* connection) {
+    const int error = system_error(connection);
+    return error == 0 ? text : text + ": " + std::generic_category().message(error);
+}
+
 std::string reason(int code, sqlite3* connection) {
+    if (no_room(code, connection))
+        return "cannot be written: the disk is full; nothing was changed";
     switch (code & 0xff) {
         case SQLITE_NOTADB:
             return "is not a materials database (not even an SQLite file)";
         case SQLITE_CORRUPT:
             return "is damaged or cut short";
-        case SQLITE_FULL:
-            return "cannot be written: the disk is full; nothing was changed";
         case SQLITE_READONLY:
             return "cannot be written: the file or its folder is read-only";
         case SQLITE_CANTOPEN:
-            return "cannot be opened";
+            return with_system_error("cannot be opened", connection);
         case SQLITE_PERM:
             return "cannot be opened: no permission";
         case SQLITE_BUSY:
@@ -30,8 +54,7 @@ std::string reason(int code, sqlite3* connection) {
             return fmt::format("is locked by another program (waited {} s)",
                                busy_timeout_ms / 1000);
         case SQLITE_IOERR:
-            return fmt::format("cannot be read or written ({}); nothing was changed",
-                               sqlite3_errstr(code));
+            return with_system_error("cannot be read or written; nothing was changed", connection);
         default:
             break;
     }
@@ -173,9 +196,13 @@ Connection Connection::open_read_only(const std::filesystem::path& file) {
         return std::filesystem::exists(path, error) && std::filesystem::file_size(path, error) > 0;
     };
     const bool log_left = not_empty(name + "-wal") || not_empty(name + "-journal");
-    if (((code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY) && !log_left) {
+    const bool no_place_beside = (code & 0xff) == SQLITE_CANTOPEN ||
+                                 (code & 0xff) == SQLITE_READONLY ||
+                                 no_room(code, connection.connection_.get());
+    if (no_place_beside && !log_left) {
         // Write-ahead logging wants a shared-memory file beside the database. Where the folder is
-        // read-only nobody can be writing either, so the file may be read as it is.
+        // read-only or the disk full nobody can be writing either, so the file may be read as it
+        // is.
         std::string uri = "file:";
         for (const char c : std::filesystem::absolute(file).string()) {
             const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' ||
@@ -203,6 +230,49 @@ Connection Connection::open_image(std::span<const unsigned char> image) {
                                          SQLITE_DESERIALIZE_READONLY);
     if (code != SQLITE_OK) fail(code, connection.connection_.get(), connection.name());
     return connection;
+}
+
+Connection Connection::open_memory() {
+    return Connection(":memory:", "(memory)", SQLITE_OPEN_READWRITE);
+}
+
+Connection Connection::copy_in_memory() const {
+    Connection copy(":memory:", name(), SQLITE_OPEN_READWRITE);
+    sqlite3* target = copy.connection_.get();
+    sqlite3_backup* backup = sqlite3_backup_init(target, "main", connection_.get(), "main");
+    if (backup == nullptr) fail(sqlite3_errcode(target), target, name());
+    constexpr int all_pages = -1;
+    sqlite3_backup_step(backup, all_pages);
+    const int code = sqlite3_backup_finish(backup);
+    if (code != SQLITE_OK) fail(code, target, name());
+    return copy;
+}
+
+std::string Connection::image() const {
+    sqlite3_int64 size = 0;
+    const std::unique_ptr<unsigned char, void (*)(void*)> bytes(
+        sqlite3_serialize(connection_.get(), "main", &size, 0), &sqlite3_free);
+    if (bytes == nullptr) fail(SQLITE_NOMEM, nullptr, name());
+    return {reinterpret_cast<const char*>(bytes.get()), static_cast<std::size_t>(size)};
+}
+
+void Connection::use_write_ahead_log() const {
+    Statement mode = prepare("PRAGMA journal_mode");
+    const bool already = mode.step() && mode.text(0) == "wal";
+    mode.reset();
+    // The change needs the file for itself, and SQLite's own waiting does not cover all of it.
+    const auto deadline =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(busy_timeout_ms);
+    while (!already) {
+        const int code =
+            sqlite3_exec(connection_.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
+        if (code == SQLITE_OK) break;
+        const bool busy = (code & 0xff) == SQLITE_BUSY || (code & 0xff) == SQLITE_LOCKED;
+        if (!busy || std::chrono::steady_clock::now() > deadline)
+            fail(code, connection_.get(), name());
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    execute("PRAGMA synchronous = FULL");
 }
 
 Statement Connection::prepare(std::string_view sql) const {

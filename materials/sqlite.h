@@ -62,6 +62,16 @@ class Connection {
     /// A database image in memory, which must outlive the connection and is not copied.
     static Connection open_image(std::span<const unsigned char> image);
 
+    /// A new database in memory.
+    static Connection open_memory();
+    /// All of this database in memory, under the same name.
+    Connection copy_in_memory() const;
+    /// The bytes that this database has as a file.
+    std::string image() const;
+    /// Readers go on reading while somebody writes, and a commit that was reported survives a power
+    /// cut. Waits for others as long as a statement does.
+    void use_write_ahead_log() const;
+
     Statement prepare(std::string_view sql) const;
     /// One or more statements without results.
     void execute(const std::string& sql) const;

@@ -14,7 +14,7 @@ std::filesystem::path from_environment(const char* name) {
 }  // namespace
 
 std::filesystem::path default_user_database() {
-    if (const auto chosen = from_environment("MIEBRDF_DATABASE"); !chosen.empty()) return chosen;
+    if (auto chosen = from_environment("MIEBRDF_DATABASE"); !chosen.empty()) return chosen;
     const auto below = std::filesystem::path("miebrdf") / "materials.sqlite";
     // The XDG base directory specification asks to ignore relative paths.
     if (const auto data = from_environment("XDG_DATA_HOME"); data.is_absolute())

@@ -1,26 +1,49 @@
 #include "mie/angular_functions.h"
 
+#include <algorithm>
+
 #include "mie/amplitudes.h"
 
 namespace miebrdf::mie {
+namespace {
+
+constexpr int angles_per_group = 128;
+
+}  // namespace
 
 template <typename Scalar>
-AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_deg, int terms)
-    : plus_(Matrix::Zero(static_cast<Eigen::Index>(angles_deg.size()), terms + 1)), minus_(plus_) {
-    // As in scattering_amplitudes, all angles at once.
-    const Eigen::Index count = plus_.rows();
-    Eigen::ArrayXd mu(count);
-    for (Eigen::Index i = 0; i < count; ++i) mu[i] = cosine_of_scattering_angle(angles_deg[i]);
+AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_deg, int terms,
+                                               const Executor& run)
+    : plus_(static_cast<Eigen::Index>(angles_deg.size()), terms + 1),
+      minus_(plus_.rows(), terms + 1) {
+    Eigen::ArrayXd mu(plus_.rows());
+    for (Eigen::Index i = 0; i < mu.size(); ++i) mu[i] = cosine_of_scattering_angle(angles_deg[i]);
+    const int groups = static_cast<int>(mu.size() + angles_per_group - 1) / angles_per_group;
+    run(groups, [&](int group) {
+        const Eigen::Index first = group * Eigen::Index(angles_per_group);
+        fill(first, mu.segment(first, std::min<Eigen::Index>(angles_per_group, mu.size() - first)));
+    });
+}
+
+// As in scattering_amplitudes, several angles at once.
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& mu) {
+    const Eigen::Index count = mu.size();
+    plus_.col(0).segment(first, count).setZero();
+    minus_.col(0).segment(first, count).setZero();
     Eigen::ArrayXd pi_before = Eigen::ArrayXd::Zero(count), pi = Eigen::ArrayXd::Ones(count);
-    for (int n = 1; n <= terms; ++n) {
-        const Eigen::ArrayXd s = mu * pi;
-        const Eigen::ArrayXd t = s - pi_before;
-        const Eigen::ArrayXd tau = n * t - pi_before;
-        const double weight = (2.0 * n + 1.0) / (n * (n + 1.0));
-        plus_.col(n) = (weight * (pi + tau)).matrix().template cast<Scalar>();
-        minus_.col(n) = (weight * (pi - tau)).matrix().template cast<Scalar>();
-        pi_before = pi;
-        pi = s + (n + 1.0) / n * t;
+    Eigen::ArrayXd s(count), t(count), tau(count);
+    for (Eigen::Index n = 1; n < plus_.cols(); ++n) {
+        const double order = static_cast<double>(n);
+        s = mu * pi;
+        t = s - pi_before;
+        tau = order * t - pi_before;
+        const double weight = (2 * order + 1) / (order * (order + 1));
+        plus_.col(n).segment(first, count) = (weight * (pi + tau)).matrix().template cast<Scalar>();
+        minus_.col(n).segment(first, count) =
+            (weight * (pi - tau)).matrix().template cast<Scalar>();
+        pi_before.swap(pi);
+        pi = s + (order + 1) / order * t;
     }
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
+#include "mie/executor.h"
 #include "mie/sphere_block.h"
 
 namespace miebrdf::mie {
@@ -15,7 +16,8 @@ class AngularFunctionsOf {
   public:
     AngularFunctionsOf() = default;
     /// @throws std::invalid_argument  for an angle outside 0 to 180 degrees
-    AngularFunctionsOf(std::span<const double> angles_deg, int terms);
+    AngularFunctionsOf(std::span<const double> angles_deg, int terms,
+                       const Executor& run = run_in_order);
 
     int angle_count() const { return static_cast<int>(plus_.rows()); }
 
@@ -25,6 +27,8 @@ class AngularFunctionsOf {
     void add_intensity(const SphereBlock& block, Eigen::MatrixXd& intensity) const;
 
   private:
+    void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
+
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
     void add_squares(const Matrix& functions, const SphereBlock::Matrix& waves, int terms,

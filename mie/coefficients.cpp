@@ -34,7 +34,10 @@ Complex response(Number p, Number q) {
         const double scale = 1 / (p * p + q * q);
         return {p * p * scale, -p * q * scale};
     } else {
-        return p / (p + Complex(0, 1) * q);
+        const Complex d(p.real() - q.imag(), p.imag() + q.real());
+        const double scale = 1 / std::norm(d);
+        return {(p.real() * d.real() + p.imag() * d.imag()) * scale,
+                (p.imag() * d.real() - p.real() * d.imag()) * scale};
     }
 }
 
@@ -43,8 +46,19 @@ double absorbed(Number A, Number p, Number q) {
     if constexpr (std::is_same_v<Number, double>) {
         return 0;
     } else {
-        return -A.imag() / std::norm(p + Complex(0, 1) * q);
+        return -A.imag() / std::norm(Complex(p.real() - q.imag(), p.imag() + q.real()));
     }
+}
+
+// Order n from what differs between a_n and b_n: A and p.
+template <typename Number>
+void set_order(Coefficients& c, int n, Number Aa, Number pa, Number Ab, Number pb,
+               const RadialFunctions& radial) {
+    const Number qa = Aa * radial.eta[n] - radial.eta[n - 1];
+    const Number qb = Ab * radial.eta[n] - radial.eta[n - 1];
+    c.a[n - 1] = response(pa, qa);
+    c.b[n - 1] = response(pb, qb);
+    c.absorbed[n - 1] = absorbed(Aa, pa, qa) + absorbed(Ab, pb, qb);
 }
 
 Coefficients empty(int terms) {
@@ -55,20 +69,15 @@ Coefficients empty(int terms) {
 template <typename Number>
 Coefficients by_recurrence(Number m, double x) {
     const int terms = number_of_terms(x);
-    const auto [psi, eta] = radial_functions(x, terms);
+    const RadialFunctions radial = radial_functions(x, terms);
+    const std::vector<double>& psi = radial.psi;
     const std::vector<Number> D = logarithmic_derivatives(m * x, terms);
     const Number inverse_m = 1.0 / m;
     Coefficients c = empty(terms);
     for (int n = 1; n <= terms; ++n) {
         const Number A = D[n] * inverse_m + n / x;
         const Number B = D[n] * m + n / x;
-        const Number pa = A * psi[n] - psi[n - 1];
-        const Number qa = A * eta[n] - eta[n - 1];
-        const Number pb = B * psi[n] - psi[n - 1];
-        const Number qb = B * eta[n] - eta[n - 1];
-        c.a[n - 1] = response(pa, qa);
-        c.b[n - 1] = response(pb, qb);
-        c.absorbed[n - 1] = absorbed(A, pa, qa) + absorbed(B, pb, qb);
+        set_order<Number>(c, n, A, A * psi[n] - psi[n - 1], B, B * psi[n] - psi[n - 1], radial);
     }
     return c;
 }
@@ -82,7 +91,8 @@ Coefficients by_recurrence(Number m, double x) {
 template <typename Number>
 Coefficients of_small_sphere(Number m, double x) {
     const int terms = number_of_terms(x);
-    const auto [psi, eta] = radial_functions(x, terms);
+    const RadialFunctions radial = radial_functions(x, terms);
+    const std::vector<double>& psi = radial.psi;
     const int start = terms + 30;  // |mx| <= 4: the start is forgotten below rounding
     const std::vector<double> E = regular_logarithmic_derivatives(x, start + 1);
     const Number m_squared = m * m;
@@ -98,11 +108,7 @@ Coefficients of_small_sphere(Number m, double x) {
         const Number pb = psi[n] * Delta / x;
         const Number Aa = ((n + 1.0 + E_inside) / m_squared + static_cast<double>(n)) / x;
         const Number Ab = (2.0 * n + 1.0 + E_inside) / x;
-        const Number qa = Aa * eta[n] - eta[n - 1];
-        const Number qb = Ab * eta[n] - eta[n - 1];
-        c.a[n - 1] = response(pa, qa);
-        c.b[n - 1] = response(pb, qb);
-        c.absorbed[n - 1] = absorbed(Aa, pa, qa) + absorbed(Ab, pb, qb);
+        set_order<Number>(c, n, Aa, pa, Ab, pb, radial);
     }
     return c;
 }

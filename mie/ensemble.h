@@ -2,29 +2,14 @@
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
-#include <complex>
 #include <memory>
 #include <vector>
 
+#include "mie/ensemble_request.h"
+#include "mie/executor.h"
 #include "mie/phase_table.h"
-#include "mie/size_distribution.h"
 
 namespace miebrdf::mie {
-
-/// What to compute; what is not asked for is not computed.
-struct EnsembleRequest {
-    SizeDistribution sizes;
-    std::complex<double> refractive_index;  ///< of the particles, n + ik, k >= 0
-    double host_index = 1.0;                ///< real index of the medium between them
-    double wavelength_nm = 550.0;           ///< in vacuum
-    int highest_moment = -1;                ///< chi_0 ... chi_L; -1: no moments
-    std::vector<double> angles_deg;         ///< scattering angles for the phase function, 0 to 180
-    double tolerance = 1e-4;                ///< relative, of albedo, q_ext and moments
-    double phase_tolerance = 1e-2;          ///< relative, of P at each angle; points of P need many
-                                            ///< more sizes than moments do
-    bool with_phase_table = false;          ///< P at every angle, as a PhaseTable
-    double table_tolerance = 1e-3;          ///< of its interpolation, relative within each panel
-};
 
 /// Averages by cross-section: albedo = <C_sca>/<C_ext>, chi_l = <C_sca chi_l>/<C_sca>.
 struct EnsembleOptics {
@@ -40,18 +25,19 @@ struct EnsembleOptics {
     double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
     double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
     int size_nodes = 0;
-    bool converged = false;  ///< both estimates within their tolerances
+    /// Both estimates within their tolerances, that of the moments for those of the band: moments
+    /// from the phase table (hundreds asked) are as good as its sizes allow, and are in
+    /// error_estimate only.
+    bool converged = false;
 };
-
-/// Degree of the last Legendre moment that is not zero within rounding: twice the number of partial
-/// waves of the largest sphere.
-int highest_moment_of(const EnsembleRequest& request);
 
 /// Averages Mie theory over the sizes.
 ///
 /// @throws std::invalid_argument  for an index, wavelength, angle or distribution out of range,
 ///         with the value and what is allowed. Not reaching the tolerance is an outcome: read
 ///         `converged`.
-EnsembleOptics average_over_sizes(const EnsembleRequest& request);
+/// @param run  runs pieces of the work; the result does not depend on it, bit for bit
+EnsembleOptics average_over_sizes(const EnsembleRequest& request,
+                                  const Executor& run = run_in_order);
 
 }  // namespace miebrdf::mie

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "mie/inside_wave.h"
@@ -128,23 +129,25 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
 }  // namespace
 
 double exact_extinction(Complex relative_index, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um) {
+                        const RadiusRange& range, double wave_number_per_um, const Executor& run) {
     const AreaDensity area_density(distribution);
     const Path path = shifted_path(relative_index, wave_number_per_um * range.smallest_um,
                                    wave_number_per_um * range.largest_um,
                                    highest(distribution, wave_number_per_um));
-    double q_ext = 0;
-    Complex sums[lane_count];
-    for (std::size_t first = 0; first < path.x.size(); first += lane_count) {
+    const int groups = static_cast<int>(path.x.size()) / lane_count;
+    std::vector<double> parts(groups, 0.0);
+    run(groups, [&](int group) {
+        Complex sums[lane_count];
+        const std::size_t first = static_cast<std::size_t>(group) * lane_count;
         forward_sums(relative_index, &path.x[first], sums);
         for (int lane = 0; lane < lane_count; ++lane) {
             const Complex x = path.x[first + lane];
             const Complex share = area_density(x / wave_number_per_um) / wave_number_per_um *
                                   path.weight[first + lane];
-            q_ext += (2.0 / (x * x) * sums[lane] * share).real();
+            parts[group] += (2.0 / (x * x) * sums[lane] * share).real();
         }
-    }
-    return q_ext;
+    });
+    return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
 }  // namespace miebrdf::mie

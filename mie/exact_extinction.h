@@ -3,6 +3,7 @@
 
 #include <complex>
 
+#include "mie/executor.h"
 #include "mie/size_distribution.h"
 
 namespace miebrdf::mie {
@@ -19,6 +20,7 @@ namespace miebrdf::mie {
 ///
 /// @param wave_number_per_um  2 pi n_host / lambda
 double exact_extinction(std::complex<double> relative_index, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um);
+                        const RadiusRange& range, double wave_number_per_um,
+                        const Executor& run = run_in_order);
 
 }  // namespace miebrdf::mie

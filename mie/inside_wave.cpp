@@ -48,8 +48,7 @@ template <typename Number>
 InsideWave<Number>::InsideWave(const Values& z, int terms) : inverse_z_(reciprocal(z)) {
     double damping = 0;
     if constexpr (!std::is_same_v<Number, double>) damping = z.im.maxCoeff();
-    // exp(2 * 1.5): one digit of sixteen is lost at most.
-    upward_ = damping < 1.5 && terms < 0.97 * real_part(z).minCoeff();
+    upward_ = upward_is_stable({real_part(z).minCoeff(), damping}, terms);
     if (upward_) {
         start_upward(z);
     } else {

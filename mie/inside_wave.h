@@ -11,8 +11,9 @@ namespace miebrdf::mie {
 /// Gives psi_{n-1}(z) and psi_n(z), z = m x, for n = 1, 2, ... in order.
 ///
 /// The three-term recurrence psi_{n+1} = (2n+1)/z psi_n - psi_{n-1} needs no division. Upward it
-/// is stable while psi_n oscillates undamped (its errors grow as exp(2 Im z)); otherwise it runs
-/// downward once, from above |z|, with factors that keep it in range, and the values are stored.
+/// is stable while psi_n oscillates, undamped or far below |z| (upward_is_stable); otherwise it
+/// runs downward once, from above |z|, with factors that keep it in range, and the values are
+/// stored.
 template <typename Number>
 class InsideWave {
   public:

@@ -26,6 +26,12 @@ std::vector<double> logarithmic_derivatives(double z, int highest_order);
 std::optional<std::complex<double>> damped_logarithmic_derivative(std::complex<double> z,
                                                                   int order);
 
+/// True where psi_n can be taken upward to this order with the loss of a digit of sixteen at most.
+/// Its errors have the part of the wave exp(iz), which grows against psi_n ~ exp(-i phi) by
+/// exp(2 (Im z - Im phi)), phi = integral of sqrt(1 - n^2/z^2) dz: little while n is well below
+/// |z|, however damped the wave is.
+bool upward_is_stable(std::complex<double> z, int highest_order);
+
 /// E_n(z) = z D_n(z) - (n + 1) = -z^2 / (2n + 3 + E_{n+1}), n = 0 ... highest_order: what is left
 /// of D_n once its pole at z = 0 is taken out. It keeps all digits as z -> 0, where D_n hides it.
 /// Valid for |z| <= 4, below the first zero of psi_1; for real z up to n + 1 at each order n.

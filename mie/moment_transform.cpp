@@ -9,6 +9,8 @@ namespace {
 
 // Orders n handled together; enough independent recurrences to hide the latency of each.
 constexpr int group = 32;
+constexpr int diagonals_at_once = 64;
+constexpr int diagonals_per_job = 8;
 using Group = Eigen::Array<double, group, 1>;
 using Lane = Eigen::Array<double, 8, 1>;
 
@@ -108,21 +110,37 @@ class OneDiagonal {
 
 }  // namespace
 
-std::vector<double> moments_from_covariance(const BandCovariance& covariance) {
+std::vector<double> moments_from_covariance(const BandCovariance& covariance, const Executor& run) {
     const int L = covariance.width();
     const int terms = covariance.terms();
     const int largest_j = terms + L + group;
-    const Eigen::ArrayXXd odd_K = inverse_roots(largest_j, L, 1);
-    const Eigen::ArrayXXd even_K = inverse_roots(largest_j, L, 0);
+    Eigen::ArrayXXd odd_K, even_K;
+    run(2,
+        [&](int parity) { (parity == 1 ? odd_K : even_K) = inverse_roots(largest_j, L, parity); });
     FirstSquares first_squares(terms + group + 1);
+    const int diagonals = std::min(L, terms - 1) + 1;
     std::vector<Lane> sums(L + 1, Lane::Zero());
-    for (int d = 0; d <= std::min(L, terms - 1); ++d) {
-        const OneDiagonal diagonal(covariance, d, first_squares.values(),
-                                   d % 2 == 0 ? odd_K : even_K);
-        for (int first = 1; first + d <= terms; first += group) {
-            diagonal.add_orders_from(first, sums);
+    for (int first_d = 0; first_d < diagonals; first_d += diagonals_at_once) {
+        const int count = std::min(diagonals_at_once, diagonals - first_d);
+        std::vector<Eigen::ArrayXd> squares;
+        for (int i = 0; i < count; ++i, first_squares.next()) {
+            squares.push_back(first_squares.values());
         }
-        first_squares.next();
+        const int jobs = (count + diagonals_per_job - 1) / diagonals_per_job;
+        std::vector<std::vector<Lane>> parts(jobs, std::vector<Lane>(L + 1, Lane::Zero()));
+        run(jobs, [&](int job) {
+            const int end = std::min(count, (job + 1) * diagonals_per_job);
+            for (int i = job * diagonals_per_job; i < end; ++i) {
+                const int d = first_d + i;
+                const OneDiagonal diagonal(covariance, d, squares[i], d % 2 == 0 ? odd_K : even_K);
+                for (int first = 1; first + d <= terms; first += group) {
+                    diagonal.add_orders_from(first, parts[job]);
+                }
+            }
+        });
+        for (const auto& part : parts) {
+            for (int l = first_d; l <= L; ++l) sums[l] += part[l];
+        }
     }
     std::vector<double> moments;
     for (const Lane& sum : sums) moments.push_back(sum.sum());

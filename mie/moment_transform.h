@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mie/band_covariance.h"
+#include "mie/executor.h"
 
 namespace miebrdf::mie {
 
@@ -15,6 +16,7 @@ namespace miebrdf::mie {
 ///     a(l+1) f_{l+1} = 2 (2l+1) f_l - a(l) f_{l-1},  a(l)^2 = (l^2 - d^2)(K^2 - l^2),  K = n + m
 ///     + 1.
 /// Cost: terms * width^2 / 2 steps, once per ensemble.
-std::vector<double> moments_from_covariance(const BandCovariance& covariance);
+std::vector<double> moments_from_covariance(const BandCovariance& covariance,
+                                            const Executor& run = run_in_order);
 
 }  // namespace miebrdf::mie

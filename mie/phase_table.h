@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mie/executor.h"
+
 namespace miebrdf::mie {
 
 /// P(cos Theta) of an ensemble as polynomials on panels of the scattering angle.
@@ -16,7 +18,16 @@ class PhaseTable {
   public:
     static constexpr int panel_nodes = 8;  ///< Chebyshev points of the first kind in each panel
 
+    /// What a table consists of, to be stored and made into a table again.
+    struct Parts {
+        std::vector<double> edges;     ///< radians, ascending from 0 to pi
+        Eigen::MatrixXd coefficients;  ///< Chebyshev, panel_nodes x panels
+        double mean = 1, interpolation_error = 0, size_error = 0;
+    };
+
     PhaseTable() = default;
+    /// @throws std::invalid_argument  when edges and panels do not fit
+    explicit PhaseTable(Parts parts);
     /// @param edges   of the panels, in radians, ascending from 0 to pi
     /// @param values  P at the nodes of each panel (nodes_of), one column per panel
     /// @param interpolation_error  relative to the largest P of the panel, the worst panel
@@ -28,16 +39,17 @@ class PhaseTable {
     double operator()(double cos_theta) const;
 
     /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
-    double mean() const { return mean_; }
-    double interpolation_error() const { return interpolation_error_; }
-    double size_error() const { return size_error_; }
-    int angle_count() const { return panel_nodes * (static_cast<int>(edges_.size()) - 1); }
+    double mean() const { return parts_.mean; }
+    double interpolation_error() const { return parts_.interpolation_error; }
+    double size_error() const { return parts_.size_error; }
+    int angle_count() const { return panel_nodes * (static_cast<int>(parts_.edges.size()) - 1); }
+    const Parts& parts() const { return parts_; }
 
     /// chi_0 = 1 ... chi_highest: integrals of the polynomials against P_l by Gauss rules dense
     /// enough for order l. Absolute error about that of the table times the share of the light that
     /// it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
     /// @param highest_moment  >= 0
-    std::vector<double> moments(int highest_moment) const;
+    std::vector<double> moments(int highest_moment, const Executor& run = run_in_order) const;
 
     /// Angles in radians of the Chebyshev nodes of a panel, ascending.
     static std::vector<double> nodes_of(double lower, double upper);
@@ -47,9 +59,7 @@ class PhaseTable {
   private:
     double at_angle(double theta) const;
 
-    std::vector<double> edges_;
-    Eigen::MatrixXd coefficients_;  // panel_nodes x panels
-    double mean_ = 1, interpolation_error_ = 0, size_error_ = 0;
+    Parts parts_;
 };
 
 }  // namespace miebrdf::mie

@@ -4,17 +4,31 @@
 #include <cmath>
 #include <numbers>
 
+#include "mie/size_refinement.h"
+#include "mie/size_sums.h"
 #include "mie/terms.h"
 
 namespace miebrdf::mie {
 namespace {
 
-constexpr int sizes_per_block = 64;
 constexpr int largest_chunk_count = 8;
+constexpr int least_chunk_size = 16;
+constexpr int smooth_first_count = 64;  // sizes of level 0 where there is no ripple
 
 // Widths grow by this share of the distance from the nearer end, up to the widest.
-constexpr double growth = 0.35;
-constexpr double widest = 6 * std::numbers::pi / 180;
+constexpr double growth = 0.5;
+constexpr double widest = 12 * std::numbers::pi / 180;
+
+// Points of P interfere from size to size like exp(2i x), ripple repeats with its period: levels
+// finer than this (in x) bring little, and are taken for tighter tolerances only.
+constexpr double finest_spacing = 0.2;
+constexpr double default_tolerance = 1e-2;
+
+// Sizes more than 0.85 ripple periods apart may all meet the same resonances, and two such halves
+// agree by that: they are believed only this far.
+constexpr double coarse_share = 0.3;
+constexpr int first_resolved_level = 2;
+constexpr double resolved_spacing = 0.8;  // in x, without ripple: exp(2i x) remains
 
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
@@ -31,119 +45,202 @@ std::vector<double> graded_half(double narrowest) {
 }  // namespace
 
 PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
-                                 std::vector<double> size_parameters, std::vector<double> weights,
-                                 double tolerance)
+                                 const SizeDistribution& distribution, const RadiusRange& range,
+                                 double wave_number_per_um, const PhaseTabulationOptions& options,
+                                 const Executor& run)
     : relative_index_(relative_index),
-      size_parameters_(std::move(size_parameters)),
-      weights_(std::move(weights)),
-      tolerance_(tolerance),
+      distribution_(distribution),
+      range_(range),
+      wave_number_per_um_(wave_number_per_um),
+      options_(options),
+      run_(run),
       // P is a trigonometric polynomial of degree 2 x: nothing is finer than pi / x.
-      narrowest_(std::numbers::pi / size_parameters_.back()) {
+      narrowest_(std::numbers::pi / (wave_number_per_um * range.largest_um)) {
+    if (distribution.kind != SizeDistributionKind::mono) {
+        const double width = wave_number_per_um * (range.largest_um - range.smallest_um);
+        const bool damped =
+            relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1;
+        first_count_ = damped ? smooth_first_count
+                              : std::max(smooth_first_count,
+                                         coarsest_even_count(relative_index.real(), width));
+        const double finer =
+            std::min(1.0, std::pow(options.size_tolerance / default_tolerance, 1 / 1.5));
+        const double most = std::clamp(width / (finest_spacing * finer), 512.0, double(node_limit));
+        resolved_level_ = first_resolved_level;
+        if (damped) {
+            const double levels = std::log2(width / (resolved_spacing * first_count_));
+            resolved_level_ = std::max(0, static_cast<int>(std::ceil(levels)));
+        }
+        while (first_count_ << (last_level_ + 1) <= most) ++last_level_;
+    }
+    start_panels();
+    while (!active_.empty()) {
+        std::vector<Panel> panels = take_lowest();
+        std::vector<double> angles_deg;
+        for (const Panel& panel : panels) {
+            for (const double theta : PhaseTable::nodes_of(panel.lower, panel.upper)) {
+                angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
+            }
+        }
+        const AngularFunctionsOf<float> angular(
+            angles_deg, number_of_terms(wave_number_per_um * range.largest_um), run_);
+        const Halves halves = sum_level(panels.front().level + 1, angular);
+        for (std::size_t p = 0; p < panels.size(); ++p) {
+            add_level(
+                panels[p],
+                halves.intensity.middleRows(static_cast<Eigen::Index>(p) * PhaseTable::panel_nodes,
+                                            PhaseTable::panel_nodes),
+                halves);
+            judge(panels[p]);
+            sort_in(std::move(panels[p]));
+        }
+    }
+}
+
+void PhaseTabulation::start_panels() {
     const std::vector<double> half = graded_half(narrowest_);
-    std::vector<Panel> panels;
-    for (std::size_t i = 0; i + 1 < half.size(); ++i) {
-        panels.push_back({half[i], half[i + 1], {}});
-    }
+    const auto add = [this](double lower, double upper) {
+        Panel panel;
+        panel.lower = lower;
+        panel.upper = upper;
+        active_.push_back(std::move(panel));
+    };
+    for (std::size_t i = 0; i + 1 < half.size(); ++i) add(half[i], half[i + 1]);
     for (std::size_t i = half.size() - 1; i > 0; --i) {
-        panels.push_back({std::numbers::pi - half[i], std::numbers::pi - half[i - 1], {}});
+        add(std::numbers::pi - half[i], std::numbers::pi - half[i - 1]);
     }
-    prepare(std::move(panels));
 }
 
-void PhaseTabulation::prepare(std::vector<Panel> panels) {
-    active_ = std::move(panels);
-    std::vector<double> angles_deg;
-    for (const Panel& panel : active_) {
-        for (const double theta : PhaseTable::nodes_of(panel.lower, panel.upper)) {
-            angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
-        }
+// Panels that share the next level of sizes.
+std::vector<PhaseTabulation::Panel> PhaseTabulation::take_lowest() {
+    int level = active_.front().level;
+    for (const Panel& panel : active_) level = std::min(level, panel.level);
+    std::vector<Panel> lowest, others;
+    for (Panel& panel : active_) {
+        (panel.level == level ? lowest : others).push_back(std::move(panel));
     }
-    angular_ = AngularFunctionsOf<float>(angles_deg, number_of_terms(size_parameters_.back()));
-    sums_ = {};
+    active_ = std::move(others);
+    return lowest;
 }
 
-int PhaseTabulation::chunk_count() const {
-    const int blocks =
-        (static_cast<int>(size_parameters_.size()) + sizes_per_block - 1) / sizes_per_block;
-    return std::min(blocks, largest_chunk_count);
-}
-
-PhaseHalves PhaseTabulation::compute(int chunk) const {
-    const int size = static_cast<int>(size_parameters_.size());
-    const int blocks = (size + sizes_per_block - 1) / sizes_per_block;
-    const int chunks = chunk_count();
-    PhaseHalves halves;
-    halves.intensity = Eigen::MatrixXd::Zero(angular_.angle_count(), 2);
-    SphereBlock block;
-    block.make_room(number_of_terms(size_parameters_.back()), sizes_per_block);
-    for (int b = chunk * blocks / chunks; b < (chunk + 1) * blocks / chunks; ++b) {
-        const int first = b * sizes_per_block;
-        const int count = std::min(sizes_per_block, size - first);
-        compute_spheres(relative_index_, {size_parameters_.data() + first, std::size_t(count)},
-                        {weights_.data() + first, std::size_t(count)}, &block);
-        angular_.add_intensity(block, halves.intensity);
-        // As the intensities: by the place of the sphere, which is that of the column.
-        Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(2 * block.size);
-        for (int n = 1; n <= block.terms; ++n) {
-            squares += (2 * n + 1) * (block.U.row(n).cwiseAbs2() + block.V.row(n).cwiseAbs2());
-        }
-        for (int column = 0; column < 2 * block.size; ++column) {
-            halves.scattered[column % 2] += squares[column];
-        }
+PhaseTabulation::Halves PhaseTabulation::sum_level(int level,
+                                                   const AngularFunctionsOf<float>& angular) const {
+    SizeNodes nodes{{range_.largest_um}, {1.0}};
+    if (distribution_.kind != SizeDistributionKind::mono) {
+        nodes =
+            nested_size_nodes(distribution_, range_, first_count_, level, SizeSpacing::geometric);
     }
-    return halves;
+    const WeightedSizes sizes(nodes, wave_number_per_um_);
+    const SizeChunks chunks(static_cast<int>(sizes.parameters.size()), largest_chunk_count,
+                            least_chunk_size);
+    std::vector<Halves> parts(chunks.count());
+    run_(chunks.count(), [&](int job) {
+        const int chunk = chunks.count() - 1 - job;  // large spheres first
+        Halves& part = parts[chunk];
+        part.intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
+        SphereBlock block;
+        block.make_room(number_of_terms(sizes.parameters.back()), most_sizes_per_block);
+        for (const auto [first, count] : chunks.blocks(chunk)) {
+            const std::size_t here = count;
+            compute_spheres(relative_index_, {sizes.parameters.data() + first, here},
+                            {sizes.weights.data() + first, here}, &block);
+            angular.add_intensity(block, part.intensity);
+            // As the intensities: by the place of the sphere, which is that of the column.
+            Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(2 * block.size);
+            for (int n = 1; n <= block.terms; ++n) {
+                squares += (2 * n + 1) * (block.U.row(n).cwiseAbs2() + block.V.row(n).cwiseAbs2());
+            }
+            for (int column = 0; column < 2 * block.size; ++column) {
+                part.scattered[column % 2] += squares[column];
+            }
+        }
+    });
+    Halves total = std::move(parts[0]);
+    for (int chunk = 1; chunk < chunks.count(); ++chunk) {
+        total.intensity += parts[chunk].intensity;
+        for (int half : {0, 1}) total.scattered[half] += parts[chunk].scattered[half];
+    }
+    return total;
 }
 
-void PhaseTabulation::merge(const PhaseHalves& chunk) {
-    if (sums_.intensity.size() == 0) {
-        sums_ = chunk;
+// Two halves that err independently: of the first level the spheres at even and at odd places, then
+// all levels before and the new one.
+void PhaseTabulation::add_level(Panel& panel, const Eigen::MatrixXd& intensity,
+                                const Halves& level) const {
+    if (++panel.level == 0) {
+        panel.halves = intensity;
+        for (int half : {0, 1}) panel.scattered[half] = level.scattered[half];
         return;
     }
-    sums_.intensity += chunk.intensity;
-    for (int half = 0; half < 2; ++half) sums_.scattered[half] += chunk.scattered[half];
+    Eigen::MatrixXd halves(intensity.rows(), 2);
+    halves.col(0) = 0.5 * panel.halves.rowwise().sum();
+    halves.col(1) = 0.5 * intensity.rowwise().sum();
+    panel.halves = std::move(halves);
+    panel.scattered[0] = 0.5 * (panel.scattered[0] + panel.scattered[1]);
+    panel.scattered[1] = 0.5 * (level.scattered[0] + level.scattered[1]);
 }
 
-bool PhaseTabulation::has_converged(Panel& panel, const Eigen::MatrixXd& intensity) {
-    panel.values = intensity.rowwise().sum() / (sums_.scattered[0] + sums_.scattered[1]);
-    const double largest = panel.values.cwiseAbs().maxCoeff();
-    double noise = 0;
-    if (sums_.scattered[1] > 0) {
-        // Two halves err independently: their mean by half their difference, rms over the panel.
-        noise =
-            0.5 *
-            (intensity.col(0) / sums_.scattered[0] - intensity.col(1) / sums_.scattered[1]).norm() /
-            (std::sqrt(double(PhaseTable::panel_nodes)) * largest);
+void PhaseTabulation::judge(Panel& panel) const {
+    const Eigen::VectorXd values =
+        panel.halves.rowwise().sum() / (panel.scattered[0] + panel.scattered[1]);
+    const double largest = values.maxCoeff();
+    panel.light = 0.5 * largest * (std::cos(panel.lower) - std::cos(panel.upper));
+    panel.noise = 0;
+    if (panel.scattered[1] > 0) {
+        // The mean of two halves errs by half their difference; rms over the panel.
+        const Eigen::VectorXd difference =
+            panel.halves.col(0) / panel.scattered[0] - panel.halves.col(1) / panel.scattered[1];
+        panel.noise =
+            0.5 * difference.norm() / (std::sqrt(double(PhaseTable::panel_nodes)) * largest);
     }
-    const Eigen::VectorXd c = PhaseTable::coefficients_of(panel.values);
-    const double tail =
+    if (options_.scattering_efficiency > 0) {
+        const double sampled = panel.scattered[0] + panel.scattered[1];
+        panel.noise = std::max(panel.noise, std::abs(sampled / options_.scattering_efficiency - 1));
+    }
+    const Eigen::VectorXd c = PhaseTable::coefficients_of(values);
+    panel.tail =
         (std::abs(c[PhaseTable::panel_nodes - 1]) + std::abs(c[PhaseTable::panel_nodes - 2])) /
         largest;
-    const bool converged =
-        tail <= std::max(tolerance_, noise) || panel.upper - panel.lower <= narrowest_ * 1.001;
-    if (converged) {
-        interpolation_error_ = std::max(interpolation_error_, tail);
-        size_error_ = std::max(size_error_, noise);
-    }
-    return converged;
 }
 
-bool PhaseTabulation::finish_pass() {
-    std::vector<Panel> next;
-    for (std::size_t p = 0; p < active_.size(); ++p) {
-        Panel& panel = active_[p];
-        const Eigen::MatrixXd intensity = sums_.intensity.middleRows(
-            static_cast<Eigen::Index>(p) * PhaseTable::panel_nodes, PhaseTable::panel_nodes);
-        if (has_converged(panel, intensity)) {
-            done_.push_back(std::move(panel));
-        } else {
-            const double middle = 0.5 * (panel.lower + panel.upper);
-            next.push_back({panel.lower, middle, {}});
-            next.push_back({middle, panel.upper, {}});
-        }
+// Error that a panel gives to the moments asked of the table: its nodes err independently, and
+// |P_l| <= sqrt(2 / (pi l sin)) (Bernstein) damps what lies to the sides.
+double PhaseTabulation::moment_share(const Panel& panel) const {
+    const double sine = std::min(std::sin(panel.lower), std::sin(panel.upper));
+    const double damping = 2 / (std::numbers::pi * std::max(1, options_.first_moment));
+    const double legendre = damping < sine ? std::sqrt(damping / sine) : 1.0;
+    return panel.noise * panel.light * legendre / std::sqrt(double(PhaseTable::panel_nodes));
+}
+
+bool PhaseTabulation::needs_more_sizes(const Panel& panel) const {
+    if (panel.level >= last_level_) return false;
+    const double believed = panel.level < resolved_level_ ? coarse_share : 1.0;
+    return panel.noise > believed * options_.size_tolerance ||
+           moment_share(panel) > believed * options_.moment_tolerance;
+}
+
+void PhaseTabulation::sort_in(Panel panel) {
+    // Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
+    const bool narrow = panel.upper - panel.lower <= 0.501 * narrowest_;
+    // Noise alone shows as a tail of 0.8 of itself.
+    if (panel.tail > std::max(options_.interpolation_tolerance, 2 * panel.noise) && !narrow) {
+        Panel left, right;
+        left.lower = panel.lower;
+        left.upper = right.lower = 0.5 * (panel.lower + panel.upper);
+        right.upper = panel.upper;
+        active_.push_back(std::move(left));
+        active_.push_back(std::move(right));
+    } else if (needs_more_sizes(panel)) {
+        active_.push_back(std::move(panel));
+    } else {
+        done_.push_back(std::move(panel));
     }
-    if (next.empty()) return false;
-    prepare(std::move(next));
-    return true;
+}
+
+double PhaseTabulation::moment_error() const {
+    double squares = 0;
+    for (const Panel& panel : done_) squares += std::pow(moment_share(panel), 2);
+    return std::sqrt(squares);
 }
 
 PhaseTable PhaseTabulation::table() const {
@@ -153,11 +250,16 @@ PhaseTable PhaseTabulation::table() const {
               [](const Panel* a, const Panel* b) { return a->lower < b->lower; });
     std::vector<double> edges = {0};
     Eigen::MatrixXd values(PhaseTable::panel_nodes, static_cast<Eigen::Index>(panels.size()));
+    double interpolation_error = 0, size_error = 0;
     for (std::size_t p = 0; p < panels.size(); ++p) {
-        edges.push_back(panels[p]->upper);
-        values.col(static_cast<Eigen::Index>(p)) = panels[p]->values;
+        const Panel& panel = *panels[p];
+        edges.push_back(panel.upper);
+        values.col(static_cast<Eigen::Index>(p)) =
+            panel.halves.rowwise().sum() / (panel.scattered[0] + panel.scattered[1]);
+        interpolation_error = std::max(interpolation_error, panel.tail);
+        size_error = std::max(size_error, panel.noise);
     }
-    return PhaseTable(std::move(edges), values, interpolation_error_, size_error_);
+    return PhaseTable(std::move(edges), values, interpolation_error, size_error);
 }
 
 }  // namespace miebrdf::mie

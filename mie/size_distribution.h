@@ -34,10 +34,17 @@ struct RadiusRange {
 /// @throws std::invalid_argument  for a radius or a variance that is not positive and finite
 RadiusRange radius_range(const SizeDistribution& distribution);
 
-/// The same, with gamma and log-normal cut where `tail` of the geometric cross-section is left out
-/// on either side.
+/// The same, with gamma and log-normal cut where `tail` of the scattering is left out on either
+/// side: spheres scatter as their area, but below `saturation_radius_um` (that of x = 1) as r^6,
+/// where a few large ones weigh far more than their area does.
 /// @param tail  in [1e-18, 0.1]
-RadiusRange radius_range(const SizeDistribution& distribution, double tail);
+/// @param saturation_radius_um  >= 0; 0: tail of the geometric cross-section
+RadiusRange radius_range(const SizeDistribution& distribution, double tail,
+                         double saturation_radius_um = 0);
+
+/// Share of the geometric cross-section within a range: below 1 for gamma and log-normal, which
+/// have no ends.
+double area_share_within(const SizeDistribution& distribution, const RadiusRange& range);
 
 /// <r^3>/<r^2>: of a table its own, otherwise the parameter.
 double effective_radius_of(const SizeDistribution& distribution);

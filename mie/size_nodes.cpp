@@ -52,13 +52,19 @@ MappedRadius map_log_normal(const SizeDistribution& d, const RadiusRange& range,
     return QuantileMap(density, range)(t);
 }
 
-MappedRadius map_radius(const SizeDistribution& d, const RadiusRange& range, double t) {
+MappedRadius map_radius(const SizeDistribution& d, const RadiusRange& range, double t,
+                        SizeSpacing spacing) {
     switch (d.kind) {
         case SizeDistributionKind::gamma:
             return map_gamma(d, range, t);
         case SizeDistributionKind::log_normal:
             return map_log_normal(d, range, t);
         default: {
+            if (spacing == SizeSpacing::geometric) {
+                const double log_ratio = std::log(range.largest_um / range.smallest_um);
+                const double radius = range.smallest_um * std::exp(t * log_ratio);
+                return {radius, radius * log_ratio};
+            }
             const double width = range.largest_um - range.smallest_um;
             return {range.smallest_um + t * width, width};
         }
@@ -102,19 +108,25 @@ SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRa
 }
 
 SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRange& range, int count,
-                          double offset) {
+                          double offset, SizeSpacing spacing) {
     const AreaDensity area_density(distribution);
     SizeNodes nodes;
     for (int i = 0; i < count; ++i) {
         const double tau = (i + offset) / count;
         const Ramp ramped = ramp(tau);
         if (!(ramped.slope > 0)) continue;  // the very end carries no weight
-        const MappedRadius mapped = map_radius(distribution, range, ramped.t);
+        const MappedRadius mapped = map_radius(distribution, range, ramped.t, spacing);
         nodes.radius_um.push_back(mapped.radius_um);
         nodes.area_share.push_back(mapped.slope * ramped.slope / count *
                                    area_density(mapped.radius_um));
     }
     return nodes;
+}
+
+SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
+                            int first_count, int level, SizeSpacing spacing) {
+    if (level == 0) return even_size_nodes(distribution, range, first_count, 1.0, spacing);
+    return even_size_nodes(distribution, range, first_count << (level - 1), 0.5, spacing);
 }
 
 }  // namespace miebrdf::mie

@@ -17,6 +17,12 @@ struct SizeNodes {
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int count);
 
+/// How the sizes of a power law or a table are spread: equally, or in equal ratios. Equal spacing
+/// averages ripple best (all resonances of one family are met alike). But where two rays interfere
+/// with a period of just the spacing, which happens at some angles, all its sizes meet the same
+/// phase; in equal ratios, few do.
+enum class SizeSpacing { equal, geometric };
+
 /// Equally spaced sizes, as the ripple of transparent spheres wants them, shifted by `offset` of
 /// one spacing, 0 < offset <= 1. Near the ends the spacing shrinks smoothly to zero, so that every
 /// offset is as good as the midpoint, and the grids of `count` nodes with offsets o and o + 1/2
@@ -24,6 +30,11 @@ SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRa
 /// cube root of the area density (the least error of a rule whose error goes with the square of the
 /// spacing).
 SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRange& range, int count,
-                          double offset);
+                          double offset, SizeSpacing spacing = SizeSpacing::equal);
+
+/// Level 0: `first_count` sizes. Level l > 0: those halfway between all sizes of the levels below,
+/// so that the mean over levels 0 ... l is the rule of first_count * 2^l sizes.
+SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
+                            int first_count, int level, SizeSpacing spacing = SizeSpacing::equal);
 
 }  // namespace miebrdf::mie

@@ -5,27 +5,44 @@
 #include <cmath>
 #include <limits>
 
-#include "mie/coefficients.h"
+#include "mie/partial_waves.h"
 
 namespace miebrdf::mie {
 namespace {
 
 using Complex = std::complex<double>;
 
-// sum over n of n (n+2)/(n+1) Re(a_n a*_{n+1} + b_n b*_{n+1}) + (2n+1)/(n (n+1)) Re(a_n b*_n)
-// = x^2 g Q_sca / 4 (Bohren & Huffman 1983, sect. 4.5).
-double asymmetry_sum(const Coefficients& c) {
-    double sum = 0;
-    for (std::size_t i = c.a.size(); i-- > 0;) {
-        const double n = static_cast<double>(i + 1);
-        double term = (2 * n + 1) / (n * (n + 1)) * std::real(c.a[i] * std::conj(c.b[i]));
-        if (i + 1 < c.a.size()) {
-            term += n * (n + 2) / (n + 1) *
-                    std::real(c.a[i] * std::conj(c.a[i + 1]) + c.b[i] * std::conj(c.b[i + 1]));
-        }
-        sum += term;
+struct OrderSums {
+    double scattered = 0, absorbed = 0;
+    double asymmetric = 0;  // x^2 g Q_sca / 4
+    Complex back = 0;
+};
+
+// Eight orders at once. The asymmetry is the sum over n of (n-1)(n+1)/n Re(a_n a*_{n-1} + b_n
+// b*_{n-1}) + (2n+1)/(n (n+1)) Re(a_n b*_n) (Bohren & Huffman 1983, sect. 4.5).
+OrderSums sum_orders(const PartialWaves& w) {
+    using Values = Eigen::Map<const Lanes>;
+    Lanes scattered = Lanes::Zero(), absorbed = scattered, asymmetric = scattered;
+    Lanes back_re = scattered, back_im = scattered, alternating;
+    alternating << -1, 1, -1, 1, -1, 1, -1, 1;  // (-1)^n
+    Lanes orders = Lanes::LinSpaced(lane_count, 1, lane_count);
+    for (int n = 1; n <= w.terms; n += lane_count, orders += lane_count) {
+        const Values a_re(&w.a_re[n]), a_im(&w.a_im[n]), b_re(&w.b_re[n]), b_im(&w.b_im[n]);
+        const Values before_a_re(&w.a_re[n - 1]), before_a_im(&w.a_im[n - 1]);
+        const Values before_b_re(&w.b_re[n - 1]), before_b_im(&w.b_im[n - 1]);
+        const Lanes degeneracy = 2 * orders + 1;
+        scattered +=
+            degeneracy * ((a_re.square() + a_im.square()) + (b_re.square() + b_im.square()));
+        absorbed += degeneracy * Values(&w.absorbed[n]);
+        const Lanes inverse = 1 / (orders * (orders + 1));
+        const Lanes neighbours =
+            a_re * before_a_re + a_im * before_a_im + b_re * before_b_re + b_im * before_b_im;
+        asymmetric += inverse * (degeneracy * (a_re * b_re + a_im * b_im) +
+                                 (orders - 1) * (orders + 1).square() * neighbours);
+        back_re += alternating * degeneracy * (a_re - b_re);
+        back_im += alternating * degeneracy * (a_im - b_im);
     }
-    return sum;
+    return {scattered.sum(), absorbed.sum(), asymmetric.sum(), {back_re.sum(), back_im.sum()}};
 }
 
 // What rounding leaves: the coefficients hang on m^2 - 1, formed from parts of size 1.
@@ -38,24 +55,17 @@ double estimated_accuracy(Complex m, double x) {
 }  // namespace
 
 SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
-    const Coefficients c = mie_coefficients(relative_index, size_parameter);
-    double scattered = 0, absorbed = 0;
-    Complex back = 0;
-    for (std::size_t i = c.a.size(); i-- > 0;) {  // small terms first
-        const double weight = 2.0 * static_cast<double>(i) + 3.0;
-        scattered += weight * (std::norm(c.a[i]) + std::norm(c.b[i]));
-        absorbed += weight * c.absorbed[i];
-        back += (i % 2 == 0 ? -weight : weight) * (c.a[i] - c.b[i]);
-    }
+    const PartialWaves waves = partial_waves(relative_index, size_parameter);
+    const OrderSums sums = sum_orders(waves);
     // Divided one factor at a time: x^2 alone may underflow.
     const double x = size_parameter;
     SphereOptics optics;
-    optics.q_sca = 2 * scattered / x / x;
-    optics.q_abs = 2 * absorbed / x / x;
+    optics.q_sca = 2 * sums.scattered / x / x;
+    optics.q_abs = 2 * sums.absorbed / x / x;
     optics.q_ext = optics.q_sca + optics.q_abs;
-    optics.q_back = std::norm(back / x);
-    optics.asymmetry = scattered > 0 ? 2 * asymmetry_sum(c) / scattered : 0;
-    optics.terms = static_cast<int>(c.a.size());
+    optics.q_back = std::norm(sums.back / x);
+    optics.asymmetry = sums.scattered > 0 ? 2 * sums.asymmetric / sums.scattered : 0;
+    optics.terms = waves.terms;
     optics.accuracy = estimated_accuracy(relative_index, x);
     optics.reached = optics.accuracy <= 1e-12 && std::isfinite(optics.q_ext);
     if (!optics.reached) {

@@ -4,113 +4,18 @@
 #include <cmath>
 #include <optional>
 
+#include "mie/absorption_source.h"
 #include "mie/coefficients.h"
 #include "mie/inside_wave.h"
+#include "mie/lane_response.h"
 #include "mie/lanes.h"
+#include "mie/outside_waves.h"
 #include "mie/terms.h"
 
 namespace miebrdf::mie {
 namespace {
 
 using Complex = std::complex<double>;
-
-// Riccati-Bessel functions of the lanes' size parameters, upward (radial_functions.h has the care
-// that single spheres get; here psi_n beyond n = x carries an absolute error of rounding).
-struct OutsideWaves {
-    explicit OutsideWaves(const Lanes& x) : inverse_x(1 / x) {
-        for (int lane = 0; lane < lane_count; ++lane) {
-            psi[lane] = std::sin(x[lane]);
-            psi_before[lane] = std::cos(x[lane]);
-        }
-        eta = -psi_before;
-        eta_before = psi;
-    }
-
-    void advance(int order) {
-        const Lanes factor = (2 * order - 1) * inverse_x;
-        const Lanes next_psi = factor * psi - psi_before;
-        const Lanes next_eta = factor * eta - eta_before;
-        psi_before = psi;
-        eta_before = eta;
-        psi = next_psi;
-        eta = next_eta;
-    }
-
-    // Lanes that are past their own last term stop, before eta_n overflows.
-    void advance_some(int order, const Lanes& last_order) {
-        const OutsideWaves old = *this;
-        advance(order);
-        const auto going = last_order >= order;
-        psi = going.select(psi, old.psi);
-        eta = going.select(eta, old.eta);
-        psi_before = going.select(psi_before, old.psi_before);
-        eta_before = going.select(eta_before, old.eta_before);
-    }
-
-    Lanes inverse_x, psi, psi_before, eta, eta_before;
-};
-
-// a_n or b_n: p / (p + i q), and 1 / |p + i q|^2 for the absorption.
-struct Response {
-    ComplexLanes value;
-    Lanes inverse_norm;
-};
-
-// Both at once: they share the one division.
-void respond(const Lanes& pa, const Lanes& qa, const Lanes& pb, const Lanes& qb, Response& a,
-             Response& b) {
-    const Lanes norm_a = pa * pa + qa * qa;
-    const Lanes norm_b = pb * pb + qb * qb;
-    const Lanes shared = 1 / (norm_a * norm_b);
-    const Lanes factor_a = pa * norm_b * shared;
-    const Lanes factor_b = pb * norm_a * shared;
-    a.value = {pa * factor_a, -qa * factor_a};
-    b.value = {pb * factor_b, -qb * factor_b};
-}
-
-void respond(const ComplexLanes& pa, const ComplexLanes& qa, const ComplexLanes& pb,
-             const ComplexLanes& qb, Response& a, Response& b) {
-    const ComplexLanes da = {pa.re - qa.im, pa.im + qa.re};
-    const ComplexLanes db = {pb.re - qb.im, pb.im + qb.re};
-    const Lanes norm_a = norm(da);
-    const Lanes norm_b = norm(db);
-    const Lanes shared = 1 / (norm_a * norm_b);
-    a.inverse_norm = norm_b * shared;
-    b.inverse_norm = norm_a * shared;
-    a.value = {(pa.re * da.re + pa.im * da.im) * a.inverse_norm,
-               (pa.im * da.re - pa.re * da.im) * a.inverse_norm};
-    b.value = {(pb.re * db.re + pb.im * db.im) * b.inverse_norm,
-               (pb.im * db.re - pb.re * db.im) * b.inverse_norm};
-}
-
-// T_n = Im(psi_{n-1} conj psi_n)(mx), the source of all absorption. Summed upward,
-//     T_{n+1} = T_n + (2n + 1) |psi_n|^2 Im z / |z|^2,  T_0 = -sinh(2 Im z) / 2,
-// it keeps its digits however small k is, which the product itself does not.
-class AbsorptionSource {
-  public:
-    AbsorptionSource(Complex m, const Lanes& x, const InsideWave<Complex>& inside) {
-        const Lanes y = m.imag() * x;
-        summed_ = y.maxCoeff() < 1;  // beyond, the product has lost nothing
-        if (!summed_) return;
-        slope_ = y * norm(inside.inverse_z());
-        const Lanes scale = (norm(inside.first()) + norm(inside.before_first())) / (2 * y).cosh();
-        T_ = -0.5 * scale * (2 * y).sinh() + norm(inside.first()) * slope_;
-    }
-
-    Lanes at(const InsideWave<Complex>& inside, int order) {
-        const ComplexLanes& P = inside.here();
-        const ComplexLanes& Q = inside.before();
-        if (!summed_) return Q.im * P.re - Q.re * P.im;
-        const Lanes T = T_;
-        T_ += (2 * order + 1) * norm(P) * slope_;
-        if (const Lanes* change = inside.change_of_scale()) T_ *= change->square();
-        return T;
-    }
-
-  private:
-    bool summed_ = false;
-    Lanes slope_, T_;
-};
 
 Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
 ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
@@ -135,9 +40,26 @@ void store_waves(const ComplexLanes& a, const ComplexLanes& b, const Lanes& root
     store(root_weight * (a.im - b.im), v + block.size);
 }
 
+Lanes dot(const ComplexLanes& u, const ComplexLanes& v) { return u.re * v.re + u.im * v.im; }
+
+// The sums of SphereSums, before weights. Orders are added one after the other.
 struct LaneSums {
     Lanes scattered = Lanes::Zero(), absorbed = Lanes::Zero(), asymmetric = Lanes::Zero();
+
+    void add_asymmetry(int n, const ComplexLanes& a, const ComplexLanes& b) {
+        asymmetric += (2 * n + 1) / (n * (n + 1.0)) * dot(a, b) +
+                      (n - 1.0) * (n + 1.0) / n * (dot(a, a_before) + dot(b, b_before));
+        a_before = a;
+        b_before = b;
+    }
+
+    ComplexLanes a_before{Lanes::Zero(), Lanes::Zero()}, b_before = a_before;
 };
+
+void silence(Response& response, const Lanes& alive) {
+    response.value = times(response.value, alive);
+    response.inverse_norm *= alive;
+}
 
 // Eight spheres. Where to write: columns [column, column + 8) of block, or nowhere.
 template <typename Number>
@@ -158,7 +80,6 @@ LaneSums compute_lanes(Number m, const Lanes& x, const Lanes& root_weight, Spher
 
     LaneSums sums;
     Response a, b;
-    ComplexLanes a_before{Lanes::Zero(), Lanes::Zero()}, b_before = a_before;
     for (int n = 1; n <= terms; ++n) {
         inside.advance();
         if (n <= shortest) {
@@ -180,10 +101,8 @@ LaneSums compute_lanes(Number m, const Lanes& x, const Lanes& root_weight, Spher
                 minus(times(B, outside.eta), times(P, outside.eta_before)), a, b);
         if (n > shortest) {
             const Lanes alive = (last_order >= n).select(Lanes::Ones(), Lanes::Zero());
-            a.value = times(a.value, alive);
-            b.value = times(b.value, alive);
-            a.inverse_norm *= alive;
-            b.inverse_norm *= alive;
+            silence(a, alive);
+            silence(b, alive);
         }
 
         const double degeneracy = 2 * n + 1;
@@ -198,16 +117,8 @@ LaneSums compute_lanes(Number m, const Lanes& x, const Lanes& root_weight, Spher
             const Lanes magnetic = n_r * T + k * R;
             sums.absorbed -= degeneracy * (electric * a.inverse_norm + magnetic * b.inverse_norm);
         }
-        const auto dot = [](const ComplexLanes& u, const ComplexLanes& v) -> Lanes {
-            return u.re * v.re + u.im * v.im;
-        };
-        sums.asymmetric +=
-            degeneracy / (n * (n + 1.0)) * dot(a.value, b.value) +
-            (n - 1.0) * (n + 1.0) / n * (dot(a.value, a_before) + dot(b.value, b_before));
-        a_before = a.value;
-        b_before = b.value;
-        if (!block) continue;
-        store_waves(a.value, b.value, root_weight, *block, n, column);
+        sums.add_asymmetry(n, a.value, b.value);
+        if (block) store_waves(a.value, b.value, root_weight, *block, n, column);
     }
     return sums;
 }
@@ -260,6 +171,18 @@ LaneSums compute_eight(Complex m, const Lanes& x, const Lanes& root_weight, Sphe
 }
 
 }  // namespace
+
+void SphereSums::add(const SphereSums& other) {
+    scattered += other.scattered;
+    absorbed += other.absorbed;
+    asymmetric += other.asymmetric;
+}
+
+void SphereSums::scale(double factor) {
+    scattered *= factor;
+    absorbed *= factor;
+    asymmetric *= factor;
+}
 
 void SphereBlock::make_room(int new_terms, int new_size) {
     terms = new_terms;

@@ -2,7 +2,6 @@
 #include "pipeline/brdf.h"
 #include "pipeline/error.h"
 #include "pipeline/layers.h"
-#include "pipeline/parallel.h"
 #include "pipeline/slice_report.h"
 #include "rte/math/quadrature.h"
 #include "rte/surface_lobe.h"
@@ -53,24 +52,18 @@ AlbedoResult compute_albedo(const Request& request, const RunControl& control) {
         std::vector<double>& mu_in = layer_request.directions.mu_in;
         mu_in.insert(mu_in.end(), rule.nodes.begin(), rule.nodes.end());
     }
-    std::vector<LayerSlice> layers =
-        compute_layers(layer_request, media, LayerQuantity::albedo, control);
-    AlbedoResult result;
-    result.sources = media.sources();
-    result.slices.resize(layers.size());
-    run_parallel("surface", layers.size(), control, [&](std::size_t w) {
-        AlbedoSlice& slice = result.slices[w];
-        set_report(slice, layers[w], request.wavelength_nm[w]);
-        slice.plane_albedo = std::move(layers[w].values);
+    const auto finish = [&](AlbedoSlice& slice, LayerSlice layer) {
+        slice.plane_albedo = std::move(layer.values);
         slice.spherical_albedo = slice.plane_albedo.back();
         slice.plane_albedo.pop_back();
         if (!request.scene.surface) return;
         const auto index = media.surface_index_at(slice.wavelength_nm);
         add_surface(slice, rte::SurfaceLobe(index, *request.scene.surface),
                     request.directions.mu_in, rule);
-    });
-    summarise(result);
-    return result;
+    };
+    return assemble<AlbedoResult>(
+        compute_layers(layer_request, media, LayerQuantity::albedo, control), request, media,
+        control, finish);
 }
 
 }  // namespace miebrdf

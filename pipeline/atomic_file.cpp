@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -15,6 +17,25 @@ namespace miebrdf {
 namespace {
 
 namespace fs = std::filesystem;
+
+// The library's one piece of global state: a signal handler can reach nothing else. It only ever
+// holds names of files that exist while an AtomicFile does.
+constexpr std::size_t kSlots = 64;
+std::array<std::atomic<const char*>, kSlots> unfinished;
+
+/// kSlots when all are taken: then only an abrupt end would leave a temporary file.
+std::size_t enlist(const char* name) {
+    std::size_t slot = 0;
+    for (; slot < kSlots; ++slot) {
+        const char* none = nullptr;
+        if (unfinished[slot].compare_exchange_strong(none, name)) break;
+    }
+    return slot;
+}
+
+void strike_off(std::size_t slot) {
+    if (slot < kSlots) unfinished[slot] = nullptr;
+}
 
 [[noreturn]] void refuse(const fs::path& target, int error) {
     throw InputError(fmt::format("cannot write '{}': {}", target.string(), std::strerror(error)));
@@ -36,7 +57,7 @@ void flush_to_disk(const fs::path& file) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), slot_(kSlots) {
     std::error_code ignored;
     if (fs::is_symlink(target_, ignored)) {
         const fs::path resolved = fs::weakly_canonical(target_, ignored);
@@ -57,14 +78,20 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     ::fchmod(descriptor, default_file_mode());
     ::close(descriptor);
     temporary_ = pattern;
+    slot_ = enlist(temporary_.c_str());
     stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-    if (!stream_) refuse(target_, errno);
+    if (stream_) return;
+    const int error = errno;
+    strike_off(slot_);
+    ::unlink(temporary_.c_str());
+    refuse(target_, error);
 }
 
 AtomicFile::~AtomicFile() {
     stream_.close();
     std::error_code ignored;
     if (renames_ && !committed_) fs::remove(temporary_, ignored);
+    strike_off(slot_);
 }
 
 void AtomicFile::commit() {
@@ -78,6 +105,13 @@ void AtomicFile::commit() {
         if (::rename(temporary_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
     }
     committed_ = true;
+    strike_off(slot_);
+}
+
+void remove_unfinished_files() noexcept {
+    for (const auto& name : unfinished) {
+        if (const char* path = name) ::unlink(path);
+    }
 }
 
 }  // namespace miebrdf

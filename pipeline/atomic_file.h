@@ -1,6 +1,7 @@
 // A file that appears whole or not at all.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -32,6 +33,11 @@ class AtomicFile {
     std::ofstream stream_;
     bool renames_ = true;
     bool committed_ = false;
+    std::size_t slot_;  ///< in the list of unfinished files
 };
+
+/// Removes the temporary files of every AtomicFile that is neither committed nor destroyed. For a
+/// program that has to end inside a signal handler, and only then: it calls unlink(2) alone.
+void remove_unfinished_files() noexcept;
 
 }  // namespace miebrdf

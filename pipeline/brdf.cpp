@@ -1,35 +1,67 @@
 #include "pipeline/brdf.h"
 
+#include <algorithm>
 #include <numbers>
 
+#include "pipeline/distinct_directions.h"
 #include "pipeline/layers.h"
-#include "pipeline/parallel.h"
+#include "pipeline/rules.h"
 #include "pipeline/slice_report.h"
-#include "rte/layered_brdf.h"
+#include "pipeline/surface_part.h"
 
 namespace miebrdf {
 namespace {
 
-/// Adds the surface lobe, and what it lets through of the layers, to a slice.
-void add_surface(SpectralSlice& slice, const rte::SurfaceLobe& lobe, const Request& request) {
-    const rte::Directions& d = request.directions;
-    const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
-    slice.surface.reserve(slice.subsurface.size());
-    slice.total.reserve(slice.subsurface.size());
-    std::vector<double> factor_out;
-    for (const double mu_out : d.mu_out) factor_out.push_back(transmission.out(mu_out));
+/// The surface at all the requested directions.
+SurfacePart surface_at(std::complex<double> index, const Request& request,
+                       const RunControl& control) {
+    const DistinctDirections distinct(request.directions);
+    SurfacePart part = surface_part(index, request.scene, distinct.directions(), control);
+    part.lobe = distinct.spread(part.lobe);
+    part.in = distinct.spread_incident(part.in);
+    part.out = distinct.spread_outgoing(part.out);
+    return part;
+}
+
+/// The lobe and what it lets through of the layers: eq. 5.
+std::vector<double> total_of(const SurfacePart& surface, const std::vector<double>& subsurface) {
+    std::vector<double> total = surface.lobe;
+    const std::size_t azimuths = total.size() / (surface.in.size() * surface.out.size());
     std::size_t index = 0;
-    for (const double mu_in : d.mu_in) {
-        const double factor_in = transmission.in(mu_in);
-        for (std::size_t o = 0; o < d.mu_out.size(); ++o) {
-            for (const double azimuth_deg : d.azimuth_deg) {
-                const double surface = lobe.brdf(mu_in, d.mu_out[o], azimuth_deg);
-                slice.surface.push_back(surface);
-                slice.total.push_back(surface +
-                                      factor_in * factor_out[o] * slice.subsurface[index++]);
+    for (const double in : surface.in) {
+        for (const double out : surface.out) {
+            for (std::size_t a = 0; a < azimuths; ++a, ++index) {
+                total[index] += in * out * subsurface[index];
             }
         }
     }
+    return total;
+}
+
+void raise(std::optional<double>& largest, double value) {
+    largest = std::max(largest.value_or(0.0), value);
+}
+
+/// The largest share of light that comes back: of the layers A, of the whole rho + (1 - rho) A
+/// (eq. 5; the reciprocal coupling gives that in the mean over incidences only, so it is left out).
+void add_energy(SpectralSlice& slice, const std::vector<double>& plane_albedo,
+                const SurfacePart* surface, rte::SurfaceCoupling coupling) {
+    for (std::size_t i = 0; i < plane_albedo.size(); ++i) {
+        raise(slice.layers_physics.largest_albedo, plane_albedo[i]);
+        if (surface != nullptr && coupling == rte::SurfaceCoupling::paper) {
+            raise(slice.physics.largest_albedo,
+                  1.0 - surface->in[i] + surface->in[i] * plane_albedo[i]);
+        }
+    }
+    if (surface == nullptr) slice.physics.largest_albedo = slice.layers_physics.largest_albedo;
+}
+
+void add_physics(SpectralSlice& slice, const rte::Directions& directions) {
+    const auto& whole = !slice.total.empty()     ? slice.total
+                        : !slice.surface.empty() ? slice.surface
+                                                 : slice.subsurface;
+    if (!slice.subsurface.empty()) slice.layers_physics = physics_of(slice.subsurface, directions);
+    if (!whole.empty()) slice.physics = physics_of(whole, directions);
 }
 
 }  // namespace
@@ -37,25 +69,28 @@ void add_surface(SpectralSlice& slice, const rte::SurfaceLobe& lobe, const Reque
 BrdfResult compute_brdf(const Request& request, const RunControl& control) {
     validate(request);
     const SceneMedia media(request);
-    std::vector<LayerSlice> layers =
-        compute_layers(request, media, LayerQuantity::reflection, control);
-    BrdfResult result;
-    result.sources = media.sources();
-    result.slices.resize(layers.size());
-    run_parallel("surface", layers.size(), control, [&](std::size_t w) {
-        SpectralSlice& slice = result.slices[w];
-        set_report(slice, layers[w], request.wavelength_nm[w]);
-        slice.subsurface = std::move(layers[w].values);
+    std::vector<LayerSlice> layers(request.wavelength_nm.size());
+    if (wants_layers(request.parts)) {
+        layers = compute_layers(request, media, LayerQuantity::reflection, control);
+    } else {
+        for (LayerSlice& none : layers) none.converged = none.report.converged = true;
+    }
+    const auto finish = [&](SpectralSlice& slice, LayerSlice layer) {
+        slice.subsurface = std::move(layer.values);
         for (double& value : slice.subsurface) value /= std::numbers::pi;
-        if (request.scene.surface) {
-            const auto index = media.surface_index_at(slice.wavelength_nm);
-            add_surface(slice, rte::SurfaceLobe(index, *request.scene.surface), request);
-        } else {
+        std::optional<SurfacePart> surface;
+        if (wants_lobe(request.scene, request.parts)) {
+            surface = surface_at(media.surface_index_at(slice.wavelength_nm), request, control);
+            slice.surface = surface->lobe;
+            if (request.parts.total) slice.total = total_of(*surface, slice.subsurface);
+        } else if (!request.scene.surface) {
             slice.total = slice.subsurface;
         }
-    });
-    summarise(result);
-    return result;
+        add_physics(slice, request.directions);
+        add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr,
+                   request.scene.coupling);
+    };
+    return assemble<BrdfResult>(std::move(layers), request, media, control, finish);
 }
 
 }  // namespace miebrdf

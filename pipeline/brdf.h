@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/physics_report.h"
 #include "pipeline/request.h"
 #include "pipeline/run_control.h"
 #include "rte/layered_reflection.h"
@@ -13,11 +14,14 @@ namespace miebrdf {
 
 /// Values at one wavelength, laid out as in rte::ReflectionTable:
 /// [(i * mu_out.size() + o) * azimuth_deg.size() + a]. All are BRDFs in 1/sr without the cosine.
+/// Parts that Request::parts does not ask for may be empty.
 struct SpectralSlice {
     double wavelength_nm = 0.0;
     std::vector<double> subsurface;  ///< R / pi of the layers alone
     std::vector<double> surface;     ///< the lobe R_s; empty without a surface
     std::vector<double> total;       ///< surface + transmitted subsurface (Chen et al., eq. 5)
+    PhysicsReport layers_physics;    ///< of subsurface
+    PhysicsReport physics;           ///< of total, or of the one part that was asked for
     double mie_error_estimate = 0.0;  ///< largest of the media
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together

@@ -1,17 +1,20 @@
 #include "pipeline/layers.h"
 
+#include <algorithm>
+#include <map>
 #include <optional>
 
+#include "pipeline/distinct_directions.h"
 #include "pipeline/packed_numbers.h"
 #include "pipeline/parallel.h"
 #include "pipeline/result_cache.h"
+#include "pipeline/rules.h"
+#include "pipeline/visible_layers.h"
 
 namespace miebrdf {
-namespace {
 
-/// Everything a slice depends on.
-std::string hash_of(const Request& request, const SceneMedia& media, LayerQuantity quantity,
-                    double wavelength_nm) {
+std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
+                       double wavelength_nm) {
     const rte::SolverOptions& solver = request.solver;
     JobKey key("layers");
     key.add(static_cast<int>(quantity));
@@ -27,13 +30,27 @@ std::string hash_of(const Request& request, const SceneMedia& media, LayerQuanti
     return key.hash();
 }
 
+bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
+    const double k_floor = media.scene().particles.k_floor;
+    return quantity == LayerQuantity::albedo &&
+           std::all_of(media.media().begin(), media.media().end(), [&](const ResolvedMedium& m) {
+               return absorbs_nothing(m, wavelength_nm, k_floor);
+           });
+}
+
+namespace {
+
 std::vector<double> packed(const LayerSlice& slice) {
     const rte::SolverReport& report = slice.report;
     NumberPacker packer;
-    packer.add(slice.values).add(slice.mie_error_estimate).add(slice.error_estimate);
+    packer.add(slice.values)
+        .add(slice.plane_albedo)
+        .add(slice.mie_error_estimate)
+        .add(slice.error_estimate);
     packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
     packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
-    packer.add(report.converged ? 1 : 0).add(report.method);
+    packer.add(report.converged ? 1 : 0).add(report.method).add(report.share_within_tolerance);
+    packer.add(report.worst_mu_in).add(report.worst_mu_out).add(report.worst_azimuth_deg);
     return packer.numbers();
 }
 
@@ -41,6 +58,7 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
     NumberUnpacker unpacker(numbers);
     LayerSlice slice;
     slice.values = unpacker.list();
+    slice.plane_albedo = unpacker.list();
     slice.mie_error_estimate = unpacker.number();
     slice.error_estimate = unpacker.number();
     slice.converged = unpacker.number() == 1;
@@ -51,19 +69,55 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
     slice.report.error_estimate = unpacker.number();
     slice.report.converged = unpacker.number() == 1;
     slice.report.method = unpacker.text();
+    slice.report.share_within_tolerance = unpacker.number();
+    slice.report.worst_mu_in = unpacker.number();
+    slice.report.worst_mu_out = unpacker.number();
+    slice.report.worst_azimuth_deg = unpacker.number();
+    return slice;
+}
+
+/// What every direction of a half-space that absorbs nothing returns: everything.
+LayerSlice lossless(std::size_t incidences) {
+    LayerSlice slice;
+    slice.values.assign(incidences + 1, 1.0);
+    slice.converged = slice.report.converged = true;
+    slice.report.method = "closed form of layers that absorb nothing";
+    return slice;
+}
+
+/// Plane albedos beside a reflection table, on as many nodes: order 0 alone.
+std::vector<double> albedo_beside(const rte::Stack& stack, const Request& request, int streams) {
+    rte::SolverOptions options = request.solver;
+    options.streams = streams;
+    return rte::albedo(stack, request.directions.mu_in, options).plane_albedo;
+}
+
+/// What layers return of which none scatters.
+LayerSlice black(const Request& request, LayerQuantity quantity) {
+    const rte::Directions& d = request.directions;
+    const bool albedo = quantity == LayerQuantity::albedo;
+    LayerSlice slice;
+    slice.values.assign(
+        albedo ? d.mu_in.size() + 1 : d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
+    if (!albedo) slice.plane_albedo.assign(d.mu_in.size(), 0.0);
+    slice.converged = slice.report.converged = true;
+    slice.report.method = "closed form of layers that scatter nothing";
     return slice;
 }
 
 LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantity quantity) {
+    const rte::Stack stack = with_black_ground(optics.stack);
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
+        return black(request, quantity);
+    }
     LayerSlice slice;
     if (quantity == LayerQuantity::reflection) {
-        rte::ReflectionTable table =
-            rte::reflect(optics.stack, request.directions, request.solver);
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, request.solver);
         slice.values = std::move(table.reflection);
         slice.report = table.report;
+        slice.plane_albedo = albedo_beside(stack, request, slice.report.streams);
     } else {
-        rte::AlbedoTable table =
-            rte::albedo(optics.stack, request.directions.mu_in, request.solver);
+        rte::AlbedoTable table = rte::albedo(stack, request.directions.mu_in, request.solver);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         slice.report = table.report;
@@ -74,35 +128,75 @@ LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantit
     return slice;
 }
 
+/// Jobs that differ, and which of them serves each wavelength.
+struct LayerJobs {
+    std::vector<std::string> hashes;
+    std::vector<double> wavelength_nm;
+    std::vector<std::size_t> serving;  ///< [wavelength]
+};
+
+LayerJobs list_jobs(const Request& request, const SceneMedia& media, LayerQuantity quantity) {
+    LayerJobs jobs;
+    std::map<std::string, std::size_t> known;
+    for (const double wavelength_nm : request.wavelength_nm) {
+        const std::string hash = layer_hash(request, media, quantity, wavelength_nm);
+        const auto [found, is_new] = known.try_emplace(hash, jobs.hashes.size());
+        jobs.serving.push_back(found->second);
+        if (!is_new) continue;
+        jobs.hashes.push_back(hash);
+        jobs.wavelength_nm.push_back(wavelength_nm);
+    }
+    return jobs;
+}
+
+/// A slice at the distinct directions as one at all those that were asked for.
+LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
+                  LayerQuantity quantity) {
+    LayerSlice all = slice;
+    if (quantity == LayerQuantity::reflection) {
+        all.values = distinct.spread(slice.values);
+        all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
+    } else {
+        all.values = distinct.spread_incident(slice.values);
+        all.values.push_back(slice.values.back());  // the spherical albedo
+    }
+    return all;
+}
+
 }  // namespace
 
 std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
                                        LayerQuantity quantity, const RunControl& control) {
-    std::vector<LayerSlice> slices(request.wavelength_nm.size());
-    std::vector<std::string> hashes(slices.size());
+    const DistinctDirections distinct(request.directions);
+    Request reduced = request;
+    reduced.directions = distinct.directions();
+    const LayerJobs jobs = list_jobs(reduced, media, quantity);
+    std::vector<LayerSlice> solved(jobs.hashes.size());
     std::vector<std::size_t> missing;
     std::vector<double> missing_nm;
-    for (std::size_t w = 0; w < slices.size(); ++w) {
+    for (std::size_t j = 0; j < solved.size(); ++j) {
         std::optional<std::vector<double>> known;
-        if (control.cache != nullptr) {
-            hashes[w] = hash_of(request, media, quantity, request.wavelength_nm[w]);
-            known = control.cache->find(hashes[w]);
-        }
-        if (known) {
-            slices[w] = unpacked(*known);
+        if (has_closed_form(media, quantity, jobs.wavelength_nm[j])) {
+            solved[j] = lossless(reduced.directions.mu_in.size());
+        } else if (control.cache != nullptr && (known = control.cache->find(jobs.hashes[j]))) {
+            solved[j] = unpacked(*known);
         } else {
-            missing.push_back(w);
-            missing_nm.push_back(request.wavelength_nm[w]);
+            missing.push_back(j);
+            missing_nm.push_back(jobs.wavelength_nm[j]);
         }
     }
-    const PhaseDemand phase = quantity == LayerQuantity::reflection ? PhaseDemand::whole
-                                                                    : PhaseDemand::moments_only;
-    const auto optics = media.optics(missing_nm, demand_of(request, phase), control);
+    const PhaseDemand phase =
+        quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
+    const auto optics =
+        visible_optics(media, reduced, missing_nm, demand_of(reduced, phase), control);
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
-        const std::size_t w = missing[i];
-        slices[w] = solve(request, optics[i], quantity);
-        if (control.cache != nullptr) control.cache->store(hashes[w], packed(slices[w]));
+        const std::size_t j = missing[i];
+        solved[j] = solve(reduced, optics[i], quantity);
+        if (control.cache != nullptr) control.cache->store(jobs.hashes[j], packed(solved[j]));
     });
+    std::vector<LayerSlice> slices;
+    for (const std::size_t j : jobs.serving)
+        slices.push_back(spread(solved[j], distinct, quantity));
     return slices;
 }
 

@@ -18,16 +18,26 @@ enum class LayerQuantity {
 
 struct LayerSlice {
     std::vector<double> values;  ///< laid out as in rte::ReflectionTable, or as said above
+    std::vector<double> plane_albedo;  ///< at the request's mu_in, with `reflection` too
     double mie_error_estimate = 0.0;
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together
     bool converged = false;       ///< every step reached its tolerance
 };
 
-/// One slice for each of Request::wavelength_nm. With control.cache, slices are stored as soon as
+/// One slice for each of Request::wavelength_nm; wavelengths whose layers are the same (repeated, or
+/// of media that do not change with it) are computed once. With control.cache, slices are stored as soon as
 /// they are known: a run that is stopped keeps what it has done.
 /// @throws UsageError, InputError, Cancelled
 std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
                                        LayerQuantity quantity, const RunControl& control);
+
+/// Names the job of one wavelength: everything its slice depends on.
+/// @param request  its directions as the solver gets them (distinct_directions.h)
+std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
+                       double wavelength_nm);
+
+/// Whether the answer is known without solving anything: albedos of layers that absorb nothing.
+bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm);
 
 }  // namespace miebrdf

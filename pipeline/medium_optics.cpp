@@ -36,6 +36,9 @@ rte::Optics analytic_optics(const Medium& medium) {
     return std::visit(Maker{}, medium);
 }
 
+/// Of the error that points of P may have, the part that their interpolation may.
+constexpr double kInterpolationShare = 0.3;
+
 mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelength_nm,
                                       const ParticleOptions& particles, const OpticsDemand& demand) {
     mie::EnsembleRequest request;
@@ -48,6 +51,7 @@ mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelen
     request.tolerance = demand.tolerance;
     if (demand.whole_phase_function) {
         request.with_phase_table = true;
+        request.table_tolerance = kInterpolationShare * request.phase_tolerance;
         request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
     }
     return request;
@@ -74,10 +78,11 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
 }  // namespace
 
 MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
-                           const ParticleOptions& particles, const OpticsDemand& demand) {
+                           const ParticleOptions& particles, const OpticsDemand& demand,
+                           const mie::Executor& run) {
     if (const auto index = medium.index_at(wavelength_nm, particles.k_floor)) {
         const auto request = ensemble_request(*index, wavelength_nm, particles, demand);
-        return from_mie(mie::average_over_sizes(request), request);
+        return from_mie(mie::average_over_sizes(request, run), request);
     }
     MediumOptics result;
     result.optics = analytic_optics(medium.medium);

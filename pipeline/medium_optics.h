@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "mie/executor.h"
 #include "pipeline/resolved_medium.h"
 #include "rte/optics.h"
 
@@ -35,8 +36,10 @@ struct MediumOptics {
 };
 
 /// @param wavelength_nm  in vacuum
+/// @param run  for the pieces of one Mie average (parallel.h)
 /// @throws InputError  for a wavelength outside the medium's table
 MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
-                           const ParticleOptions& particles, const OpticsDemand& demand);
+                           const ParticleOptions& particles, const OpticsDemand& demand,
+                           const mie::Executor& run = mie::run_in_order);
 
 }  // namespace miebrdf

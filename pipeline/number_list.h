@@ -28,7 +28,8 @@ std::vector<double> parse_number_list(std::string_view text, const std::string& 
 /// @throws UsageError  for an unknown unit or a wavelength that is not positive
 double parse_wavelength_nm(std::string_view text);
 
-/// A list of wavelengths in nm; every part may carry its unit, and `rgb` is 620, 535, 480 nm.
+/// A list of wavelengths in nm; every part may carry its unit, and `rgb` is 620, 535, 480 nm. Steps
+/// are in nm, or with a unit (`2eV:3eV:0.25eV`) even in that unit.
 std::vector<double> parse_wavelengths_nm(std::string_view text);
 
 }  // namespace miebrdf

@@ -1,8 +1,10 @@
 #include "pipeline/parallel.h"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace miebrdf {
@@ -37,19 +39,38 @@ class WatchedJob {
 void run_parallel(const std::string& stage, std::size_t count, const RunControl& control,
                   const std::function<void(std::size_t)>& job) {
     WatchedJob watched(stage, count, control, job);
-    if (count == 1 || control.threads == 1) {
+    if (control.threads == 1) {
         for (std::size_t i = 0; i < count; ++i) watched(i);
         return;
     }
-    tbb::task_arena arena(control.threads > 0 ? control.threads : tbb::task_arena::automatic);
+    // More threads than processors gain nothing, and TBB complains about them on standard error.
+    const int processors = tbb::info::default_concurrency();
+    tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, processors) : processors);
     arena.execute([&] {
         // Jobs differ in cost by orders of magnitude, so each is a task of its own.
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) watched(i);
-                          },
-                          tbb::simple_partitioner());
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, count, 1),
+            [&](const tbb::blocked_range<std::size_t>& range) {
+                for (std::size_t i = range.begin(); i != range.end(); ++i) watched(i);
+            },
+            tbb::simple_partitioner());
     });
+}
+
+mie::Executor pieces_of_job(const RunControl& control) {
+    if (control.threads == 1) return mie::run_in_order;
+    return [](int count, const std::function<void(int)>& piece) {
+        // Isolated: while it waits for its last piece, a thread must not begin another job, which
+        // this one would then wait for.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<int>(0, count, 1),
+                [&](const tbb::blocked_range<int>& range) {
+                    for (int i = range.begin(); i != range.end(); ++i) piece(i);
+                },
+                tbb::simple_partitioner());
+        });
+    };
 }
 
 }  // namespace miebrdf

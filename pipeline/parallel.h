@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "mie/executor.h"
 #include "pipeline/run_control.h"
 
 namespace miebrdf {
@@ -15,5 +16,9 @@ namespace miebrdf {
 /// @throws Cancelled  when control.cancelled was raised before the last job began
 void run_parallel(const std::string& stage, std::size_t count, const RunControl& control,
                   const std::function<void(std::size_t)>& job);
+
+/// For the pieces of one job of run_parallel: they go to threads of the same run that have no job of
+/// their own left, so that one large job is not done by one thread.
+mie::Executor pieces_of_job(const RunControl& control);
 
 }  // namespace miebrdf

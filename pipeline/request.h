@@ -24,10 +24,18 @@ struct Scene {
     std::optional<std::complex<double>> surface_index;
 };
 
+/// Which parts of a BRDF are wanted; the others are neither computed nor returned.
+struct BrdfParts {
+    bool subsurface = true;
+    bool surface = true;  ///< the lobe; there is none without Scene::surface
+    bool total = true;
+};
+
 struct Request {
     Scene scene;
     std::vector<double> wavelength_nm;
     rte::Directions directions;
+    BrdfParts parts;  ///< of compute_brdf
     rte::SolverOptions solver;
     std::string database;  ///< of the user's materials; empty: the default one
 };

@@ -7,13 +7,14 @@
 #include <tuple>
 
 #include "pipeline/error.h"
+#include "pipeline/packed_optics.h"
 #include "pipeline/parallel.h"
+#include "pipeline/result_cache.h"
+#include "pipeline/rules.h"
+#include "pipeline/tolerance.h"
 
 namespace miebrdf {
 namespace {
-
-/// The size average may err by this share of the request's tolerance, so that it does not show.
-constexpr double kMieShare = 0.1;
 
 // Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
 // the rest (docs/numerics.md).
@@ -62,43 +63,84 @@ JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
     return list;
 }
 
+/// Everything that the optics of one medium at one wavelength depend on: scenes that share the
+/// medium share the entry.
+std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
+                        const ParticleOptions& particles, const OpticsDemand& demand) {
+    JobKey key("single scattering");
+    medium.add_to(key, wavelength_nm, particles);
+    key.add(demand.highest_moment).add(demand.whole_phase_function ? 1 : 0);
+    key.add(std::span<const double>(demand.angles_deg)).add(demand.tolerance);
+    return key.hash();
+}
+
+template <typename Compute>
+MediumOptics remembered(ResultCache& cache, const std::string& hash, const Compute& compute) {
+    if (const auto numbers = cache.find(hash)) return unpacked_optics(*numbers);
+    MediumOptics optics = compute();
+    cache.store(hash, packed(optics));
+    return optics;
+}
+
 }  // namespace
 
 OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     const double wanted = request.scene.particles.tolerance;
     OpticsDemand demand;
-    demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
+    demand.tolerance = wanted > 0.0 ? wanted : kToleranceShares.mie * request.solver.tolerance;
     demand.highest_moment = highest_moment(request.solver);
     demand.whole_phase_function =
         phase == PhaseDemand::whole && request.solver.single_scattering_correction;
     return demand;
 }
 
-SceneMedia::SceneMedia(const Request& request) : scene_(request.scene) {
+SceneMedia::SceneMedia(const Request& request) : scene_(without_empty_coats(request.scene)) {
     const MediumResolver resolver(request.database);
-    const Scene& scene = request.scene;
-    media_.push_back(resolver.resolve(scene.base));
-    for (const CoatMedium& coat : scene.coats) media_.push_back(resolver.resolve(coat.medium));
-    if (scene.surface && !scene.surface_index && !needs_mie(top_medium(scene))) {
-        throw UsageError(fmt::format(
-            "the surface of '{}' has no refractive index; give one with --surface-index N,K, or leave "
-            "the surface out with --roughness 0", describe(top_medium(scene))));
+    media_.push_back(resolver.resolve(scene_.base));
+    for (const CoatMedium& coat : scene_.coats) media_.push_back(resolver.resolve(coat.medium));
+    if (!scene_.surface || scene_.surface_index) return;
+    const Medium& top = top_medium(request.scene);
+    if (!needs_mie(top)) {
+        throw UsageError(
+            fmt::format("the surface of '{}' has no refractive index; give one with "
+                        "--surface-index N,K, or leave "
+                        "the surface out with --roughness 0",
+                        describe(top)));
     }
+    surface_medium_ = resolver.resolve(top);
+}
+
+SceneMedia SceneMedia::from_coat(std::size_t coat) const {
+    const auto position = static_cast<std::ptrdiff_t>(coat);
+    SceneMedia upper = *this;
+    upper.scene_.base = scene_.coats[coat].medium;
+    upper.scene_.coats.erase(upper.scene_.coats.begin(), upper.scene_.coats.begin() + position + 1);
+    upper.media_.erase(upper.media_.begin(), upper.media_.begin() + position + 1);
+    return upper;
+}
+
+SceneMedia SceneMedia::below_coat(std::size_t coat) const {
+    SceneMedia lower = *this;
+    lower.scene_.coats.resize(coat);
+    lower.media_.resize(coat + 1);
+    return lower;
 }
 
 std::vector<std::string> SceneMedia::sources() const {
     std::vector<std::string> lines;
-    for (const ResolvedMedium& medium : media_) {
+    const auto add = [&](const ResolvedMedium& medium) {
         if (std::find(lines.begin(), lines.end(), medium.source) == lines.end()) {
             lines.push_back(medium.source);
         }
-    }
+    };
+    for (const ResolvedMedium& medium : media_) add(medium);
+    if (surface_medium_) add(*surface_medium_);
     return lines;
 }
 
 std::complex<double> SceneMedia::surface_index_at(double wavelength_nm) const {
     if (scene_.surface_index) return *scene_.surface_index;
-    return *media_.back().index_at(wavelength_nm, scene_.particles.k_floor);
+    return *surface_medium_->index_at(wavelength_nm, scene_.particles.k_floor);
 }
 
 void SceneMedia::add_to(JobKey& key, double wavelength_nm) const {
@@ -113,9 +155,19 @@ std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelengt
                                             const RunControl& control) const {
     const JobList list = list_jobs(media_, scene_.particles.k_floor, wavelength_nm);
     std::vector<MediumOptics> done(list.jobs.size());
+    const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
         const Job& job = list.jobs[j];
-        done[j] = medium_optics(media_[job.medium], job.wavelength_nm, scene_.particles, demand);
+        const ResolvedMedium& medium = media_[job.medium];
+        const auto compute = [&] {
+            return medium_optics(medium, job.wavelength_nm, scene_.particles, demand, pieces);
+        };
+        const bool worth_remembering = control.cache != nullptr && needs_mie(medium.medium);
+        done[j] = worth_remembering
+                      ? remembered(*control.cache,
+                                   optics_hash(medium, job.wavelength_nm, scene_.particles, demand),
+                                   compute)
+                      : compute();
     });
 
     std::vector<SceneOptics> scenes;

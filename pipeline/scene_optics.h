@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,15 @@ class SceneMedia {
     /// @throws UsageError  for a surface on a medium without a refractive index
     explicit SceneMedia(const Request& request);
 
+    /// The scene as it is computed: without coats of no depth.
+    const Scene& scene() const { return scene_; }
+    /// Base (0) and coats (1, ...) of scene(), looked up.
+    const std::vector<ResolvedMedium>& media() const { return media_; }
+
+    /// The layers from a coat of scene() upwards, with that coat as the half-space, and those below.
+    SceneMedia from_coat(std::size_t coat) const;
+    SceneMedia below_coat(std::size_t coat) const;
+
     /// One line for each different medium.
     std::vector<std::string> sources() const;
 
@@ -49,6 +59,8 @@ class SceneMedia {
     Scene scene_;
     /// media_[0] is the base, then the coats.
     std::vector<ResolvedMedium> media_;
+    /// Of the topmost layer as listed, even if it has no depth; empty where no index is needed.
+    std::optional<ResolvedMedium> surface_medium_;
 };
 
 }  // namespace miebrdf

@@ -1,9 +1,12 @@
-// How the error of a spectral result is put together from that of its wavelengths.
+// What the spectral results have in common: one layer job and one slice for each wavelength, and
+// how their errors add up to that of the whole.
 #pragma once
 
 #include <algorithm>
+#include <functional>
 
 #include "pipeline/layers.h"
+#include "pipeline/parallel.h"
 
 namespace miebrdf {
 
@@ -25,6 +28,22 @@ void summarise(Result& result) {
         result.converged = result.converged && slice.converged;
         result.error_estimate = std::max(result.error_estimate, slice.error_estimate);
     }
+}
+
+/// Turns the layers of each wavelength into a slice of the result.
+/// @param finish  (slice, layers): adds the surface; called in parallel
+template <typename Result, typename Finish>
+Result assemble(std::vector<LayerSlice> layers, const Request& request, const SceneMedia& media,
+                const RunControl& control, const Finish& finish) {
+    Result result;
+    result.sources = media.sources();
+    result.slices.resize(layers.size());
+    run_parallel("surface", layers.size(), control, [&](std::size_t w) {
+        set_report(result.slices[w], layers[w], request.wavelength_nm[w]);
+        finish(result.slices[w], std::move(layers[w]));
+    });
+    summarise(result);
+    return result;
 }
 
 }  // namespace miebrdf

@@ -10,6 +10,8 @@
 namespace miebrdf {
 namespace {
 
+constexpr std::size_t kWrittenAtOnce = 1 << 16;
+
 void append_text(fmt::memory_buffer& line, const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) {
         line.append(text);
@@ -31,6 +33,27 @@ void append_cell(fmt::memory_buffer& line, const Cell& cell) {
     }
 }
 
+/// A header line and rows, each after `prefix`; nothing when there are no columns.
+void write_rows(const std::vector<std::string>& columns, const std::vector<std::vector<Cell>>& rows,
+                std::string_view prefix, std::ostream& out) {
+    if (columns.empty()) return;
+    fmt::memory_buffer lines;
+    const auto append_line = [&](const auto& fields, const auto& append_field) {
+        lines.append(prefix);
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            if (i > 0) lines.push_back(',');
+            append_field(lines, fields[i]);
+        }
+        lines.push_back('\n');
+        if (lines.size() < kWrittenAtOnce) return;
+        out.write(lines.data(), static_cast<std::streamsize>(lines.size()));
+        lines.clear();
+    };
+    append_line(columns, append_text);
+    for (const auto& row : rows) append_line(row, append_cell);
+    out.write(lines.data(), static_cast<std::streamsize>(lines.size()));
+}
+
 nlohmann::ordered_json json_of(const Cell& cell) {
     if (const auto* number = std::get_if<double>(&cell)) {
         if (!std::isfinite(*number)) return nullptr;  // JSON has neither NaN nor infinity
@@ -50,22 +73,8 @@ void write_csv(const Table& table, std::ostream& out) {
         }
         out << "# " << name << ": " << line << '\n';
     }
-    fmt::memory_buffer line;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        if (i > 0) line.push_back(',');
-        append_text(line, table.columns[i]);
-    }
-    line.push_back('\n');
-    for (const auto& row : table.rows) {
-        for (std::size_t i = 0; i < row.size(); ++i) {
-            if (i > 0) line.push_back(',');
-            append_cell(line, row[i]);
-        }
-        line.push_back('\n');
-        out.write(line.data(), static_cast<std::streamsize>(line.size()));
-        line.clear();
-    }
-    out.write(line.data(), static_cast<std::streamsize>(line.size()));
+    write_rows(table.report_columns, table.report, "# report: ", out);
+    write_rows(table.columns, table.rows, "", out);
 }
 
 void write_json(const Table& table, std::ostream& out) {
@@ -85,6 +94,11 @@ void write_json(const Table& table, std::ostream& out) {
         nlohmann::ordered_json fields = nlohmann::ordered_json::array();
         for (const Cell& cell : row) fields.push_back(json_of(cell));
         rows.push_back(std::move(fields));
+    }
+    for (const auto& row : table.report) {
+        nlohmann::ordered_json object;
+        for (std::size_t i = 0; i < row.size(); ++i) object[table.report_columns[i]] = json_of(row[i]);
+        json["report"].push_back(std::move(object));
     }
     out << json.dump(1) << '\n';
 }

@@ -18,13 +18,17 @@ struct Table {
     std::vector<std::pair<std::string, std::string>> facts;
     std::vector<std::string> columns;
     std::vector<std::vector<Cell>> rows;
+    /// A second, small table about the first: how each part of it came about. May be empty.
+    std::vector<std::string> report_columns;
+    std::vector<std::vector<Cell>> report;
 };
 
-/// `# name: value` lines, a header line, rows; numbers in the shortest form that reads back to the
+/// `# name: value` lines, the report as `# report: a,b` lines, a header line, rows; numbers in the shortest form that reads back to the
 /// same double. Text that needs it is quoted (RFC 4180). Not-a-number becomes an empty field.
 void write_csv(const Table& table, std::ostream& out);
 
-/// One object: the facts under "facts", then "columns" and "rows". Not-a-number becomes null.
+/// One object: the facts under "facts", then "columns" and "rows", and the
+/// report as "report", one object a row. Not-a-number becomes null.
 void write_json(const Table& table, std::ostream& out);
 
 }  // namespace miebrdf

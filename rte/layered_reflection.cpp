@@ -54,7 +54,7 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
-// First order, and what is narrower than the moments kept, to a fiftieth of the tolerance.
+// First order, and what is narrower than the moments kept.
 void add_first_order(const ScaledStack& stack, const Directions& directions,
                      const SolverOptions& options, std::vector<double>& reflection) {
     std::vector<double> cos_azimuth;
@@ -64,14 +64,16 @@ void add_first_order(const ScaledStack& stack, const Directions& directions,
     double mu_least = 1.0;
     for (const double mu : directions.mu_in) mu_least = std::min(mu_least, mu);
     for (const double mu : directions.mu_out) mu_least = std::min(mu_least, mu);
-    NarrowFeatures narrow;
     if (options.single_scattering_correction) {
-        narrow = NarrowFeatures(stack.media, mu_least, 0.02 * options.tolerance);
+        constexpr double share_of_tolerance = 0.1;
+        constexpr std::size_t many_directions = 2000;
+        NarrowFeatures narrow(stack.media, mu_least, share_of_tolerance * options.tolerance);
+        if (reflection.size() > many_directions) narrow.tabulate();
+        narrow.add_to(reflection.data(), directions.mu_in, directions.mu_out, cos_azimuth);
     }
     double* next = reflection.data();
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {
-            narrow.add_to(next, mu_in, mu_out, cos_azimuth);
             for (const double cosine : cos_azimuth) {
                 *next++ += single_scattering(stack.media, options.single_scattering_correction,
                                              mu_in, mu_out, cosine);
@@ -118,6 +120,16 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     return attempt;
 }
 
+void name_worst_direction(const Directions& directions, SolverReport& report) {
+    const std::size_t azimuths = directions.azimuth_deg.size();
+    const std::size_t outgoing = directions.mu_out.size();
+    if (azimuths == 0 || outgoing == 0 || directions.mu_in.empty()) return;
+    const std::size_t pair = report.worst_value / azimuths;
+    report.worst_azimuth_deg = directions.azimuth_deg[report.worst_value % azimuths];
+    report.worst_mu_out = directions.mu_out[pair % outgoing];
+    report.worst_mu_in = directions.mu_in[pair / outgoing];
+}
+
 }  // namespace
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
@@ -139,6 +151,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                                               return reflect_with(stack, directions, requested,
                                                                   options, discretisation);
                                           });
+    name_worst_direction(directions, attempt.report);
     return {std::move(attempt.values), std::move(attempt.report)};
 }
 

@@ -168,16 +168,20 @@ std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, dou
 }
 
 NarrowFeatures::NarrowFeatures(const std::vector<ScaledMedium>& media, double mu_least,
-                               double tolerance) {
+                               double tolerance)
+    : tolerance_(tolerance) {
     const double lowest = log_q_of(1.0, 1.0);
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    const Eigen::MatrixXd strengths = strengths_at_nodes(media, tolerance);
-    if (strengths.cols() == 0) return;
-    const double shortest_wave = 2.0 * std::numbers::pi / double(strengths.cols());
-    table_.emplace([&](const Eigen::VectorXd& angles) { return sum_degrees(strengths, angles); },
-                   0.5 * shortest_wave, tolerance);
+    strengths_ = strengths_at_nodes(media, tolerance);
+}
+
+void NarrowFeatures::tabulate() {
+    if (none()) return;
+    const double shortest_wave = 2.0 * std::numbers::pi / double(strengths_.cols());
+    table_.emplace([&](const Eigen::VectorXd& angles) { return sum_degrees(strengths_, angles); },
+                   0.5 * shortest_wave, tolerance_);
 }
 
 Eigen::MatrixXd NarrowFeatures::strengths_at_nodes(const std::vector<ScaledMedium>& media,
@@ -205,19 +209,39 @@ Eigen::MatrixXd NarrowFeatures::strengths_at_nodes(const std::vector<ScaledMediu
 }
 
 Eigen::VectorXd NarrowFeatures::node_weights(double q) const {
-    const int count = table_->function_count();
+    const int count = int(strengths_.rows());
     if (count == 1) return Eigen::VectorXd::Ones(1);
     return chebyshev_weights((std::log(q) - log_q_middle_) / log_q_half_, count);
 }
 
-void NarrowFeatures::add_to(double* reflection, double mu_in, double mu_out,
+void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
+                            std::span<const double> mu_out,
                             std::span<const double> cos_azimuth) const {
     if (none()) return;
-    const Eigen::VectorXd weights = node_weights(1.0 / mu_in + 1.0 / mu_out);
-    const double scale = 1.0 / (4.0 * (mu_in + mu_out));
-    for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-        const double theta = std::acos(cos_scattering_angle(mu_in, mu_out, cos_azimuth[a]));
-        reflection[a] += scale * table_->combined(theta, weights);
+    std::vector<double> angles;
+    for (const double in : mu_in) {
+        for (const double out : mu_out) {
+            for (const double cosine : cos_azimuth) {
+                angles.push_back(std::acos(cos_scattering_angle(in, out, cosine)));
+            }
+        }
+    }
+    Eigen::MatrixXd sums;  // without a table: row = direction, column = node in log q
+    if (!table_) {
+        sums = sum_degrees(strengths_, Eigen::Map<const Eigen::VectorXd>(
+                                           angles.data(), Eigen::Index(angles.size())));
+    }
+    std::size_t k = 0;
+    for (const double in : mu_in) {
+        for (const double out : mu_out) {
+            const Eigen::VectorXd weights = node_weights(1.0 / in + 1.0 / out);
+            const double scale = 1.0 / (4.0 * (in + out));
+            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k) {
+                const double value = table_ ? table_->combined(angles[k], weights)
+                                            : sums.row(Eigen::Index(k)).dot(weights);
+                reflection[k] += scale * value;
+            }
+        }
     }
 }
 

@@ -21,7 +21,8 @@ namespace miebrdf::rte {
 /// equations know already: the share s_l of N_l, fed by what they keep of the peak, F'_l
 /// (docs/maths-rte.md).
 ///
-/// C is a table: Chebyshev series in log q (it is made of exponentials of q) of functions of Theta.
+/// In log q, C is a Chebyshev series (it is made of exponentials of q); its coefficients are
+/// functions of Theta, summed over l at every direction or, for many directions, tabulated.
 class NarrowFeatures {
   public:
     /// Nothing to correct anywhere.
@@ -32,10 +33,14 @@ class NarrowFeatures {
     /// @param tolerance  of C, absolute
     NarrowFeatures(const std::vector<ScaledMedium>& media, double mu_least, double tolerance);
 
-    bool none() const { return !table_; }
+    bool none() const { return strengths_.size() == 0; }
 
-    /// What to add to R at many azimuths of one pair of cosines, both at least mu_least.
-    void add_to(double* reflection, double mu_in, double mu_out,
+    /// Makes a table in Theta, which pays from some thousand directions on.
+    void tabulate();
+
+    /// What to add to R at all combinations of cosines, none below mu_least, and azimuths:
+    /// reflection[(i * mu_out.size() + o) * cos_azimuth.size() + a].
+    void add_to(double* reflection, std::span<const double> mu_in, std::span<const double> mu_out,
                 std::span<const double> cos_azimuth) const;
 
   private:
@@ -47,6 +52,8 @@ class NarrowFeatures {
 
     double log_q_middle_ = 0.0;
     double log_q_half_ = 1.0;
+    double tolerance_ = 0.0;
+    Eigen::MatrixXd strengths_;              ///< row = node in log q, column = degree
     std::optional<math::AngleTable> table_;  ///< one function for each node in log q
 };
 

@@ -32,6 +32,9 @@ struct SolverReport {
     /// one is: a peak on the horizon may be wrong where everything else has long converged.
     double share_within_tolerance = 1.0;
     std::size_t worst_value = 0;
+    double worst_mu_in = 0.0;        ///< its directions; 0: none is worse than another
+    double worst_mu_out = 0.0;       ///< 0 for albedos
+    double worst_azimuth_deg = 0.0;
     bool converged = false;       ///< error_estimate <= tolerance
     std::string method;
 };

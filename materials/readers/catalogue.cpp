@@ -126,7 +126,7 @@ std::optional<CataloguePage> page_of_path(const fs::path& file) {
 
 fs::path page_file(const fs::path& folder, const CataloguePage& page) {
     for (const char* data : {"data", "data-nk", ""}) {
-        const fs::path file = folder / data / page.data;
+        fs::path file = folder / data / page.data;
         if (fs::exists(file)) return file;
     }
     throw ImportError(page.data, 0, "listed in the catalogue, but there is no such file");

@@ -34,6 +34,7 @@ Columns read_columns(std::string_view text, char comment, std::size_t count,
                               fmt::format("{} columns, expected {}", words.size(), count));
         }
         std::vector<double> numbers;
+        numbers.reserve(count);
         for (const std::string_view word : words)
             numbers.push_back(require_number(word, file, line));
         columns.rows.emplace_back(line, std::move(numbers));

@@ -23,7 +23,8 @@ void check_rows(const RawTable& table, const std::string& file, double negative_
         }
         if (table.has_k && !(row.k >= -negative_k_tolerance && std::isfinite(row.k))) {
             throw ImportError(file, row.line,
-                              fmt::format("k = {}; must be >= 0 (noise down to -{} is set to 0)",
+                              fmt::format("k = {}; must be >= 0 (noise down to -{} is set to 0, "
+                                          "further with --negative-k-tolerance)",
                                           row.k, negative_k_tolerance));
         }
     }

@@ -100,7 +100,8 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
         rte::sum_orders(scaled, grid, requested, azimuth_deg, 0.1 * options.tolerance, options);
     media_ = scaled.media;
     if (exact_first_order_) {
-        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.02 * options.tolerance);
+        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.1 * options.tolerance);
+        narrow_.tabulate();
     }
     smooth_ = tabulate(multiple, samples);
     report_.azimuthal_orders = multiple.orders;
@@ -124,8 +125,9 @@ void WavelengthSolution::add_layers(std::span<const Direction> directions, doubl
         cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
     std::vector<double> narrow(directions.size(), 0.0);
     // The table ends at this cosine, and beyond its end it is a polynomial gone astray.
-    narrow_.add_to(narrow.data(), std::max(mu_in, kLeastCosine), std::max(mu_out, kLeastCosine),
-                   cos_azimuth);
+    const double narrow_in = std::max(mu_in, kLeastCosine);
+    const double narrow_out = std::max(mu_out, kLeastCosine);
+    narrow_.add_to(narrow.data(), {&narrow_in, 1}, {&narrow_out, 1}, cos_azimuth);
     for (std::size_t a = 0; a < directions.size(); ++a) {
         const double first_order =
             rte::single_scattering(media_, exact_first_order_, mu_in, mu_out, cos_azimuth[a]);

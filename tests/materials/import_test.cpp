@@ -23,9 +23,7 @@ const std::filesystem::path big_samples = MIEBRDF_SAMPLES_DIR;
 std::vector<ImportItem> import_into(const std::filesystem::path& database,
                                     const std::vector<std::filesystem::path>& files,
                                     const ImportOptions& options = {}) {
-    const Database known = Database::layered(database);
-    DatabaseWriter writer(database);
-    return import_files(known, writer, files, options);
+    return import_files(database, files, options);
 }
 
 std::map<std::string, ImportItem> by_name(const std::vector<ImportItem>& items) {

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 
+#include "mie/amplitudes.h"
 #include "mie/ensemble.h"
 #include "tests/support/catch.h"
 
@@ -96,4 +98,82 @@ TEST_CASE("many moments come from the table when that is cheaper", "[mie][phase_
     // Beyond 2 x_max + O(x^(1/3)) there is nothing.
     CHECK(std::abs(quick.chi[500]) <= 1e-6);
     CHECK(!quick.phase_table);
+}
+
+namespace {
+
+// P at an angle from sphere after sphere, midpoints in ln r of the power law (or one size).
+double summed_phase(const std::vector<mie::Coefficients>& waves, const std::vector<double>& x,
+                    double angle_deg) {
+    double intensity = 0, scattered = 0;
+    for (std::size_t i = 0; i < waves.size(); ++i) {
+        const std::vector<double> angle = {angle_deg};
+        const auto s = mie::scattering_amplitudes(waves[i], angle);
+        const double weight = 1 / (x[i] * x[i]);  // n r^2 dr = dr / r, uniform in ln r
+        intensity += weight * (std::norm(s.s1[0]) + std::norm(s.s2[0]));
+        double sum = 0;
+        for (std::size_t n = 0; n < waves[i].a.size(); ++n) {
+            sum += (2.0 * double(n) + 3) * (std::norm(waves[i].a[n]) + std::norm(waves[i].b[n]));
+        }
+        scattered += weight * sum;
+    }
+    return intensity / scattered;
+}
+
+}  // namespace
+
+TEST_CASE("the phase table errs no more than it says at random angles", "[mie][phase_table]") {
+    // Truth: spheres summed one by one, over sizes of its own. Forward peak and glory included.
+    struct Case {
+        double radius_um, variance;
+        std::complex<double> index;
+    };
+    const Case c = GENERATE(Case{4.0, 0.2, {1.5, 0.1}}, Case{4.0, 0.2, {2.9, 0.0}},
+                            Case{4.0, 0.2, {1.33, 0.001}}, Case{4.0, 1e-4, {1.5, 0.0}},
+                            Case{0.3, 0.05, {2.0, 0.0}}, Case{4.0, 0.0, {1.5, 0.0}});
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = c.radius_um;
+    if (c.variance > 0) request.sizes.effective_variance = c.variance;
+    if (c.variance == 0) request.sizes.kind = mie::SizeDistributionKind::mono;
+    request.refractive_index = c.index;
+    request.tolerance = 1e-3;
+    request.phase_tolerance = GENERATE(1e-2, 2e-3);
+    request.with_phase_table = true;
+    const auto optics = mie::average_over_sizes(request);
+    const auto& table = *optics.phase_table;
+
+    const auto range = mie::radius_range(request.sizes);
+    const int count = c.variance == 0 ? 1 : 6000;
+    std::vector<mie::Coefficients> waves;
+    std::vector<double> x;
+    for (int i = 0; i < count; ++i) {
+        const double share = (i + 0.5) / count;
+        const double radius =
+            range.smallest_um * std::pow(range.largest_um / range.smallest_um, share);
+        x.push_back(2 * pi * radius / 0.55);
+        waves.push_back(mie::mie_coefficients(c.index, x.back()));
+    }
+    std::mt19937 generator(7);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::vector<double> angles = {0, 180};
+    for (int i = 0; i < 10; ++i) angles.push_back(180 * uniform(generator));
+    for (int i = 0; i < 4; ++i) angles.push_back(5 * uniform(generator));
+    for (int i = 0; i < 4; ++i) angles.push_back(180 - 5 * uniform(generator));
+    for (const double angle : angles) {
+        const double truth = summed_phase(waves, x, angle);
+        // Errors are relative to the largest P of a panel, 12 degrees wide at most.
+        double nearby = 0;
+        const double reach = std::min(12.0, 0.5 + 0.5 * std::min(angle, 180 - angle));
+        for (int i = -48; i <= 48; ++i) {
+            nearby = std::max(nearby, table(std::cos((angle + reach * i / 48) * pi / 180)));
+        }
+        const double value = table(std::cos(angle * pi / 180));
+        CAPTURE(c.radius_um, c.variance, c.index, request.phase_tolerance, angle, value, truth,
+                nearby, table.size_error(), table.interpolation_error(), table.angle_count());
+        // Three times the rms over a panel; single precision 1e-5.
+        CHECK(std::abs(value - truth) <=
+              (3 * table.size_error() + 2 * table.interpolation_error() + 1e-4) * nearby);
+    }
+    // Ripple may stop at the finest level, and says so.
+    if (c.index.imag() == 0.1) CHECK(table.size_error() <= request.phase_tolerance);
 }

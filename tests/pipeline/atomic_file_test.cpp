@@ -64,3 +64,15 @@ TEST_CASE("a full disk is an error and leaves nothing", "[pipeline][atomic_file]
     file.stream() << std::string(1 << 20, 'x');
     CHECK_THROWS_AS(file.commit(), InputError);
 }
+
+TEST_CASE("an abrupt end can remove what is unfinished, and nothing else",
+          "[pipeline][atomic_file]") {
+    const support::TemporaryFolder folder;
+    AtomicFile done(folder / "done.csv");
+    done.commit();
+    AtomicFile unfinished(folder / "unfinished.csv");
+    CHECK(folder.count() == 2);
+    remove_unfinished_files();
+    CHECK(folder.count() == 1);
+    CHECK(std::filesystem::exists(folder / "done.csv"));
+}

@@ -6,8 +6,12 @@
 #include <numbers>
 
 #include "pipeline/error.h"
+#include "pipeline/layers.h"
+#include "pipeline/result_cache.h"
+#include "pipeline/table1.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
 
@@ -104,6 +108,55 @@ TEST_CASE("any number of threads gives the same bits", "[pipeline][brdf]") {
             CHECK(many.slices[w].error_estimate == one.slices[w].error_estimate);
         }
     }
+}
+
+TEST_CASE("any number of threads gives the same bits of albedos and of Table 1",
+          "[pipeline][albedo][table1]") {
+    Request request = request_of("GaP", {450, 500, 550, 600, 650});
+    request.scene.coats.push_back({parse_medium("SiO2"), 0.1});
+    request.scene.particles.sizes.effective_radius_um = 2;
+    request.scene.surface = rte::SurfaceOptions{};
+    const AlbedoResult one = compute_albedo(request, {.threads = 1});
+    Table1Request table;
+    table.conventions = rte::table1_conventions();
+    const Table1Result one_table = compute_table1(table, {.threads = 1});
+    for (const int threads : {2, 7}) {
+        const AlbedoResult many = compute_albedo(request, {.threads = threads});
+        for (std::size_t w = 0; w < one.slices.size(); ++w) {
+            CHECK(many.slices[w].plane_albedo == one.slices[w].plane_albedo);
+            CHECK(many.slices[w].spherical_albedo == one.slices[w].spherical_albedo);
+        }
+        const Table1Result many_table = compute_table1(table, {.threads = threads});
+        REQUIRE(many_table.entries.size() == one_table.entries.size());
+        for (std::size_t i = 0; i < one_table.entries.size(); ++i) {
+            CHECK(many_table.entries[i].factor == one_table.entries[i].factor);
+        }
+    }
+}
+
+TEST_CASE("a damaged cache entry is computed again, to the same bits", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    const Request request = request_of("hg:0.9,0.5");
+    const auto run = [&] {
+        ResultCache cache(file);
+        RunControl control{.threads = 1};
+        control.cache = &cache;
+        return compute_brdf(request, control).slices[0].total;
+    };
+    const auto first = run();
+    // The first value of the stored row, R at the first direction, as bytes; one of them flipped.
+    const double stored = compute_layers(request, SceneMedia(request), LayerQuantity::reflection,
+                                         {.threads = 1})[0].values[0];
+    std::string bytes = support::read_file(file);
+    const std::string pattern(reinterpret_cast<const char*>(&stored), sizeof(stored));
+    const auto at = bytes.find(pattern);
+    REQUIRE(at != std::string::npos);
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    folder.write("results.sqlite", bytes);
+    CHECK(run() == first);
+    CHECK(run() == first);
+    CHECK(ResultCache(file).info().entries == 1);
 }
 
 TEST_CASE("a coat of no depth changes nothing, a very deep one hides the base",

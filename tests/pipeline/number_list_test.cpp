@@ -43,6 +43,26 @@ TEST_CASE("what is no number is refused with the text in the message",
     CHECK_THROWS_WITH(parse_number_list(bad, "mu_in"), Catch::Contains("mu_in"));
 }
 
+TEST_CASE("a range of wavelengths has even steps in the unit of its step",
+          "[pipeline][number_list]") {
+    // Photons of 2, 2.5 and 3 eV, h c = 1239.841984 eV nm.
+    const auto energies = parse_wavelengths_nm("2eV:3eV:0.5 eV");
+    REQUIRE(energies.size() == 3);
+    CHECK(energies[0] == Approx(619.920992).epsilon(1e-12));
+    CHECK(energies[1] == Approx(495.9367936).epsilon(1e-12));
+    CHECK(energies[2] == Approx(413.28066133333333).epsilon(1e-12));
+    CHECK(parse_wavelengths_nm("0.4um:0.5um:0.05um").size() == 3);
+    CHECK(parse_wavelengths_nm("3eV:2eV:-0.5eV").front() == energies[2]);
+    CHECK(parse_wavelengths_nm("0.4um:500:50") == std::vector<double>{400, 450, 500});
+}
+
+TEST_CASE("ranges of mixed or impossible units are refused", "[pipeline][number_list][errors]") {
+    const auto bad = GENERATE("2:3eV:0.5eV", "400nm:700nm:0.1eV", "2eV:3eV:0.5x", "2eV:3eV:-0.5eV",
+                              "-1eV:1eV:0.5eV", "0eV:1eV:0.5eV", "2eV:3eV:eV");
+    CAPTURE(bad);
+    CHECK_THROWS_AS(parse_wavelengths_nm(bad), UsageError);
+}
+
 TEST_CASE("a number out of range is refused with the value and the range",
           "[pipeline][number_list][errors]") {
     CHECK_THROWS_WITH(parse_number_list("0.5,0", "mu", 0.0, 1.0, true),

@@ -15,6 +15,18 @@ TEST_CASE("every job runs exactly once on any number of threads", "[pipeline][pa
     for (const auto& count : calls) CHECK(count == 1);
 }
 
+TEST_CASE("every piece of every job runs exactly once on any number of threads",
+          "[pipeline][parallel]") {
+    const RunControl control{.threads = GENERATE(0, 1, 2, 7)};
+    const std::size_t jobs = GENERATE(1, 20);
+    std::vector<std::atomic<int>> calls(jobs * 50);
+    const auto pieces = pieces_of_job(control);
+    run_parallel("count", jobs, control, [&](std::size_t job) {
+        pieces(50, [&](int piece) { ++calls[job * 50 + static_cast<std::size_t>(piece)]; });
+    });
+    for (const auto& count : calls) CHECK(count == 1);
+}
+
 TEST_CASE("progress counts every job of its stage in order", "[pipeline][parallel]") {
     const int threads = GENERATE(1, 2);
     std::vector<std::size_t> seen;

@@ -30,6 +30,21 @@ TEST_CASE("CSV has comments, one header, quoted text and empty fields for what i
           "\"with, comma \"\"quoted\"\"\",1e-300\n,\n");
 }
 
+TEST_CASE("a report stands above the table in CSV and beside it in JSON", "[pipeline][table]") {
+    Table table = sample();
+    table.report_columns = {"part", "error"};
+    table.report = {{1.0, 0.5}, {2.0, Cell()}};
+    std::ostringstream csv, text;
+    write_csv(table, csv);
+    CHECK(csv.str().find("b c\n# report: part,error\n# report: 1,0.5\n# report: 2,\nname,value\n") !=
+          std::string::npos);
+    write_json(table, text);
+    const auto json = nlohmann::json::parse(text.str());
+    CHECK(json["report"][0]["error"] == 0.5);
+    CHECK(json["report"][1]["part"] == 2.0);
+    CHECK(json["report"][1]["error"].is_null());
+}
+
 TEST_CASE("numbers in CSV read back to the same double", "[pipeline][table]") {
     const double value = GENERATE(1.0 / 3.0, 6.02214076e23, 5e-324, -0.1, 123456789.123456789);
     Table table;

@@ -51,6 +51,7 @@ TEST_CASE("materials list, search and show", "[program][materials]") {
     CHECK_THAT(bench.run("show gap --json").out, Catch::StartsWith("{"));
     check_error(bench.run("search x --covers 1:2:3"), kUsage, "--covers");
     check_error(bench.run("show TiO3"), kBadInput, "TiO2");
+    check_error(bench.run("show unobtainium"), kBadInput, "search");
 }
 
 TEST_CASE("materials nk: units, range, interpolation, clamping", "[program][materials]") {
@@ -101,12 +102,33 @@ TEST_CASE("materials import, alias, default, export and remove go round", "[prog
     CHECK(bench.run("verify").exit_code == 0);
 }
 
+TEST_CASE("a pair of files may be named by its beginning or by one of its halves",
+          "[program][materials]") {
+    const Bench bench;
+    const auto given = GENERATE("pair", "pair.spd", "pair.eta.spd", "pair.k.spd");
+    CAPTURE(given);
+    REQUIRE(bench.run("export GaP --format spd -o " + (bench.folder / given)).exit_code == 0);
+    CHECK(bench.folder.count() == 2);
+    REQUIRE(bench.run("import " + (bench.folder / "pair.eta.spd") + " --name Back").exit_code == 0);
+    // um in the database, nm in the file: the wavelengths may differ by a rounding.
+    CHECK(bench.run("diff GaP Back --tolerance 1e-12").exit_code == 0);
+}
+
+TEST_CASE("removing says how much of the user's was removed", "[program][materials]") {
+    const Bench bench;
+    const std::string file = bench.import_sample();
+    REQUIRE(bench.run("import " + file + " --name MyOxide --label two").exit_code == 0);
+    CHECK_THAT(bench.run("remove MyOxide").err, Catch::Contains("2 datasets"));
+    check_error(bench.run("remove MyOxide"), kBadInput, "MyOxide");
+}
+
 TEST_CASE("a bad file changes nothing and says where it is bad", "[program][materials]") {
     const Bench bench;
     const std::string bad = bench.folder.write("bad.csv", "wavelength_nm,n\n400,1.5\n500,oops\n");
     const std::string good = bench.folder.write("good.csv", kCsv);
     check_error(bench.run("import " + good + " " + bad), kBadInput, "bad.csv:3: 'oops'");
     CHECK_FALSE(bench.run("show good").exit_code == 0);
+    CHECK(bench.folder.count() == 2);  // not even an empty database
     check_error(bench.run("import " + good + " --format nonsense"), kUsage, "nonsense");
     check_error(bench.run("import " + (bench.folder / "missing.nk")), kUsage, "missing.nk");
 }

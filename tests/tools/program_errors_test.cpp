@@ -133,3 +133,28 @@ TEST_CASE("a damaged, truncated or foreign database is refused and left as it wa
     CHECK(support::read_file(foreign) == std::string(8192, 'x'));
     CHECK_FALSE(std::filesystem::exists(folder / "missing.db"));
 }
+
+TEST_CASE("a scene file's mistakes are named with line and column", "[program][errors]") {
+    const support::TemporaryFolder folder;
+    struct Case {
+        const char* text;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"base = \"TiO2\"\nroughnes = 0.3\n[[result]]\ncommand = \"albedo\"\n",
+         {"line 2, column 1", "roughnes"}},
+        {"[scene.a]\n  bsae = \"TiO2\"\n[[result]]\ncommand = \"albedo\"\n",
+         {"line 2, column 3", "bsae"}},
+        {"[[result]]\ncommand = \"albedo\"\nmu-out = 1\n", {"line 3, column 1", "mu-out", "albedo"}},
+        {"[[result]]\ncommand = \"paint\"\n", {"line 2, column 11", "paint", "brdf"}},
+        {"[[result]]\ncommand = \"brdf\"\nscene = \"b\"\n", {"line 3", "no such scene"}},
+        {"base = \n", {"line 1"}},
+    };
+    for (const Case& c : cases) {
+        const std::string file = folder.write("scene.toml", c.text);
+        for (const char* command : {"run ", "plan "}) {
+            CAPTURE(c.text, command);
+            check_one_line(support::run_program(command + file), kBadInput, c.words);
+        }
+    }
+}

@@ -1,5 +1,6 @@
 // The program's contract: names, columns, formats and a few values known from outside.
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/catch.h"
@@ -100,7 +101,7 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
 }
 
 TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
-    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "export", "check"}) {
+    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "export", "check", "plan", "run"}) {
         CAPTURE(command);
         const auto help = support::run_program(std::string(command) + " --help");
         CHECK(help.exit_code == 0);
@@ -109,6 +110,49 @@ TEST_CASE("every command explains itself with an example and tells its version",
         CHECK(version.exit_code == 0);
         CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
     }
+}
+
+TEST_CASE("a plan names the work and what is left out, for options and for scene files",
+          "[program][plan]") {
+    const auto run = support::run_program(
+        "plan brdf --base hg:0.9,0.7 --wavelengths 450,550 --mu-in 1 --mu-out 0.2,0.4 --json");
+    REQUIRE(run.exit_code == 0);
+    const auto json = nlohmann::json::parse(run.out);
+    CHECK(json["columns"] ==
+          Columns{"result", "action", "name", "detail", "jobs", "seconds"});
+    std::map<std::string, std::string> actions;
+    for (const auto& row : json["rows"]) actions[row[2]] = row[1];
+    CHECK(actions["radiative transfer"] == "compute");
+    for (const char* rule : {"zenith", "same wavelength", "analytic medium", "no surface"}) {
+        CHECK(actions[rule] == "leave out");
+    }
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("scene.toml",
+                                          "base = \"isotropic:0.5\"\n"
+                                          "[[result]]\ncommand = \"albedo\"\noutput = \"x.csv\"\n"
+                                          "[[result]]\ncommand = \"brdf\"\nmu-in = 1\nmu-out = 1\n");
+    const auto scene = csv_of("plan " + file);
+    CHECK(scene.text(0, "result") == "1 albedo");
+    CHECK(scene.text(scene.size() - 1, "result") == "2 brdf");
+    CHECK(folder.count() == 1);  // nothing was computed
+    CHECK(support::run_program("plan").exit_code == 2);
+    CHECK(support::run_program("plan brdf").exit_code == 2);
+}
+
+TEST_CASE("what did not converge is marked in the file, row by row of the report",
+          "[program]") {
+    // Two nodes for a forward peak.
+    const auto run = support::run_program(
+        "brdf --base hg:0.99,0.9 --streams 2 --mu-in 0.1,0.5 --mu-out 0.1,0.5 --wavelengths 550 --json");
+    CHECK(run.exit_code == 4);
+    const auto json = nlohmann::json::parse(run.out);
+    CHECK(json["facts"].contains("not converged"));
+    const auto& report = json["report"][0];
+    CHECK(report["converged"] == "no");
+    CHECK(report["error_estimate"] > 1e-3);
+    CHECK(report["reciprocity_defect"] <= 1e-10);
+    CHECK(report["largest_albedo"] <= 1.0);
+    CHECK(report.contains("least_value"));
 }
 
 TEST_CASE("results are the same bits for any number of threads", "[program]") {

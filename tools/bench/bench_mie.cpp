@@ -3,10 +3,14 @@
 // 1).
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
@@ -72,12 +76,20 @@ double error_of(const ReferenceCase& c, const mie::EnsembleOptics& optics) {
     return error;
 }
 
+// Of the process so far: meaningful with --benchmark_filter on one row.
+double peak_mebibytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
 void run_ensemble(benchmark::State& state, const ReferenceCase& c) {
     mie::EnsembleOptics optics;
     for (auto _ : state) optics = mie::average_over_sizes(c.request);
     if (!c.chi.empty()) state.counters["error"] = error_of(c, optics);
     state.counters["estimate"] = optics.error_estimate;
     state.counters["nodes"] = optics.size_nodes;
+    state.counters["peak_MiB"] = peak_mebibytes();
 }
 
 void register_reference_cases() {
@@ -113,10 +125,39 @@ void register_requests() {
         }
         add("angles=8", {.angles_deg = {0, 30, 60, 90, 120, 150, 170, 180}});
         add("table", {.with_phase_table = true});
+        add("moments=64+table", {.highest_moment = 64, .with_phase_table = true});
         for (const double radius : {1.0, 5.0, 20.0, 100.0}) {
             mie::EnsembleRequest request{.highest_moment = 64};
             request.sizes.effective_radius_um = radius;
             add(fmt::format("r_eff={}", radius), request);
+        }
+    }
+}
+
+// One large ensemble on several threads; every number of threads gives the same bits.
+void register_threads() {
+    for (const std::complex<double> m : {std::complex<double>(2.6, 0), {3.3, 0.02}}) {
+        for (const bool table : {false, true}) {
+            for (const int threads : {1, 2}) {
+                mie::EnsembleRequest request{.refractive_index = m, .highest_moment = 64};
+                request.with_phase_table = table;
+                const auto name = fmt::format("threads/n={},k={}/{}/threads={}", m.real(), m.imag(),
+                                              table ? "moments+table" : "moments", threads);
+                benchmark::RegisterBenchmark(
+                    name.c_str(),
+                    [=](benchmark::State& state) {
+                        tbb::task_arena arena(threads);
+                        const mie::Executor run = [&](int count,
+                                                      const std::function<void(int)>& job) {
+                            arena.execute([&] { tbb::parallel_for(0, count, job); });
+                        };
+                        for (auto _ : state) {
+                            benchmark::DoNotOptimize(mie::average_over_sizes(request, run));
+                        }
+                    })
+                    ->Unit(benchmark::kMillisecond)
+                    ->UseRealTime();
+            }
         }
     }
 }
@@ -151,6 +192,7 @@ int main(int argc, char** argv) {
         }
     }
     register_requests();
+    register_threads();
     register_reference_cases();
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();

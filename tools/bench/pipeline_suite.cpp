@@ -149,6 +149,10 @@ BenchCase painted_sample() {
 
 }  // namespace
 
-std::vector<BenchCase> pipeline_suite() { return {painted_sample()}; }
+std::vector<BenchCase> pipeline_suite() {
+    std::vector<BenchCase> cases = rule_cases();
+    cases.insert(cases.begin(), painted_sample());
+    return cases;
+}
 
 }  // namespace miebrdf::bench

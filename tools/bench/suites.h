@@ -14,6 +14,9 @@ std::vector<BenchCase> half_space_suite();
 std::vector<BenchCase> coat_suite();
 std::vector<BenchCase> surface_suite();
 std::vector<BenchCase> pipeline_suite();
+/// One case for each rule of `plan` (pipeline/rules.h): the full and the reduced request. Part of
+/// the pipeline suite.
+std::vector<BenchCase> rule_cases();
 
 /// "mie", "half-space", "coat", "surface", "pipeline".
 const std::vector<std::string>& suite_names();

@@ -19,7 +19,7 @@ void Shell::add_common_options(CLI::App& command) {
                        "write to FILE instead of standard output (whole or not at all)")
         ->type_name("FILE");
     command.add_flag("--json", common_.json, "write JSON instead of CSV");
-    command.add_option("--threads", common_.threads, "most threads to use; 0: one per processor")
+    command.add_option("--threads", common_.threads, "most threads to use, up to one per processor; 0: that many")
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");

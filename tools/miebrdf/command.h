@@ -36,6 +36,8 @@ class Shell {
 
     /// Runs `action` when this command is the one typed; what it returns is the exit code.
     void on_run(CLI::App& command, std::function<int()> action);
+    /// The same for a command that decides while it is parsed.
+    void set_action(std::function<int()> action) { action_ = std::move(action); }
 
     /// Writes a table as CSV, or as JSON with --json, to -o FILE or standard output; version and
     /// command line are put before its own facts.
@@ -73,6 +75,7 @@ void add_export_command(CLI::App& program, Shell& shell);
 void add_check_command(CLI::App& program, Shell& shell);
 void add_plot_command(CLI::App& program, Shell& shell);
 void add_render_command(CLI::App& program, Shell& shell);  // only where built (docs/rendering.md)
+void add_plan_command(CLI::App& program, Shell& shell);
 void add_run_command(CLI::App& program, Shell& shell);
 void add_cache_command(CLI::App& program, Shell& shell);
 

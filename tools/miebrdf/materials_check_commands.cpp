@@ -31,6 +31,14 @@ materials::Format format_of(const std::string& name) {
     return *format;
 }
 
+// What both halves are named after: NAME, whether NAME, NAME.spd or one of the halves was given.
+std::string common_beginning(std::string_view output) {
+    for (const std::string_view end : {".spd", ".eta", ".k"}) {
+        if (output.ends_with(end)) output.remove_suffix(end.size());
+    }
+    return std::string(output);
+}
+
 // The two halves of a pair must stand beside each other under the names that readers expect.
 int write_pair(const std::vector<materials::ExportFile>& files, const Shell& shell) {
     const std::string& output = shell.common().output;
@@ -38,7 +46,7 @@ int write_pair(const std::vector<materials::ExportFile>& files, const Shell& she
         throw UsageError("this format has two files: give their common beginning with -o NAME");
     }
     for (const auto& file : files) {
-        AtomicFile half(output + file.suffix);
+        AtomicFile half(common_beginning(output) + file.suffix);
         half.stream() << file.text;
         half.commit();
     }

@@ -60,11 +60,9 @@ int run_import(const ImportArguments& arguments, const Shell& shell) {
     if (arguments.files.size() > 1 && !options.label.empty()) {
         throw UsageError("--label names one dataset, so it goes with one file");
     }
-    const std::filesystem::path file = arguments.database.file();
-    const Database known = Database::layered(file);
-    DatabaseWriter writer(file);
     const std::vector<std::filesystem::path> files(arguments.files.begin(), arguments.files.end());
-    shell.write(table_of(materials::import_files(known, writer, files, options), shell));
+    shell.write(
+        table_of(materials::import_files(arguments.database.file(), files, options), shell));
     return kGood;
 }
 
@@ -106,22 +104,22 @@ struct EditArguments {
 };
 
 int run_alias(const EditArguments& arguments, const Shell& shell) {
-    DatabaseWriter writer(arguments.database.file());
+    const std::filesystem::path file = arguments.database.file();
     if (arguments.remove) {
-        if (!writer.remove_alias(arguments.name)) {
-            throw InputError(fmt::format("'{}' is no alias in {}", arguments.name,
-                                         arguments.database.file().string()));
+        if (!std::filesystem::exists(file) || !DatabaseWriter(file).remove_alias(arguments.name)) {
+            throw InputError(fmt::format("'{}' is no alias in {}", arguments.name, file.string()));
         }
+        shell.note(fmt::format("'{}' is no alias any more", arguments.name));
         return kGood;
     }
     if (arguments.second.empty())
         throw UsageError("alias needs the alias and the material it means");
-    const Database known = Database::layered(arguments.database.file());
+    const Database known = Database::layered(file);
     const std::string material = known.info(arguments.second).name;
     if (const auto taken = known.resolve_exactly(arguments.name); taken && *taken != material) {
         throw InputError(fmt::format("'{}' already means {}", arguments.name, *taken));
     }
-    writer.add_alias(material, arguments.name);
+    DatabaseWriter(file).add_alias(material, arguments.name);
     shell.note(fmt::format("'{}' now means {}", arguments.name, material));
     return kGood;
 }
@@ -137,20 +135,27 @@ int run_default(const EditArguments& arguments, const Shell& shell) {
 
 int run_remove(const EditArguments& arguments, const Shell& shell) {
     const Database known = Database::layered(arguments.database.file());
-    DatabaseWriter writer(arguments.database.file());
     const bool whole = !known.resolve(arguments.name).empty();
-    bool removed = false;
+    std::vector<materials::DatasetInfo> asked;
     if (whole) {
-        removed = writer.remove_material(known.info(arguments.name).name);
+        asked = known.datasets(arguments.name);
     } else {
-        const auto dataset = known.dataset_info(arguments.name);
-        removed = writer.remove_dataset(dataset.material, dataset.label);
+        asked = {known.dataset_info(arguments.name)};
+    }
+    std::erase_if(asked, [](const auto& dataset) { return dataset.layer == "embedded"; });
+    const std::filesystem::path file = arguments.database.file();
+    bool removed = false;
+    if (whole && std::filesystem::exists(file)) {
+        removed = DatabaseWriter(file).remove_material(known.info(arguments.name).name);
+    } else if (!whole && !asked.empty()) {
+        removed = DatabaseWriter(file).remove_dataset(asked[0].material, asked[0].label);
     }
     if (!removed) {
         throw InputError(fmt::format("{} is not in {}; the embedded database cannot be changed",
-                                     arguments.name, arguments.database.file().string()));
+                                     arguments.name, file.string()));
     }
-    shell.note(fmt::format("{} removed", arguments.name));
+    shell.note(fmt::format("{} removed: {} dataset{} of the user's", arguments.name, asked.size(),
+                           asked.size() == 1 ? "" : "s"));
     return kGood;
 }
 

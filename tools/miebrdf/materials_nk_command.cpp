@@ -40,12 +40,15 @@ void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArgu
     facts.emplace_back("units",
                        "wavelength_nm: nm in vacuum; n, k: dimensionless, exp(-i omega t)");
     facts.emplace_back("dataset", dataset.material + "/" + dataset.label);
-    facts.emplace_back("source", dataset.source + "; " + dataset.reference);
+    facts.emplace_back("source", dataset.reference.empty()
+                                     ? dataset.source
+                                     : dataset.source + "; " + dataset.reference);
     facts.emplace_back("interpolation", arguments.interpolation);
     for (const std::string& correction : dataset.corrections)
         facts.emplace_back("correction", correction);
     if (!dataset.k_known) facts.emplace_back("k", "unknown (not measured); taken as 0");
-    if (arguments.missing_k_zero) facts.emplace_back("k", "taken as 0 where it is unknown");
+    if (dataset.k_known && arguments.missing_k_zero)
+        facts.emplace_back("k", "taken as 0 where it is unknown");
     if (arguments.k_floor > 0) facts.emplace_back("k floor", fmt::format("{}", arguments.k_floor));
 }
 

@@ -97,6 +97,7 @@ void add_dataset(Rows& rows, const DatasetInfo& d) {
     for (const std::string& correction : d.corrections) add_row(rows, "correction", correction);
     add_ranges(rows, d);
     add_row(rows, "read from", d.file.empty() ? "" : fmt::format("{} ({})", d.file, d.format));
+    add_row(rows, "imported", d.imported);
     add_row(rows, "SHA-256 of file", d.file_sha256);
     add_row(rows, "SHA-256 of figures", d.content_sha256);
     add_row(rows, "stored in", d.layer);

@@ -43,8 +43,10 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
     spectrum.source = medium.source;
     spectrum.optics.resize(spectrum.wavelength_nm.size());
+    const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
-        spectrum.optics[w] = medium_optics(medium, spectrum.wavelength_nm[w], particles, demand);
+        spectrum.optics[w] =
+            medium_optics(medium, spectrum.wavelength_nm[w], particles, demand, pieces);
     });
     for (const MediumOptics& optics : spectrum.optics) {
         spectrum.converged = spectrum.converged && optics.converged;

@@ -59,6 +59,7 @@ void add_commands(CLI::App& program, Shell& shell) {
 #ifdef MIEBRDF_HAS_RENDER
     add_render_command(program, shell);
 #endif
+    add_plan_command(program, shell);
     add_run_command(program, shell);
     add_cache_command(program, shell);
 }

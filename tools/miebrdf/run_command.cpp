@@ -1,4 +1,6 @@
 // miebrdf run: everything that a scene file asks for.
+#include "tools/miebrdf/run_command.h"
+
 #include <fmt/format.h>
 
 #include "pipeline/error.h"
@@ -31,14 +33,9 @@ std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& co
 }
 
 int run(const std::string& path, const Shell& shell) {
-    CLI::App probe;
-    Shell probe_shell("");
-    add_commands(probe, probe_shell);
-    const auto lines = read_scene_file(path, kCommands, [&](const auto& command, const auto& name) {
-        return kind_of(probe, command, name);
-    });
     int worst = kGood;
-    for (std::vector<std::string> line : lines) {
+    for (std::vector<std::string> line : scene_command_lines(path)) {
+        if (shell.common().no_cache) line.emplace_back("--no-cache");
         if (shell.common().quiet) line.emplace_back("--quiet");
         if (shell.common().threads > 0) line.push_back(fmt::format("--threads={}", shell.common().threads));
         shell.note(command_line_of(line));
@@ -50,6 +47,15 @@ int run(const std::string& path, const Shell& shell) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::string>> scene_command_lines(const std::string& path) {
+    CLI::App probe;
+    Shell probe_shell("");
+    add_commands(probe, probe_shell);
+    return read_scene_file(path, kCommands, [&](const auto& command, const auto& name) {
+        return kind_of(probe, command, name);
+    });
+}
 
 void add_run_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("run", "everything that a scene file asks for");

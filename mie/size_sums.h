@@ -1,0 +1,62 @@
+// What the sizes of one pass sum to.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "mie/angular_functions.h"
+#include "mie/band_covariance.h"
+#include "mie/executor.h"
+#include "mie/size_nodes.h"
+#include "mie/sphere_block.h"
+
+namespace miebrdf::mie {
+
+/// Sums over sizes, weighted by their share of the geometric cross-section over x^2.
+struct SizeSums {
+    SphereSums spheres;
+    BandCovariance covariance;  ///< empty without moments
+    Eigen::MatrixXd intensity;  ///< at the angles asked for, by halves of the sizes
+
+    void add(const SizeSums& other);
+    void scale(double factor);
+};
+
+/// What is summed, besides efficiencies and g.
+struct SizeSumOptions {
+    int terms = 0;        ///< partial waves of the largest sphere
+    int band_width = -1;  ///< of the covariance; -1: none
+    bool single_precision = false;
+    const AngularFunctions* angles = nullptr;
+};
+
+/// Size parameters and weights of nodes, for compute_spheres.
+struct WeightedSizes {
+    WeightedSizes(const SizeNodes& nodes, double wave_number_per_um);
+    std::vector<double> parameters, weights;
+};
+
+/// Sizes cut into chunks for an executor, and each chunk into blocks of about 64 (U and V of a
+/// block stay near the cache).
+class SizeChunks {
+  public:
+    struct Block {
+        int first, count;
+    };
+
+    /// @param most  chunks; fewer when each would have less than `least` sizes
+    SizeChunks(int size_count, int most, int least);
+    int count() const { return count_; }
+    std::vector<Block> blocks(int chunk) const;
+
+  private:
+    int size_count_, count_, per_chunk_;
+};
+
+constexpr int most_sizes_per_block = 72;
+
+/// Sums over all sizes, in chunks of blocks that do not depend on the executor.
+SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,
+                        const SizeSumOptions& options, const Executor& run);
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,40 @@
+// What a request will cost, what of it is left out, and why: the rules of rules.h, visible_layers.h
+// and distinct_directions.h, put to the request before anything is computed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/layers.h"
+#include "pipeline/request.h"
+#include "pipeline/result_cache.h"
+
+namespace miebrdf {
+
+struct PlannedStep {
+    std::string stage;
+    std::string what;
+    std::size_t jobs = 0;
+    double seconds = 0.0;  ///< estimate for one thread (cost_model.h)
+};
+
+struct Omission {
+    std::string rule;    ///< its name, the same for every request
+    std::string reason;  ///< why it holds here
+    double saved_s = 0.0;  ///< estimate for one thread
+};
+
+struct Plan {
+    std::vector<PlannedStep> steps;
+    std::vector<Omission> omissions;
+
+    double seconds() const;
+    bool leaves_out(const std::string& rule) const;
+};
+
+/// @param quantity  reflection: what compute_brdf does; albedo: what compute_albedo does
+/// @param cache  where finished jobs are looked up; may be null
+/// @throws UsageError, InputError  as the computation would
+Plan make_plan(const Request& request, LayerQuantity quantity, ResultCache* cache = nullptr);
+
+}  // namespace miebrdf

@@ -1,0 +1,74 @@
+#include "pipeline/surface_part.h"
+
+#include <optional>
+
+#include "pipeline/packed_numbers.h"
+#include "pipeline/result_cache.h"
+#include "pipeline/rules.h"
+#include "rte/layered_brdf.h"
+
+namespace miebrdf {
+namespace {
+
+/// Everything a surface part depends on.
+std::string hash_of(std::complex<double> index, const Scene& scene, const rte::Directions& d) {
+    const rte::SurfaceOptions& surface = *scene.surface;
+    JobKey key("surface");
+    key.add(index.real()).add(index.imag()).add(surface.beckmann_alpha);
+    key.add(static_cast<int>(surface.distribution)).add(static_cast<int>(surface.shadowing));
+    key.add(surface.shadowing_distribution ? static_cast<int>(*surface.shadowing_distribution) : -1);
+    key.add(static_cast<int>(surface.fresnel)).add(static_cast<int>(scene.coupling));
+    key.add(std::span<const double>(d.mu_in)).add(std::span<const double>(d.mu_out));
+    key.add(std::span<const double>(d.azimuth_deg));
+    return key.hash();
+}
+
+std::vector<double> lobe_values(const rte::SurfaceLobe& lobe, const rte::Directions& d) {
+    const bool symmetric = is_symmetric(d);
+    const std::size_t outgoing = d.mu_out.size(), azimuths = d.azimuth_deg.size();
+    std::vector<double> values;
+    values.reserve(d.mu_in.size() * outgoing * azimuths);
+    for (std::size_t i = 0; i < d.mu_in.size(); ++i) {
+        for (std::size_t o = 0; o < outgoing; ++o) {
+            const std::size_t mirrored = (o * outgoing + i) * azimuths;
+            for (std::size_t a = 0; a < azimuths; ++a) {
+                values.push_back(symmetric && o < i
+                                     ? values[mirrored + a]
+                                     : lobe.brdf(d.mu_in[i], d.mu_out[o], d.azimuth_deg[a]));
+            }
+        }
+    }
+    return values;
+}
+
+SurfacePart compute(std::complex<double> index, const Scene& scene, const rte::Directions& d) {
+    const rte::SurfaceLobe lobe(index, *scene.surface);
+    const rte::SurfaceTransmission transmission(lobe, scene.coupling);
+    SurfacePart part;
+    part.lobe = lobe_values(lobe, d);
+    for (const double mu : d.mu_in) part.in.push_back(transmission.in(mu));
+    for (const double mu : d.mu_out) part.out.push_back(transmission.out(mu));
+    return part;
+}
+
+}  // namespace
+
+SurfacePart surface_part(std::complex<double> index, const Scene& scene,
+                         const rte::Directions& directions, const RunControl& control) {
+    if (control.cache == nullptr) return compute(index, scene, directions);
+    const std::string hash = hash_of(index, scene, directions);
+    if (const auto known = control.cache->find(hash)) {
+        NumberUnpacker unpacker(*known);
+        SurfacePart part;
+        part.lobe = unpacker.list();
+        part.in = unpacker.list();
+        part.out = unpacker.list();
+        return part;
+    }
+    const SurfacePart part = compute(index, scene, directions);
+    control.cache->store(hash,
+                         NumberPacker().add(part.lobe).add(part.in).add(part.out).numbers());
+    return part;
+}
+
+}  // namespace miebrdf

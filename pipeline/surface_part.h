@@ -1,0 +1,24 @@
+// The surface's share of a BRDF at one wavelength: its lobe, and what it lets in and out.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "pipeline/request.h"
+#include "pipeline/run_control.h"
+
+namespace miebrdf {
+
+struct SurfacePart {
+    std::vector<double> lobe;  ///< R_s, laid out as in rte::ReflectionTable
+    std::vector<double> in;    ///< share let in at each mu_in, 1 - rho
+    std::vector<double> out;   ///< share let out at each mu_out
+};
+
+/// Looked up in control.cache, else computed and stored there; the lobe at half of the pairs where
+/// mu_in and mu_out are the same list.
+/// @param directions  distinct ones (distinct_directions.h)
+SurfacePart surface_part(std::complex<double> index, const Scene& scene,
+                         const rte::Directions& directions, const RunControl& control);
+
+}  // namespace miebrdf

@@ -1,0 +1,17 @@
+// How `--tolerance` is shared between the steps of a computation; all relative to the largest value
+// at an incidence. What is left, most of it, is for the streams: their error is the one estimated
+// by comparing two numbers of nodes, and the only one that costs much to reduce.
+#pragma once
+
+namespace miebrdf {
+
+struct ToleranceShares {
+    double mie = 0.1;            ///< of the size average, unless --mie-tolerance says otherwise
+    double orders = 0.1;         ///< azimuthal orders left out (rte/layered_reflection.cpp)
+    double iteration = 0.01;     ///< of an iterative half-space (rte/fourier_reflection.cpp)
+    double hidden_layers = 0.1;  ///< what lies below a coat that hides it (visible_layers.h)
+};
+
+inline constexpr ToleranceShares kToleranceShares;
+
+}  // namespace miebrdf

@@ -1,0 +1,75 @@
+#include "tools/miebrdf/reflection_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/error.h"
+#include "pipeline/number_list.h"
+
+namespace miebrdf::program {
+namespace {
+
+CLI::Option* add_list(CLI::App& command, const char* name, std::string& text, const char* help) {
+    return command.add_option(name, text, help)->type_name("LIST");
+}
+
+std::vector<double> cosines(const std::string& text, const char* name) {
+    return parse_number_list(text, name, 0.0, 1.0, true);
+}
+
+}  // namespace
+
+void BrdfArguments::add_to(CLI::App& command) {
+    scene_.add_to(command);
+    add_list(command, "--mu-in", mu_in_, "cosines of incidence, in (0, 1]")->required();
+    add_list(command, "--mu-out", mu_out_, "cosines of reflection, in (0, 1]")->required();
+    add_list(command, "--azimuth", azimuth_,
+             "degrees; 0 = mirror side, 180 = back towards the source")
+        ->capture_default_str();
+    add_list(command, "--component", components_,
+             "total, subsurface, surface; several give a column each")
+        ->capture_default_str();
+    command.add_option("--quantity", quantity_, "brdf (1/sr) or reflection (pi times it)")
+        ->capture_default_str();
+}
+
+std::vector<std::string> BrdfArguments::components() const { return split_list(components_); }
+
+Request BrdfArguments::parse() const {
+    Request request = scene_.parse();
+    request.directions = {cosines(mu_in_, "mu_in"), cosines(mu_out_, "mu_out"),
+                          parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0)};
+    const std::vector<std::string> names = components();
+    for (const std::string& name : names) {
+        if (name != "total" && name != "subsurface" && name != "surface") {
+            throw UsageError(fmt::format(
+                "unknown component '{}'; allowed: total, subsurface, surface", name));
+        }
+        if (name == "surface" && !request.scene.surface) {
+            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
+        }
+    }
+    const auto wanted = [&](const char* name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    request.parts = {wanted("subsurface"), wanted("surface"), wanted("total")};
+    if (quantity_ != "brdf" && quantity_ != "reflection") {
+        throw UsageError(
+            fmt::format("unknown quantity '{}'; allowed: brdf, reflection", quantity_));
+    }
+    return request;
+}
+
+void AlbedoArguments::add_to(CLI::App& command) {
+    scene_.add_to(command);
+    add_list(command, "--mu-in", mu_in_, "cosines of incidence, in (0, 1]")->capture_default_str();
+}
+
+Request AlbedoArguments::parse() const {
+    Request request = scene_.parse();
+    request.directions.mu_in = cosines(mu_in_, "mu_in");
+    return request;
+}
+
+}  // namespace miebrdf::program
