@@ -8,7 +8,7 @@ packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev li
                   libtomlplusplus-dev libyaml-dev libsodium-dev librsvg2-dev
                   libzip-dev libopenexr-dev libpugixml-dev)
 # Rendering is optional; its tests run only with these.
-packages_tests=("${packages_program[@]}" catch2 libembree-dev libtinyobjloader-dev libpng-dev)
+packages_tests=("${packages_program[@]}" catch2 libembree-dev libtinyobjloader-dev libpng-dev zlib1g-dev)
 
 # install_missing_packages program|tests
 install_missing_packages() {

@@ -15,20 +15,21 @@ struct CosinePair {
 
 /// f(pair, channel, azimuth) = sum_k a_k cos(k azimuth), azimuth 0 = mirror side.
 struct AzimuthSeries {
-    int orders = 0;  ///< k = 0 ... orders - 1
     std::size_t channels = 0;
-    std::vector<double> coefficients;  ///< [(pair * channels + channel) * orders + k]
+    /// Of each pair, [channel * orders + k]; pairs have as many orders as each of them needs.
+    std::vector<std::vector<double>> coefficients;
     double tail = 0.0;  ///< largest |a_k| of the last eighth of orders, relative to its a_0
 
+    std::size_t orders(std::size_t pair) const { return coefficients[pair].size() / channels; }
     std::span<const double> of(std::size_t pair, std::size_t channel) const {
-        const auto count = static_cast<std::size_t>(orders);
-        return std::span(coefficients).subspan((pair * channels + channel) * count, count);
+        return std::span(coefficients[pair]).subspan(channel * orders(pair), orders(pair));
     }
 };
 
 /// The series through equally spaced samples of half a turn (a DCT of the first kind, exact for
-/// series shorter than the number of samples). The number of orders is doubled from 16 until the
-/// tail is below `tail_tolerance` or `most_orders` is reached: then `tail` says what is missing.
+/// series shorter than the number of samples). For each pair the number of orders is doubled from
+/// 64 (so that nothing wider than some degrees hides between samples) until the tail is below
+/// `tail_tolerance` or `most_orders` is reached: then `tail` says what is missing.
 ///
 /// @param most_orders  16 to 4096
 /// @throws UsageError  most_orders out of range; Cancelled

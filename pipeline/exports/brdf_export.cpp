@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -43,7 +44,7 @@ struct SampledFormat {
 
 // Errors by default: what the format is known to reach with some room, docs/formats.
 constexpr SampledFormat kSampled[] = {
-    {"pbrt", "", false, 48, 192, 0.02,
+    {"pbrt", "", false, 56, 112, 0.02,
      [](const Job& job, int n, std::ostream& out) {
          write_pbrt(job.rgb, {.intervals = n}, out, job.control);
      }},
@@ -83,26 +84,37 @@ Deviation compare(const BrdfFile& file, const Job& job, bool spectral) {
 }
 
 std::string bands(const Deviation& deviation) {
-    return fmt::format("{:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, {:.2g} below", deviation.rms[0],
-                       deviation.rms[1], deviation.rms[2]);
+    return fmt::format("{:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, {:.2g} below, {:.2g} near mirror",
+                       deviation.rms[0], deviation.rms[1], deviation.rms[2], deviation.lobe);
 }
 
-/// Tries finer and finer files, in memory, for the message that refuses this one.
-[[noreturn]] void refuse(const SampledFormat& format, const Job& job, int resolution, double bound,
-                         const Deviation& found) {
-    std::string advice = "no finer resolution was tried";
-    for (int finer = resolution * 2; finer <= format.finest; finer *= 2) {
+/// What a bound is for: grazing directions have none, there every format loses digits.
+double judged(const Deviation& deviation) { return std::max(deviation.rms[0], deviation.lobe); }
+
+/// Tries finer and finer files, in memory, for a resolution that would do.
+std::string advice(const SampledFormat& format, const Job& job, int resolution, double bound) {
+    if (resolution >= format.finest)
+        return "the format has no finer one; a table (npz, exr, csv) can hold it";
+    double reached = 0.0;
+    int finer = resolution;
+    while (finer < format.finest) {
+        finer = std::min(2 * finer, format.finest);
         std::ostringstream out;
         format.write(job, finer, out);
-        const Deviation deviation =
-            compare(*read_brdf_file(out.str(), format.name), job, format.spectral);
-        advice = fmt::format("--resolution {} reaches {:.2g}", finer, deviation.rms[0]);
-        if (deviation.rms[0] <= bound) break;
+        reached = judged(compare(*read_brdf_file(out.str(), format.name), job, format.spectral));
+        if (reached <= bound) return fmt::format("--resolution {} reaches {:.2g}", finer, reached);
     }
-    throw TooCoarse(
-        fmt::format("format '{}' at resolution {} misses this BRDF by {} (rms, relative; allowed: "
-                    "{:.2g} at mu > 0.2); {}; --max-error accepts it as it is",
-                    format.name, resolution, bands(found), bound, advice));
+    return fmt::format(
+        "--resolution {} reaches no less than {:.2g}; a table (npz, exr, csv) can hold it", finer,
+        reached);
+}
+
+[[noreturn]] void refuse(const SampledFormat& format, const Job& job, int resolution, double bound,
+                         const Deviation& found) {
+    throw TooCoarse(fmt::format(
+        "format '{}' at resolution {} misses this BRDF by {} (rms, relative; allowed: {:.2g} at "
+        "mu > 0.2 and near mirror); {}; --max-error accepts it as it is",
+        format.name, resolution, bands(found), bound, advice(format, job, resolution, bound)));
 }
 
 fs::path with_variant(const fs::path& path, const char* variant) {
@@ -123,7 +135,7 @@ ExportedFile export_sampled(const SampledFormat& format, const Job& job, const f
     written.bytes = fs::file_size(file.temporary_path());
     written.deviation =
         compare(*open_brdf_file(file.temporary_path().string()), job, format.spectral);
-    if (!(written.deviation->rms[0] <= bound))
+    if (!(judged(*written.deviation) <= bound))
         refuse(format, job, resolution, bound, *written.deviation);
     file.commit();
     return written;

@@ -21,8 +21,8 @@ struct ExportOptions {
     TableGrid grid;            ///< csv, json, npz, exr; empty lists: the default directions
     MerlSample merl_sample = MerlSample::lower_edge;
     RgbWeights rgb;  ///< empty weights: the nearest single wavelengths
-    /// Largest root mean square relative error at mu > 0.2 with which a file is still written;
-    /// 0: the format's default.
+    /// Largest root mean square relative error, at mu > 0.2 and near the mirror direction, with
+    /// which a file is still written; 0: the format's default.
     double largest_error = 0.0;
 };
 

@@ -13,7 +13,41 @@ namespace {
 /// Directions of one job: enough to make starting it cheap, few enough to share out evenly.
 constexpr std::size_t kChunk = 4096;
 
+/// Evaluates every channel, then sums.
+class PlainMix : public ChannelMix {
+  public:
+    PlainMix(const BrdfSource& source, ColourWeights weights)
+        : source_(source), weights_(std::move(weights)) {}
+
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        const std::size_t channels = weights_.size();
+        std::vector<double> spectra(directions.size() * channels);
+        source_.evaluate(directions, spectra);
+        std::fill(values.begin(), values.end(), 0.0);
+        for (std::size_t i = 0; i < spectra.size(); ++i) {
+            for (std::size_t c = 0; c < 3; ++c)
+                values[i / channels * 3 + c] += weights_[i % channels][c] * spectra[i];
+        }
+    }
+
+  private:
+    const BrdfSource& source_;
+    ColourWeights weights_;
+};
+
 }  // namespace
+
+std::unique_ptr<ChannelMix> BrdfSource::mix(const ColourWeights& weights) const {
+    return std::make_unique<PlainMix>(*this, weights);
+}
+
+std::size_t count_sharing_cosines(std::span<const Direction> directions) {
+    const auto differs = [&](const Direction& d) {
+        return d.mu_in != directions[0].mu_in || d.mu_out != directions[0].mu_out;
+    };
+    return static_cast<std::size_t>(std::find_if(directions.begin(), directions.end(), differs) -
+                                    directions.begin());
+}
 
 std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm) {
     std::vector<std::string> names;

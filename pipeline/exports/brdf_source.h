@@ -1,6 +1,8 @@
 // Where the values of an export come from: a spectral BRDF that can be asked at any directions.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +24,20 @@ struct Provenance {
     std::string command_line;          ///< as typed; may be empty
     std::string title;                 ///< the scene in one line
     std::string component = "total";   ///< total, subsurface or surface
+    std::string accuracy;              ///< of the values, in words; may be empty
     std::vector<std::string> sources;  ///< of the refractive indices, one line for each
+};
+
+/// Three weights of each channel: what a colour is made of.
+using ColourWeights = std::vector<std::array<double, 3>>;
+
+/// Weighted sums of the channels of a source, for instance colours.
+class ChannelMix {
+  public:
+    virtual ~ChannelMix() = default;
+    /// values[3 * d + c] for direction d.
+    virtual void evaluate(std::span<const Direction> directions,
+                          std::span<double> values) const = 0;
 };
 
 /// A spectral BRDF, 1/sr without the cosine, isotropic about the normal. Const functions may be
@@ -41,7 +56,14 @@ class BrdfSource {
     /// (mu_in, mu_out) may be evaluated faster.
     virtual void evaluate(std::span<const Direction> directions,
                           std::span<double> values) const = 0;
+
+    /// Sums over channels: of many channels a source may know them without evaluating each.
+    /// The result must not outlive the source.
+    virtual std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const;
 };
+
+/// How many directions, from the first on, share its cosines.
+std::size_t count_sharing_cosines(std::span<const Direction> directions);
 
 /// "550 nm" for each wavelength, in the shortest form that reads back to the same double.
 std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm);

@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "pipeline/error.h"
+#include "pipeline/exports/half_vector.h"
 
 namespace miebrdf::exports {
 namespace {
+
+/// Of the mean: smaller values are compared with this share of it.
+constexpr double kTail = 0.01;
 
 /// The same sequence everywhere; std::uniform_real_distribution is not.
 class Uniform {
@@ -43,6 +48,43 @@ std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed) 
     return directions;
 }
 
+std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed) {
+    Uniform uniform(seed);
+    constexpr double kLeastTilt = 1e-3, kLargestTilt = 0.5, kLeastCosine = 0.4;
+    std::vector<Direction> directions;
+    while (directions.size() < count) {
+        const double mu_in = kLeastCosine + (1.0 - kLeastCosine) * uniform();
+        const double tilt = kLeastTilt * std::pow(kLargestTilt / kLeastTilt, uniform());
+        const double turn = 2.0 * std::numbers::pi * uniform();
+        const Eigen::Vector3d in = spherical(std::acos(mu_in), 0.0);
+        const Eigen::Vector3d out = mirrored(in, spherical(tilt, turn));
+        if (out.z() > kLeastCosine) directions.push_back(direction_of(in, out));
+    }
+    return directions;
+}
+
+namespace {
+
+double lobe_error(const BrdfFile& file, const BrdfSource& source) {
+    const std::vector<Direction> directions = lobe_directions(500, 77);
+    const std::size_t channels = source.channels().size();
+    std::vector<double> expected(directions.size() * channels), found(channels);
+    source.evaluate(directions, expected);
+    double errors = 0.0, values = 0.0;
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+        file.evaluate(directions[d], found);
+        for (std::size_t c = 0; c < channels; ++c) {
+            if (std::isnan(found[c])) continue;
+            const double truth = expected[d * channels + c];
+            errors += (found[c] - truth) * (found[c] - truth);
+            values += truth * truth;
+        }
+    }
+    return errors > 0.0 ? std::sqrt(errors / values) : 0.0;
+}
+
+}  // namespace
+
 Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
                             std::span<const Direction> directions) {
     const std::size_t channels = source.channels().size();
@@ -70,12 +112,13 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
             const double truth = expected[d * channels + c];
             const double error = found[c] - truth;
             deviation.largest = std::max(deviation.largest, std::abs(error) / mean);
-            sums[band] += std::pow(truth != 0.0 ? error / truth : error / mean, 2);
+            sums[band] += std::pow(error / std::max(std::abs(truth), kTail * std::abs(mean)), 2);
             counts[band] += 1.0;
         }
     }
     for (std::size_t b = 0; b < 3; ++b)
         deviation.rms[b] = counts[b] > 0 ? std::sqrt(sums[b] / counts[b]) : 0.0;
+    deviation.lobe = lobe_error(file, source);
     return deviation;
 }
 

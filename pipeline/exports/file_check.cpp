@@ -74,7 +74,35 @@ void check_albedos(const BrdfFile& file, FileCheck& check) {
     }
 }
 
+/// The BRDF itself, asked like a file.
+class Exact : public BrdfFile {
+  public:
+    explicit Exact(const BrdfSource& source) : source_(source) {}
+    std::string format() const override { return "exact"; }
+    std::string description() const override { return ""; }
+    const std::vector<std::string>& channels() const override { return source_.channels(); }
+    const std::vector<double>& wavelength_nm() const override { return source_.wavelength_nm(); }
+    void evaluate(const Direction& direction, std::span<double> values) const override {
+        source_.evaluate({&direction, 1}, values);
+    }
+
+  private:
+    const BrdfSource& source_;
+};
+
 }  // namespace
+
+double albedo_error(const BrdfFile& file, const BrdfSource& source) {
+    const Exact exact(source);
+    double largest = 0.0;
+    for (const double mu : kIncidences) {
+        const std::vector<double> found = directional_albedo(file, mu);
+        const std::vector<double> expected = directional_albedo(exact, mu);
+        for (std::size_t c = 0; c < expected.size(); ++c)
+            largest = std::max(largest, std::abs(found.at(c) / expected[c] - 1.0));
+    }
+    return largest;
+}
 
 std::vector<double> directional_albedo(const BrdfFile& file, double mu_in) {
     return integrate(file, mu_in, true);

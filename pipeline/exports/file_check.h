@@ -28,4 +28,8 @@ FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
 /// in the cosine (32 nodes) and 64 midpoints in azimuth; good to 1e-3 for smooth BRDFs.
 std::vector<double> directional_albedo(const BrdfFile& file, double mu_in);
 
+/// Largest relative difference between directional albedos of the file and of the BRDF that it was
+/// made from, over channels and mu_in = 0.1 ... 1; both integrated at the same directions.
+double albedo_error(const BrdfFile& file, const BrdfSource& source);
+
 }  // namespace miebrdf::exports

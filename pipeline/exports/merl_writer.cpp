@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kHalfBins = 90, kDifferenceBins = 90, kAzimuthBins = 180;
 constexpr std::size_t kPlane = kDifferenceBins * kAzimuthBins;
+/// Azimuths p and 180 - p degrees are the same pair of directions with light and viewer exchanged,
+/// mirrored: the values of a reciprocal BRDF, the only one that the format holds, are equal.
+constexpr std::size_t kComputedAzimuths = kAzimuthBins / 2 + 1;
 /// What readers multiply the stored numbers by, upside down.
 constexpr double kScale[3] = {1500.0 / 1.0, 1500.0 / 1.15, 1500.0 / 1.66};
 
@@ -25,14 +28,19 @@ VectorPair from_half_difference(double theta_h, double theta_d, double phi_d) {
     return {in, mirrored(in, spherical(theta_h, 0.0))};
 }
 
-/// All bins of one half angle.
+/// The bin of 180 degrees minus the azimuth of bin p.
+std::size_t mirrored_bin(std::size_t p, double shift) {
+    return shift > 0.0 ? kAzimuthBins - 1 - p : (kAzimuthBins - p) % kAzimuthBins;
+}
+
+/// Half of the bins of one half angle.
 std::vector<VectorPair> pairs_of(std::size_t half_bin, double shift) {
     const double position = (static_cast<double>(half_bin) + shift) / kHalfBins;
     const double theta_h = position * position * std::numbers::pi / 2;
     std::vector<VectorPair> pairs;
-    pairs.reserve(kPlane);
+    pairs.reserve(kDifferenceBins * kComputedAzimuths);
     for (std::size_t d = 0; d < kDifferenceBins; ++d) {
-        for (std::size_t p = 0; p < kAzimuthBins; ++p) {
+        for (std::size_t p = 0; p < kComputedAzimuths; ++p) {
             pairs.push_back(from_half_difference(theta_h,
                                                  (static_cast<double>(d) + shift) * kDegree,
                                                  (static_cast<double>(p) + shift) * kDegree));
@@ -54,15 +62,18 @@ void write_merl(const RgbSource& source, const MerlOptions& options, std::ostrea
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             if (!(pairs[i].in.z() > 0.0 && pairs[i].out.z() > 0.0)) continue;
             directions.push_back(direction_of(pairs[i].in, pairs[i].out));
-            bins.push_back(h * kPlane + i);
+            bins.push_back(i);
         }
         std::vector<double> values(3 * directions.size());
         source.evaluate(directions, values);
         for (std::size_t i = 0; i < bins.size(); ++i) {
+            const std::size_t p = bins[i] % kComputedAzimuths;
+            const std::size_t first = h * kPlane + bins[i] / kComputedAzimuths * kAzimuthBins;
             for (std::size_t c = 0; c < 3; ++c) {
                 // Out-of-gamut colours are negative, which would read as "no value".
-                table[c * kHalfBins * kPlane + bins[i]] =
-                    std::max(values[3 * i + c], 0.0) * kScale[c];
+                const double value = std::max(values[3 * i + c], 0.0) * kScale[c];
+                table[c * kHalfBins * kPlane + first + p] = value;
+                table[c * kHalfBins * kPlane + first + mirrored_bin(p, shift)] = value;
             }
         }
     });

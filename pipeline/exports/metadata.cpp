@@ -26,6 +26,7 @@ nlohmann::ordered_json metadata(const BrdfSource& source, const Conventions& con
         json["wavelength_nm"] = source.wavelength_nm();
     }
     if (!conventions.colour.empty()) json["colour"] = conventions.colour;
+    if (!origin.accuracy.empty()) json["accuracy"] = origin.accuracy;
     json["sources"] = origin.sources;
     return json;
 }

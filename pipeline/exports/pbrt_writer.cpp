@@ -118,7 +118,7 @@ class FourierTables {
     void add(const AzimuthSeries& series, std::size_t pair, double tail_tolerance) {
         const std::size_t row = h_ + 1 + pair / h_, column = pair % h_;
         const double mu_in = -double(nodes_[column]);
-        const auto orders = static_cast<std::size_t>(series.orders);
+        const std::size_t orders = series.orders(pair);
         std::vector<double> y_r_b(3 * orders);
         std::size_t length = 1;
         for (std::size_t k = 0; k < orders; ++k) {

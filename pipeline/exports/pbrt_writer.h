@@ -10,7 +10,7 @@ namespace miebrdf::exports {
 struct PbrtOptions {
     /// Intervals h of each half of the cosine axis, 4 to 500; nodes are sin^2(pi k / 2h), which
     /// crowd at the horizon, where the BRDF bends, and at the normal.
-    int intervals = 48;
+    int intervals = 56;
     /// A series is cut where the rest is below this share of its mean.
     double tail_tolerance = 1e-5;
     int most_orders = 512;

@@ -31,21 +31,11 @@ RgbSource::RgbSource(const BrdfSource& source, RgbWeights weights)
         throw UsageError(fmt::format("colour weights for {} wavelengths, but the BRDF has {}",
                                      weights_.weight.size(), source.wavelength_nm().size()));
     }
+    mix_ = source.mix(weights_.weight);
 }
 
 void RgbSource::evaluate(std::span<const Direction> directions, std::span<double> values) const {
-    const std::size_t wavelengths = weights_.weight.size();
-    std::vector<double> spectra(directions.size() * wavelengths);
-    source_.evaluate(directions, spectra);
-    for (std::size_t d = 0; d < directions.size(); ++d) {
-        std::array<double, 3> rgb = {0.0, 0.0, 0.0};
-        for (std::size_t w = 0; w < wavelengths; ++w) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                rgb[c] += weights_.weight[w][c] * spectra[d * wavelengths + w];
-            }
-        }
-        std::copy(rgb.begin(), rgb.end(), values.begin() + static_cast<std::ptrdiff_t>(3 * d));
-    }
+    mix_->evaluate(directions, values);
 }
 
 }  // namespace miebrdf::exports

@@ -1,8 +1,6 @@
 // A spectral BRDF seen as three colours: each a fixed linear combination of the wavelengths.
 #pragma once
 
-#include <array>
-
 #include "pipeline/exports/brdf_source.h"
 
 namespace miebrdf::exports {
@@ -10,7 +8,7 @@ namespace miebrdf::exports {
 /// rgb[c] = sum_w weight[w][c] f(wavelength w). A conversion from CIE colour matching functions,
 /// illuminant and primaries is of this form; so are three single wavelengths.
 struct RgbWeights {
-    std::vector<std::array<double, 3>> weight;  ///< one for each wavelength of the source
+    ColourWeights weight;     ///< one for each wavelength of the source
     std::string description;  ///< primaries, illuminant and observer, for the file's metadata
 };
 
@@ -34,6 +32,7 @@ class RgbSource : public BrdfSource {
   private:
     const BrdfSource& source_;
     RgbWeights weights_;
+    std::unique_ptr<ChannelMix> mix_;
     std::vector<std::string> channels_ = {"R", "G", "B"};
     std::vector<double> no_wavelengths_;
 };

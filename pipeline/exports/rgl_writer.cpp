@@ -19,6 +19,9 @@ namespace {
 constexpr double kHalfPi = std::numbers::pi / 2;
 /// The last incident angle is stored as 90 degrees but computed here: at 90 itself nothing arrives.
 constexpr double kLargestAngle = 89.9 * kDegree;
+/// Incident angles crowd at the horizon, where the BRDF bends: at mu = 0.1 the albedo is 0.1 % off
+/// instead of 0.9 % with equal steps (24 angles, test material, tests/exports/read_back_test.cpp).
+constexpr double kCrowding = 1.75;
 /// Every half vector stays reachable by importance sampling, however dark it is.
 constexpr double kLuminanceFloor = 1e-6;
 
@@ -66,7 +69,8 @@ class RglGrid {
 
   private:
     double theta_in(std::size_t t) const {
-        return kHalfPi * static_cast<double>(t) / static_cast<double>(angles_ - 1);
+        const double x = static_cast<double>(t) / static_cast<double>(angles_ - 1);
+        return kHalfPi * (1.0 - std::pow(1.0 - x, kCrowding));
     }
 
     double unit(std::size_t i) const {

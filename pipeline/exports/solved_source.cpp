@@ -24,6 +24,45 @@ std::string title_of(const Scene& scene) {
     return title;
 }
 
+/// Smooth parts are mixed once; of sharp ones, wavelengths without weight are left out.
+class SolvedMix : public ChannelMix {
+  public:
+    SolvedMix(const std::vector<WavelengthSolution>& solutions, const ColourWeights& weights) {
+        for (std::size_t w = 0; w < solutions.size(); ++w) {
+            if (weights[w] == std::array{0.0, 0.0, 0.0}) continue;
+            parts_.push_back({&solutions[w], weights[w]});
+            for (std::size_t c = 0; c < 3; ++c)
+                smooth_[c].add(solutions[w].smooth(), weights[w][c]);
+        }
+    }
+
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        std::fill(values.begin(), values.end(), 0.0);
+        std::vector<double> sharp;
+        for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
+            const auto rest = directions.subspan(first);
+            count = count_sharing_cosines(rest);
+            double* const target = values.data() + 3 * first;
+            for (std::size_t c = 0; c < 3; ++c)
+                add_smooth(smooth_[c], rest.first(count), target + c, 3);
+            sharp.resize(count);
+            for (const Part& part : parts_) {
+                part.solution->evaluate_sharp(rest.first(count), sharp.data(), 1);
+                for (std::size_t i = 0; i < 3 * count; ++i)
+                    target[i] += part.weight[i % 3] * sharp[i / 3];
+            }
+        }
+    }
+
+  private:
+    struct Part {
+        const WavelengthSolution* solution;
+        std::array<double, 3> weight;
+    };
+    std::vector<Part> parts_;
+    std::array<SmoothPart, 3> smooth_;
+};
+
 }  // namespace
 
 SolvedSource::SolvedSource(const Request& request, Component component,
@@ -34,8 +73,12 @@ SolvedSource::SolvedSource(const Request& request, Component component,
         throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
     }
     const SceneMedia media(request);
-    provenance_ = {fmt::format("miebrdf {}", kVersion), command_line, title_of(request.scene),
-                   name_of(component), media.sources()};
+    provenance_ = {fmt::format("miebrdf {}", kVersion),
+                   command_line,
+                   title_of(request.scene),
+                   name_of(component),
+                   "",
+                   media.sources()};
     const bool layers = component != Component::surface;
     const auto demand = demand_of(request, layers ? PhaseDemand::whole : PhaseDemand::moments_only);
     const std::vector<SceneOptics> optics = media.optics(wavelength_nm_, demand, control);
@@ -45,19 +88,55 @@ SolvedSource::SolvedSource(const Request& request, Component component,
         if (request.scene.surface) surface_index = media.surface_index_at(wavelength_nm_[w]);
         solved[w].emplace(optics[w], surface_index, request, component);
     });
+    accuracy_.tolerance = request.solver.tolerance;
     for (std::size_t w = 0; w < solved.size(); ++w) {
-        const rte::SolverReport& report = solved[w]->report();
-        converged_ = converged_ && (!layers || (report.converged && optics[w].converged));
-        error_estimate_ =
-            std::max(error_estimate_, report.error_estimate + optics[w].mie_error_estimate);
+        if (layers) judge(*solved[w], optics[w], wavelength_nm_[w]);
         solutions_.push_back(std::move(*solved[w]));
     }
+    provenance_.accuracy = describe(accuracy_);
+}
+
+void SolvedSource::judge(const WavelengthSolution& solution, const SceneOptics& optics,
+                         double wavelength_nm) {
+    const rte::SolverReport& report = solution.report();
+    accuracy_.converged = accuracy_.converged && report.converged && optics.converged;
+    accuracy_.share_within_tolerance -=
+        (1.0 - report.share_within_tolerance) / static_cast<double>(wavelength_nm_.size());
+    const double estimate = report.error_estimate + optics.mie_error_estimate;
+    if (!(estimate > accuracy_.error_estimate)) return;
+    accuracy_.error_estimate = estimate;
+    accuracy_.mie_error_estimate = optics.mie_error_estimate;
+    accuracy_.wavelength_nm = wavelength_nm;
+    accuracy_.direction = solution.worst_direction();
+}
+
+std::string describe(const SolverAccuracy& accuracy) {
+    const std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",
+                                             accuracy.error_estimate, accuracy.tolerance);
+    if (accuracy.converged) return estimate;
+    const Direction& worst = accuracy.direction;
+    return fmt::format(
+        "not converged: {}, largest at {} nm, mu_in {}, mu_out {}, azimuth {} degrees; single "
+        "scattering's part of it {:.1e}; {:.3g} % of the directions compared are within tolerance",
+        estimate, accuracy.wavelength_nm, worst.mu_in, worst.mu_out, worst.azimuth_deg,
+        accuracy.mie_error_estimate, 100.0 * accuracy.share_within_tolerance);
 }
 
 void SolvedSource::evaluate(std::span<const Direction> directions, std::span<double> values) const {
-    for (std::size_t w = 0; w < solutions_.size(); ++w) {
-        solutions_[w].evaluate(directions, values.data() + w, solutions_.size());
+    const std::size_t stride = solutions_.size();
+    for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
+        const auto rest = directions.subspan(first);
+        count = count_sharing_cosines(rest);
+        for (std::size_t w = 0; w < stride; ++w) {
+            double* const target = values.data() + first * stride + w;
+            solutions_[w].evaluate_sharp(rest.first(count), target, stride);
+            add_smooth(solutions_[w].smooth(), rest.first(count), target, stride);
+        }
     }
+}
+
+std::unique_ptr<ChannelMix> SolvedSource::mix(const ColourWeights& weights) const {
+    return std::make_unique<SolvedMix>(solutions_, weights);
 }
 
 Component parse_component(const std::string& name) {

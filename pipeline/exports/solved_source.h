@@ -5,6 +5,20 @@
 
 namespace miebrdf::exports {
 
+/// How well the request was solved, over all wavelengths.
+struct SolverAccuracy {
+    double tolerance = 0.0;
+    double error_estimate = 0.0;          ///< relative, largest: transfer and single scattering
+    double mie_error_estimate = 0.0;      ///< the part of single scattering in it
+    double wavelength_nm = 0.0;           ///< where the estimate is largest
+    Direction direction;                  ///< where that of the transfer is largest, there
+    double share_within_tolerance = 1.0;  ///< of the directions compared, mean over wavelengths
+    bool converged = true;
+};
+
+/// One sentence for people: the estimate, and when the tolerance is missed, where and how widely.
+std::string describe(const SolverAccuracy& accuracy);
+
 class SolvedSource : public BrdfSource {
   public:
     /// Does all the work: optics, then radiative transfer, wavelengths in parallel.
@@ -17,18 +31,18 @@ class SolvedSource : public BrdfSource {
     const std::vector<double>& wavelength_nm() const override { return wavelength_nm_; }
     const Provenance& provenance() const override { return provenance_; }
     void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
+    std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const override;
 
-    bool converged() const { return converged_; }
-    /// Relative, largest of all wavelengths and media, as `miebrdf brdf` reports it.
-    double error_estimate() const { return error_estimate_; }
+    const SolverAccuracy& accuracy() const { return accuracy_; }
 
   private:
+    void judge(const WavelengthSolution& solution, const SceneOptics& optics, double wavelength_nm);
+
     std::vector<double> wavelength_nm_;
     std::vector<std::string> channels_;
     Provenance provenance_;
     std::vector<WavelengthSolution> solutions_;
-    bool converged_ = true;
-    double error_estimate_ = 0.0;
+    SolverAccuracy accuracy_;
 };
 
 /// Reads "total", "subsurface" or "surface". @throws UsageError

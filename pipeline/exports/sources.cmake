@@ -34,6 +34,7 @@ set(miebrdf_export_sources
     exports/rgb_source.cpp
     exports/rgb_weights.cpp
     exports/rgl_writer.cpp
+    exports/smooth_part.cpp
     exports/solved_source.cpp
     exports/spectrum_writer.cpp
     exports/ssdd_writer.cpp
@@ -44,8 +45,8 @@ set(miebrdf_export_sources
 
 # What other programs may use; the rest of the headers are for these sources alone.
 foreach(header brdf_export.h brdf_source.h deviation.h file_check.h merl_writer.h readers/brdf_file.h
-               rgb_source.h rgb_weights.h solved_source.h spectrum_writer.h table_grid.h
-               wavelength_solution.h)
+               rgb_source.h rgb_weights.h smooth_part.h solved_source.h spectrum_writer.h
+               table_grid.h wavelength_solution.h)
     get_filename_component(folder "${header}" DIRECTORY)
     install(FILES "${CMAKE_CURRENT_LIST_DIR}/${header}"
             DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/miebrdf/pipeline/exports/${folder}")

@@ -3,7 +3,6 @@
 
 #include "pipeline/error.h"
 #include "pipeline/exports/astm_writer.h"
-#include "pipeline/exports/deviation.h"
 #include "pipeline/exports/ssdd_writer.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"
@@ -41,27 +40,11 @@ TEST_CASE("ssdd: entries stand in the order of the specification, values are bin
     CHECK(content.size() - content.find("DATA binary\n") - 12 == 4 * 7 * 10 * 10 * 10);
 }
 
-TEST_CASE("ssdd: linear interpolation on 5 x 5 x 10 degrees stays within docs/formats/ssdd.md",
-          "[exports][ssdd]") {
-    std::ostringstream out;
-    write_ssdd(material(), 18, out);
-    const auto read = read_brdf_file(out.str(), "test");
-    CHECK(read->format() == "ssdd");
-    const Deviation deviation = measure_deviation(*read, material(), random_directions(6000, 1));
-    CAPTURE(deviation.rms);
-    CHECK(deviation.rms[0] <= 5.6e-3);  // twice what libbsdf showed on this grid
-}
-
-TEST_CASE("astm: header and interpolation on 10 x 10 x 15 degrees", "[exports][astm]") {
+TEST_CASE("astm: the header names angles and wavelengths", "[exports][astm]") {
     std::ostringstream out;
     write_astm(material(), 9, out);
     CHECK_THAT(out.str(),
                Catch::Contains("\nNUM_POINTS 1000\nVARS theta_i,phi_i,theta_s,phi_s,400nm,450nm"));
-    const auto read = read_brdf_file(out.str(), "test");
-    CHECK(read->format() == "astm");
-    const Deviation deviation = measure_deviation(*read, material(), random_directions(6000, 1));
-    CAPTURE(deviation.rms);
-    CHECK(deviation.rms[0] <= 2.6e-2);
 }
 
 TEST_CASE("angle tables refuse steps out of range", "[exports][ssdd][astm][errors]") {

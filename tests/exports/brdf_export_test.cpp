@@ -9,6 +9,7 @@
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
+namespace fs = std::filesystem;
 
 TEST_CASE("every format is written, recognised by its content and close to the BRDF",
           "[exports][brdf_export]") {
@@ -27,6 +28,30 @@ TEST_CASE("every format is written, recognised by its content and close to the B
         CHECK(file.bytes == std::filesystem::file_size(file.path));
     }
     CHECK(folder.count() == files.size());
+}
+
+TEST_CASE("every format says what its numbers are and where they come from",
+          "[exports][brdf_export]") {
+    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
+    const support::TemporaryFolder folder;
+    ExportOptions options;
+    options.format = GENERATE(from_range(export_formats()));
+    options.largest_error = 1e9;
+    options.grid = {{0.5, 1.0}, {0.3, 1.0}, {0.0, 180.0}};
+    CAPTURE(options.format);
+    for (const auto& file : export_brdf(material, options, folder / "file")) {
+        const bool beside = options.format == "merl";
+        const std::string content =
+            support::read_file(beside ? fs::path(file.path.string() + ".json") : file.path);
+        for (const char* said :
+             {"generator", "miebrdf test", "command", "miebrdf export", "units", "1/sr", "cosine",
+              "azimuth_zero", "sources", "a closed form", "component", "total"}) {
+            CHECK_THAT(content, Catch::Contains(said));
+        }
+        const bool coloured = options.format == "pbrt" || beside || options.format == "radiance" ||
+                              options.format == "klems" || options.format == "exr";
+        if (coloured) CHECK_THAT(content, Catch::Contains("R = 600 nm"));
+    }
 }
 
 TEST_CASE("merl says in a file beside it what it has no room for", "[exports][brdf_export]") {
@@ -55,6 +80,14 @@ TEST_CASE("a lobe too sharp for the resolution is refused with the error and wha
                       Catch::Contains("resolution 8 ") && Catch::Contains("--resolution ") &&
                           Catch::Contains("reaches"));
     CHECK(folder.count() == 0);
+    // Too narrow to be met by random directions, and too narrow for any resolution.
+    const support::SharpMaterial narrow(support::seven_wavelengths(), 0.02);
+    options.format = "klems";
+    options.resolution = 0;
+    CHECK_THROWS_WITH(export_brdf(narrow, options, folder / "narrow.xml"),
+                      Catch::Contains("near mirror") && Catch::Contains("no finer one"));
+    options.format = "rgl";
+    options.resolution = 8;
     options.largest_error = 100;
     CHECK(export_brdf(material, options, folder / "sharp.bsdf").size() == 2);
 }

@@ -92,6 +92,22 @@ TEST_CASE("counts that the file cannot hold are refused before memory is taken",
     CHECK_THROWS_WITH(read_brdf_file(merl, "test"), Catch::Contains("4374000"));
 }
 
+TEST_CASE("a Fourier file short of one byte, or with bytes to spare, is refused as in layerlab",
+          "[exports][corrupted]") {
+    const std::string content = small_file("pbrt");
+    CHECK_NOTHROW(read_brdf_file(content, "test"));
+    CHECK_THROWS_AS(read_brdf_file(content.substr(0, content.size() - 1), "test"), InputError);
+    CHECK_THROWS_AS(read_brdf_file(content + '\0', "test"), InputError);
+}
+
+TEST_CASE("messages quote a hostile file without its control characters", "[exports][corrupted]") {
+    std::string content = small_file("rgl");
+    content.replace(20, 4, "\x1b[2J");  // in the name of the first field
+    content[33] = '\x7f';               // an unknown type
+    CHECK_THROWS_WITH(read_brdf_file(content, "test"),
+                      Catch::Contains("?[2Jription") && !Catch::Contains("\x1b"));
+}
+
 TEST_CASE("what is no BRDF file is refused by name", "[exports][corrupted]") {
     CHECK_THROWS_WITH(read_brdf_file("hello", "letter.txt"),
                       Catch::Contains("letter.txt") && Catch::Contains("pbrt"));

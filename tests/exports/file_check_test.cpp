@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "tests/support/catch.h"
+#include "tests/support/test_material.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
@@ -37,6 +38,17 @@ TEST_CASE("check finds the albedo of a white Lambertian surface to be 1", "[expo
     CHECK(check.reciprocity_rms == 0.0);
     CHECK(check.least_value == Approx(1 / std::numbers::pi));
     CHECK_FALSE(check.sampled_albedo_error.has_value());
+}
+
+TEST_CASE("the albedo error of a file that is a tenth too bright is a tenth",
+          "[exports][file_check]") {
+    static const support::TestMaterial material({550}, 0.4);
+    const Fake bright([](const Direction& d) {
+        double value = 0;
+        material.evaluate({&d, 1}, {&value, 1});
+        return 1.1 * value;
+    });
+    CHECK(albedo_error(bright, material) == Approx(0.1).epsilon(1e-9));
 }
 
 TEST_CASE("check sees what is not reciprocal, negative or missing", "[exports][file_check]") {

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "pipeline/error.h"
-#include "pipeline/exports/deviation.h"
 #include "pipeline/exports/file_check.h"
 #include "tests/support/catch.h"
 #include "tests/support/sampling.h"
@@ -14,19 +13,8 @@
 using namespace miebrdf;
 using namespace miebrdf::exports;
 
-namespace {
-
-struct Material {
-    support::TestMaterial spectral{support::seven_wavelengths(), 0.4};
-    RgbSource rgb{spectral, nearest_wavelengths(support::seven_wavelengths())};
-};
-
-}  // namespace
-
-TEST_CASE(
-    "radiance: the Klems matrix is reciprocal, keeps the albedo, and is as coarse as its patches",
-    "[exports][radiance]") {
-    const Material material;
+TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exports][radiance]") {
+    const support::ColouredMaterial material;
     std::ostringstream out;
     write_radiance_klems(material.rgb, out);
     pugi::xml_document document;
@@ -35,10 +23,8 @@ TEST_CASE(
     CHECK(layer.child("Material").child_value("Name") ==
           std::string("half-space of Henyey-Greenstein scatterers"));
     const auto read = read_brdf_file(out.str(), "test");
-    const Deviation deviation = measure_deviation(*read, material.rgb, random_directions(6000, 1));
     const FileCheck check = check_file(*read);
-    CAPTURE(deviation.rms, check.reciprocity_rms);
-    CHECK(deviation.rms[0] <= 0.158);  // twice the 7.9 % of piecewise constant patches
+    CAPTURE(check.reciprocity_rms);
     CHECK(check.reciprocity_rms <= 0.06);
     // A patch holds the mean over its angles: compare in the middle of one (20 degrees).
     const auto expected = support::integrated_albedo(material.rgb, 0.94);
@@ -46,20 +32,8 @@ TEST_CASE(
     for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(found[c] / expected[c] - 1) <= 2e-2);
 }
 
-TEST_CASE("radiance: the tensor tree gets finer with its levels", "[exports][radiance]") {
-    const Material material;
-    // Twice the 9.4 % and 6.6 % that checkBSDF's library showed.
-    const auto [levels, bound] = GENERATE(std::pair{4, 0.188}, std::pair{5, 0.132});
-    std::ostringstream out;
-    write_radiance_tree(material.rgb, levels, out);
-    const auto read = read_brdf_file(out.str(), "test");
-    const Deviation deviation = measure_deviation(*read, material.rgb, random_directions(6000, 1));
-    CAPTURE(levels, deviation.rms);
-    CHECK(deviation.rms[0] <= bound);
-}
-
 TEST_CASE("radiance: levels out of range are refused", "[exports][radiance][errors]") {
-    const Material material;
+    const support::ColouredMaterial material;
     std::ostringstream out;
     CHECK_THROWS_WITH(write_radiance_tree(material.rgb, 12, out), Catch::Contains("2 to 8"));
 }

@@ -53,9 +53,27 @@ TEST_CASE("solved once, evaluated anywhere: the same as solving at each directio
         request.scene.coupling = rte::SurfaceCoupling::reciprocal;
     }
     const SolvedSource source(request, Component::total, "test", {});
-    CHECK(source.converged());
+    CHECK(source.accuracy().converged);
     // Both solve to 1e-5; interpolation between the cosines must not add to that by an order.
     CHECK(largest_difference(request, source, 12) <= 1e-4);
+}
+
+TEST_CASE("at the horizon itself the BRDF of large spheres is that just above it",
+          "[exports][solved_source]") {
+    // Fourier files have a row there. The table of glories ends at mu = 0.001: asked for 1e-9 it
+    // gave 1e7 per steradian.
+    Request request;
+    request.scene.base = IndexMedium{{2.6, 0.0}};
+    request.scene.particles.sizes.effective_radius_um = 5;
+    request.wavelength_nm = {550};
+    const SolvedSource source(request, Component::total, "", {});
+    for (const double azimuth : {0.0, 90.0, 165.0, 180.0}) {
+        const Direction directions[] = {{0.2, 1e-9, azimuth}, {0.2, 2e-3, azimuth}};
+        double values[2];
+        source.evaluate(directions, values);
+        CAPTURE(azimuth, values[0], values[1]);
+        CHECK(std::abs(values[0] / values[1] - 1) <= 0.2);
+    }
 }
 
 TEST_CASE("components add up: total is the surface and what it lets through",
@@ -74,6 +92,26 @@ TEST_CASE("components add up: total is the surface and what it lets through",
     const double share = (values[0][0] - values[1][0]) / values[2][0];
     CHECK(share > 0.8);  // 1 - rho of n = 2 is near 0.89
     CHECK(share < 0.95);
+}
+
+TEST_CASE("what is not converged says where and how widely, and so does the file",
+          "[exports][solved_source]") {
+    Request request;
+    request.scene.base = HenyeyGreensteinMedium{0.9, 0.95};
+    request.wavelength_nm = {500, 600};
+    request.solver.streams = 4;  // too few for a phase function this narrow
+    const SolvedSource source(request, Component::total, "", {});
+    const SolverAccuracy& accuracy = source.accuracy();
+    CHECK_FALSE(accuracy.converged);
+    CHECK(accuracy.error_estimate > 1e-3);
+    CHECK(accuracy.share_within_tolerance > 0.0);
+    CHECK(accuracy.share_within_tolerance < 1.0);
+    // Forward scattering along the horizon is what four streams see least of.
+    CHECK(accuracy.direction.mu_in == 0.05);
+    CHECK(accuracy.direction.azimuth_deg == 0.0);
+    CHECK_THAT(describe(accuracy), Catch::Contains("mu_in 0.05") && Catch::Contains("azimuth 0 ") &&
+                                       Catch::Contains("% of the directions"));
+    CHECK(source.provenance().accuracy == describe(accuracy));
 }
 
 TEST_CASE("a surface that is not there cannot be exported", "[exports][solved_source][errors]") {

@@ -63,6 +63,10 @@ double SharpMaterial::lobe(const exports::Direction& d) const {
     return 0.05 * std::exp(-tan2 / (alpha_ * alpha_)) / (kPi * alpha_ * alpha_ * cos4 * hz * hz);
 }
 
+ColouredMaterial::ColouredMaterial()
+    : spectral(seven_wavelengths(), 0.4),
+      rgb(spectral, exports::nearest_wavelengths(seven_wavelengths())) {}
+
 std::vector<double> seven_wavelengths() { return {400, 450, 500, 550, 600, 650, 700}; }
 
 }  // namespace miebrdf::support

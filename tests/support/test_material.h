@@ -1,7 +1,7 @@
 // BRDFs in closed form to export: a smooth half-space and one with a sharp lobe.
 #pragma once
 
-#include "pipeline/exports/brdf_source.h"
+#include "pipeline/exports/rgb_source.h"
 
 namespace miebrdf::support {
 
@@ -41,6 +41,13 @@ class SharpMaterial : public TestMaterial {
 
   private:
     double alpha_;
+};
+
+/// TestMaterial at seven wavelengths, and as the three colours nearest to those of the paper.
+struct ColouredMaterial {
+    TestMaterial spectral;
+    exports::RgbSource rgb;
+    ColouredMaterial();
 };
 
 /// 400, 450, ..., 700 nm.

@@ -66,6 +66,9 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
         band == 0 ? verdict.at_most(name, deviation.rms[band], bound)
                   : verdict.at_least(name, deviation.rms[band], 0.0);
     }
+    verdict.at_least("directional_albedo_error", exports::albedo_error(file, truth), 0.0);
+    verdict.at_most("deviation_rms (near the mirror direction)", deviation.lobe,
+                    arguments.largest_deviation);
 }
 
 int run_check(const CheckArguments& arguments, const Shell& shell) {
@@ -113,8 +116,10 @@ void add_check_command(CLI::App& program, Shell& shell) {
     group->add_option("--max-albedo", arguments->largest_albedo, "directional, any channel")
         ->capture_default_str();
     group
-        ->add_option("--max-deviation", arguments->largest_deviation,
-                     "rms relative error at mu > 0.2, when a scene is given to compare with")
+        ->add_option(
+            "--max-deviation", arguments->largest_deviation,
+            "rms relative error at mu > 0.2 and near the mirror direction, when a scene is "
+            "given to compare with")
         ->capture_default_str();
     group
         ->add_option("--max-sampling-error", arguments->largest_sampling_error,

@@ -51,7 +51,7 @@ std::string describe(const exports::ExportedFile& file) {
         line += fmt::format("{} {:.2g} at {}", band == 0 ? "" : ",", file.deviation->rms[band],
                             exports::kDeviationBands[band]);
     }
-    return line;
+    return line + fmt::format(", {:.2g} near the mirror direction", file.deviation->lobe);
 }
 
 int run_export(const ExportArguments& arguments, const Shell& shell) {
@@ -72,9 +72,9 @@ int run_export(const ExportArguments& arguments, const Shell& shell) {
         shell.note(std::string("error: ") + error.what());
         return kCheckFailed;
     }
-    shell.note(fmt::format("solver's error estimate {:.1e}", source.error_estimate()));
-    if (!source.converged()) shell.note("not converged: the values are written all the same");
-    return source.converged() ? kGood : kNotConverged;
+    const exports::SolverAccuracy& accuracy = source.accuracy();
+    shell.note(describe(accuracy) + (accuracy.converged ? "" : "; all values are written"));
+    return accuracy.converged ? kGood : kNotConverged;
 }
 
 }  // namespace
@@ -120,8 +120,8 @@ void add_export_command(CLI::App& program, Shell& shell) {
                     "merl: sample bins at their centres, for readers that do not interpolate");
     group
         ->add_option("--max-error", arguments->options.largest_error,
-                     "largest relative error (rms, mu > 0.2) that is accepted on reading back; 0: "
-                     "the format's own")
+                     "largest relative error (rms, at mu > 0.2 and near the mirror direction) that is "
+                     "accepted on reading back; 0: the format's own")
         ->capture_default_str();
     shell.add_common_options(*command);
     command->footer(

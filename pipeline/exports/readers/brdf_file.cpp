@@ -27,6 +27,14 @@ constexpr Format kFormats[] = {
     {looks_like_astm, read_astm}, {looks_like_csv, read_csv},
 };
 
+/// Messages may quote the file: nothing of it may reach a terminal as a control sequence.
+std::string printable(std::string text) {
+    for (char& c : text) {
+        if (c < ' ' || c > '~') c = '?';
+    }
+    return text;
+}
+
 }  // namespace
 
 std::optional<Direction> BrdfFile::sample(double, double, double) const { return {}; }
@@ -39,7 +47,7 @@ std::unique_ptr<BrdfFile> read_brdf_file(std::string_view content, const std::st
         try {
             return format.read(content);
         } catch (const InputError& error) {
-            throw InputError(fmt::format("'{}': {}", name, error.what()));
+            throw InputError(fmt::format("'{}': {}", name, printable(error.what())));
         }
     }
     throw InputError(

@@ -48,6 +48,9 @@ class MerlFile : public BrdfFile {
         ByteReader bytes(content);
         bytes.take(12);
         values_ = bytes.reals<double>(3 * kBins);
+        if (bytes.remaining() > 0) {
+            throw InputError(fmt::format("merl: {} bytes after the last bin", bytes.remaining()));
+        }
     }
 
     std::string format() const override { return "merl"; }
@@ -55,16 +58,18 @@ class MerlFile : public BrdfFile {
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
 
-    /// Neighbours without a value (negative) are left out and the rest weighted up.
+    /// Linear in the three angles; as in libbsdf, bins without a value (negative) count as black,
+    /// and a direction is missing only where no bin around it has a value.
     void evaluate(const Direction& direction, std::span<double> values) const override {
         const HalfDifference angles = half_difference(direction);
-        const Axis h = axis(std::sqrt(angles.theta_h / (kPi / 2)) * kHalf, kHalf);
+        const Axis h = half_axis(angles.theta_h / (kPi / 2) * kHalf);
         const Axis d = axis(angles.theta_d / (kPi / 2) * kDifference, kDifference);
         const double position = std::clamp(angles.phi_d / kPi * kAzimuth, 0.0, kAzimuth - 1e-9);
         const auto p0 = static_cast<std::uint32_t>(position);
         const Axis p = {p0, (p0 + 1) % kAzimuth, position - p0};
         for (std::size_t c = 0; c < 3; ++c) {
-            double sum = 0.0, weights = 0.0;
+            double sum = 0.0;
+            bool found = false;
             for (int corner = 0; corner < 8; ++corner) {
                 const double weight =
                     h.weight(corner & 1) * d.weight(corner & 2) * p.weight(corner & 4);
@@ -73,10 +78,9 @@ class MerlFile : public BrdfFile {
                             std::size_t{kAzimuth} * kDifference * h.index(corner & 1)];
                 if (weight == 0.0 || !(value >= 0.0)) continue;
                 sum += weight * value;
-                weights += weight;
+                found = true;
             }
-            values[c] = weights > 0.0 ? sum / weights * kFactor[c]
-                                      : std::numeric_limits<double>::quiet_NaN();
+            values[c] = found ? sum * kFactor[c] : std::numeric_limits<double>::quiet_NaN();
         }
     }
 
@@ -88,10 +92,19 @@ class MerlFile : public BrdfFile {
         std::size_t index(int upper) const { return upper ? high : low; }
     };
 
+    /// Beyond the lower edge of the last bin its value stays.
     static Axis axis(double position, std::uint32_t count) {
-        const double inside = std::clamp(position, 0.0, count - 1.0);
-        const std::uint32_t low = std::min(count - 2, static_cast<std::uint32_t>(inside));
-        return {low, low + 1, inside - low};
+        const double inside = std::clamp(position, 0.0, count - 1e-9);
+        const auto low = static_cast<std::uint32_t>(inside);
+        return {low, std::min(low + 1, count - 1), inside - low};
+    }
+
+    /// Bin i begins at i^2 / 90 degrees.
+    static Axis half_axis(double degrees) {
+        const Axis bin = axis(std::sqrt(kHalf * degrees), kHalf);
+        const double low = double(bin.low) * bin.low / kHalf;
+        const double width = (2.0 * bin.low + 1.0) / kHalf;
+        return {bin.low, bin.high, std::clamp((degrees - low) / width, 0.0, 1.0)};
     }
 
     std::vector<double> values_;

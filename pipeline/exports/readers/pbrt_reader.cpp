@@ -71,7 +71,7 @@ Tables parse(std::string_view content) {
         refuse(fmt::format("{} channels; allowed: 1 or 3", tables.channels));
     }
     expect(bytes, "bases", 1, 1);
-    bytes.number<std::uint32_t>();  // metadata: at the end, where it is nobody's business
+    const auto metadata = bytes.number<std::uint32_t>();
     expect(bytes, "parameters", 0, 0);
     expect(bytes, "parameter values", 0, 0);
     bytes.take(20);  // eta (of transmission), two roughnesses, two unused
@@ -84,6 +84,9 @@ Tables parse(std::string_view content) {
         series.length = bytes.number<std::uint32_t>();
     }
     tables.coefficients = bytes.reals<float>(coefficients);
+    if (bytes.remaining() != metadata) {  // layerlab refuses such files too
+        refuse(fmt::format("{} bytes of metadata announced, {} left", metadata, bytes.remaining()));
+    }
     validate(tables);
     return tables;
 }

@@ -185,7 +185,8 @@ class TreeFile : public RadianceFile {
                      sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
         const auto [x, y] = disk_to_square(sin_out * std::cos(d.azimuth_deg * kPi / 180),
                                            sin_out * std::sin(d.azimuth_deg * kPi / 180));
-        return (index(0.5 - 0.5 * sin_in) * side_ + index(x)) * side_ + index(y);
+        // Normal incidence belongs to the last cell in use, as in Radiance.
+        return (index(0.5 - 1e-6 - 0.5 * sin_in) * side_ + index(x)) * side_ + index(y);
     }
     std::array<double, 3> colour_of(std::size_t cell) const override {
         const double Y = y_[cell];
