@@ -17,6 +17,7 @@ constexpr std::size_t kChunk = 4096;
 
 std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm) {
     std::vector<std::string> names;
+    names.reserve(wavelength_nm.size());
     for (const double wavelength : wavelength_nm) names.push_back(fmt::format("{} nm", wavelength));
     return names;
 }
