@@ -26,7 +26,7 @@ class AbsorptionSource {
         const ComplexLanes& P = inside.here();
         const ComplexLanes& Q = inside.before();
         if (!summed_) return Q.im * P.re - Q.re * P.im;
-        const Lanes T = T_;
+        Lanes T = T_;
         T_ += (2 * order + 1) * norm(P) * slope_;
         if (const Lanes* change = inside.change_of_scale()) T_ *= change->square();
         return T;

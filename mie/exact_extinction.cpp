@@ -68,7 +68,7 @@ void forward_sums(Complex m, const Complex* x, Complex* sums) {
         const Lanes inverse_b = (2 * n + 1) / norm(db);
         // Past the last term of a lane xi_n overflows in the end; its share is below rounding.
         const auto add = [](Lanes& sum, const Lanes& term) {
-            sum += (term == term).select(term, Lanes::Zero());
+            sum += term.isNaN().select(Lanes::Zero(), term);
         };
         add(total.re, (pa.re * da.re + pa.im * da.im) * inverse_a +
                           (pb.re * db.re + pb.im * db.im) * inverse_b);

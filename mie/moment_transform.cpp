@@ -143,6 +143,7 @@ std::vector<double> moments_from_covariance(const BandCovariance& covariance, co
         }
     }
     std::vector<double> moments;
+    moments.reserve(sums.size());
     for (const Lane& sum : sums) moments.push_back(sum.sum());
     return moments;
 }

@@ -50,6 +50,7 @@ std::vector<double> projected(const Samples& samples, std::size_t first_sample, 
         }
     }
     std::vector<double> projections;
+    projections.reserve(sums.size());
     for (const Lanes& sum : sums) projections.push_back(sum.sum());
     return projections;
 }

@@ -57,8 +57,8 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     // have decayed by l = 2n that does no harm to keep 2n of them; where they have not, 11n/6, of
     // which the soft cutoff of delta-M lets the last quarter fade (docs/numerics.md).
     const double kept = streams * (2.0 - peak_strength(largest_moment(stack, 2 * streams)) / 6.0);
-    choice.moments = int(
-        std::min(most_usable_moments(stack), std::max<std::size_t>(1, std::size_t(kept + 0.5))));
+    choice.moments =
+        int(std::min(most_usable_moments(stack), std::size_t(std::max(1L, std::lround(kept)))));
     return choice;
 }
 

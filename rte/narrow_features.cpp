@@ -73,6 +73,7 @@ Eigen::MatrixXd strengths_at(const std::vector<ScaledMedium>& media, const Eigen
     for (Eigen::Index j = 0; j < log_q.size(); ++j) {
         const std::vector<double> at_q = narrow_strengths(media, std::exp(log_q[j]));
         if (j == 0) strengths.resize(log_q.size(), Eigen::Index(at_q.size()));
+        if (at_q.empty()) break;  // no degrees: rows of nothing would start behind a null pointer
         strengths.row(j) =
             Eigen::Map<const Eigen::RowVectorXd>(at_q.data(), Eigen::Index(at_q.size()));
     }

@@ -51,6 +51,7 @@ std::size_t count_sharing_cosines(std::span<const Direction> directions) {
 
 std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm) {
     std::vector<std::string> names;
+    names.reserve(wavelength_nm.size());
     for (const double wavelength : wavelength_nm) names.push_back(fmt::format("{} nm", wavelength));
     return names;
 }

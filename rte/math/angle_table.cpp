@@ -40,6 +40,7 @@ AngleTable::AngleTable(const Functions& functions, double narrowest, double tole
 
 std::vector<AngleTable::Panel> AngleTable::first_panels() const {
     std::vector<Panel> panels;
+    panels.reserve(first_panel_count);
     for (int p = 0; p < first_panel_count; ++p) {
         panels.push_back({pi * p / first_panel_count, pi * (p + 1) / first_panel_count});
     }

@@ -119,7 +119,7 @@ class KlemsFile : public RadianceFile {
                                        [&](const Ring& r) { return theta < r.upper_deg; });
         const double turns = azimuth_deg / 360.0 - std::floor(azimuth_deg / 360.0);
         const auto count = static_cast<double>(ring->patches);
-        return ring->first + static_cast<std::size_t>(turns * count + 0.5) % ring->patches;
+        return ring->first + static_cast<std::size_t>(std::lround(turns * count)) % ring->patches;
     }
 
     /// Incident azimuth 0 is turned by half a turn in this basis: equal patches are mirror
