@@ -45,7 +45,7 @@ Picture draw_slice(const SliceMap& map, const Caption& caption) {
                                                 map.value.size(), map.half_cells,
                                                 map.difference_cells));
     }
-    const Axis axis({map.value_label, map.scale}, map.value);
+    const Axis axis({map.value_label, map.scale, map.lowest, map.highest}, map.value);
     const Point corner{58, caption.title.empty() ? 12.0 : 36.0};
     SvgDrawing drawing(kWidth, std::ceil(corner.y + kSide + 48));
     drawing.text({0.5 * kWidth, 22}, caption.title, {14, Anchor::middle, 0, "#000000"});

@@ -1,6 +1,7 @@
 // A BRDF as an image over half and difference angle (Rusinkiewicz 1998).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct SliceMap {
     std::vector<double>
         value;  ///< value[d * half_cells + h]; not finite where there is no direction
     double azimuth_deg = 90.0;  ///< phi_d
+    /// Ends of the colours where they should not be those of all values; what lies beyond has the
+    /// colour of the end.
+    std::optional<double> lowest = {}, highest = {};
     std::string value_label = "BRDF [1/sr]";
     Scale scale = Scale::logarithmic;
 };

@@ -8,30 +8,6 @@
 namespace miebrdf::plot {
 namespace {
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                // XML 1.0 has no other control characters, not even escaped.
-                if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
-        }
-    }
-    return out;
-}
-
 /// Lowers the letters after "\u03b8_", "\u03c6_" and "Q_".
 std::string with_subscripts(const std::string& text, double size) {
     std::string out;
@@ -46,7 +22,8 @@ std::string with_subscripts(const std::string& text, double size) {
         std::size_t end = at + 1;
         while (end < text.size() && std::isalpha(static_cast<unsigned char>(text[end]))) ++end;
         if (end == at + 1) continue;
-        const std::string before = text.substr(done, at - done);
+        std::string before = text.substr(done, at - done);
+        if (lowered && !before.empty() && before.front() == ' ') before.replace(0, 1, "\u00a0");
         // What follows a subscript goes up again, in an element of its own.
         out +=
             lowered ? fmt::format("<tspan dy=\"{:.1f}\">{}</tspan>", -0.25 * size, before) : before;
@@ -55,7 +32,9 @@ std::string with_subscripts(const std::string& text, double size) {
         lowered = true;
         done = end;
     }
-    const std::string rest = text.substr(done);
+    // Blanks at the ends of elements are dropped by some renderers.
+    std::string rest = text.substr(done);
+    if (lowered && !rest.empty() && rest.front() == ' ') rest.replace(0, 1, "\u00a0");
     return out + (lowered && !rest.empty()
                       ? fmt::format("<tspan dy=\"{:.1f}\">{}</tspan>", -0.25 * size, rest)
                       : rest);
@@ -76,6 +55,33 @@ std::string list(const std::vector<Point>& points) {
 }
 
 }  // namespace
+
+std::string escape_markup(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            case '\'':
+                out += "&#39;";
+                break;
+            default:
+                // XML 1.0 has no other control characters, not even escaped.
+                if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+        }
+    }
+    return out;
+}
 
 SvgDrawing::SvgDrawing(double width, double height) : width_(width), height_(height) {}
 
@@ -134,7 +140,7 @@ void SvgDrawing::text(Point at, const std::string& content, const TextStyle& sty
         "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" text-anchor=\"{}\" "
         "fill=\"{}\"{}>{}</text>\n",
         at.x, at.y, style.size, anchors[static_cast<int>(style.anchor)], style.colour, turn,
-        with_subscripts(escaped(content), style.size));
+        with_subscripts(escape_markup(content), style.size));
 }
 
 void SvgDrawing::begin_clip(Point corner, double width, double height) {
@@ -166,7 +172,7 @@ std::string SvgDrawing::document(const std::string& title, const std::string& de
         "font-family=\"DejaVu Sans, Verdana, Helvetica, sans-serif\">\n"
         "<title>{2}</title>\n<desc>{3}</desc>\n"
         "<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"#ffffff\"/>\n{4}</svg>\n",
-        width_, height_, escaped(title), escaped(description), body_);
+        width_, height_, escape_markup(title), escape_markup(description), body_);
 }
 
 double SvgDrawing::text_width(const std::string& content, double size) {

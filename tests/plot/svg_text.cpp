@@ -9,7 +9,7 @@ bool is_well_formed(const std::string& xml) {
     std::vector<std::string> open;
     static const std::regex tag(
         R"re(<([/?]?)([A-Za-z]+)((?:\s+[-A-Za-z0-9:]+="[^"<]*")*)\s*([/?]?)>)re");
-    static const std::regex good_text(R"re((?:[^&<]|&(?:amp|lt|gt|quot);)*)re");
+    static const std::regex good_text(R"re((?:[^&<]|&(?:amp|lt|gt|quot|#39);)*)re");
     std::size_t at = 0;
     while (at < xml.size()) {
         const std::size_t next = xml.find('<', at);
