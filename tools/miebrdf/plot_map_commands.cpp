@@ -1,6 +1,7 @@
 // miebrdf plot hemisphere, slice: colour maps of a scene's BRDF.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "pipeline/error.h"
@@ -48,12 +49,37 @@ int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
 struct SliceArguments : ScenePlotArguments {
     double azimuth_deg = 90.0;
     int cells = 90;
+    std::string range;
 };
+
+/// Directions that choose the ends of the colours: towards grazing a BRDF with a surface lobe grows
+/// without bound, and the rest of the picture would be of one colour.
+constexpr double kSteepest = 0.17364817766693;  // cos 80 degrees
+
+/// The ends of the colours: those asked for, else of the values that are not at grazing.
+void set_range(plot::SliceMap& map, const std::string& range,
+               const std::vector<exports::Direction>& directions,
+               const std::vector<double>& values) {
+    if (!range.empty()) {
+        const auto [low, high] = parse_range(range, map.scale == plot::Scale::logarithmic);
+        map.lowest = low;
+        map.highest = high;
+        return;
+    }
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        if (!(std::min(directions[i].mu_in, directions[i].mu_out) >= kSteepest)) continue;
+        if (map.scale == plot::Scale::logarithmic && !(values[i] > 0)) continue;
+        map.lowest = std::min(map.lowest.value_or(values[i]), values[i]);
+        map.highest = std::max(map.highest.value_or(values[i]), values[i]);
+    }
+    if (map.lowest == map.highest) map.lowest = map.highest = std::nullopt;
+}
 
 int run_slice(const SliceArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     Request request = arguments.scene.parse();
     const double wavelength_nm = only_wavelength_nm(request, "slice");
+    if (!arguments.range.empty()) parse_range(arguments.range, arguments.logarithmic);
     request.directions = {{1.0}, {1.0}, {0.0}};  // what is validated; the source is asked anywhere
     plot::SliceMap map;
     map.half_cells = map.difference_cells = arguments.cells;
@@ -76,6 +102,7 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
                                        shell.command_line(), shell.control());
     const auto values = evaluate_all(source, directions, "slice", shell.control());
     for (std::size_t i = 0; i < cells.size(); ++i) map.value[cells[i]] = values[i];
+    set_range(map, arguments.range, directions, values);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_slice(map, caption), shell);
     return source.converged() ? kGood : kNotConverged;
@@ -106,6 +133,10 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
     slice_command->add_option("--cells", slice->cells, "along either angle")
         ->check(CLI::Range(2, 360))
         ->capture_default_str();
+    slice_command
+        ->add_option("--range", slice->range,
+                     "ends of the colours; default: of the values up to 80 degrees from the normal")
+        ->type_name("LOW,HIGH");
     slice_command->footer(
         "Example:\n  miebrdf plot slice --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "
         "--wavelengths 550 --log -o slice.png");

@@ -56,13 +56,9 @@ plot::AxisOptions value_axis(const ProfileArguments& arguments) {
     plot::AxisOptions axis{"BRDF [1/sr]",
                            arguments.logarithmic ? plot::Scale::logarithmic : plot::Scale::linear};
     if (arguments.range.empty()) return axis;
-    const std::vector<double> ends = parse_number_list(arguments.range, "range");
-    if (ends.size() != 2 || !(ends[0] < ends[1]) || (arguments.logarithmic && !(ends[0] > 0))) {
-        throw UsageError(fmt::format("range '{}'; wanted: LOW,HIGH, ascending{}", arguments.range,
-                                     arguments.logarithmic ? " and positive" : ""));
-    }
-    axis.lowest = ends[0];
-    axis.highest = ends[1];
+    const auto [low, high] = parse_range(arguments.range, arguments.logarithmic);
+    axis.lowest = low;
+    axis.highest = high;
     return axis;
 }
 
@@ -107,7 +103,9 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
         const auto& values = component_of(result.slices.front(), arguments.components);
         for (std::size_t i = 0; i < panels.size(); ++i) {
             const auto first = values.begin() + static_cast<std::ptrdiff_t>(i * zenith_deg.size());
-            panels[i].curves.push_back(
+            // The answer is drawn last: over the others where they agree.
+            panels[i].curves.insert(
+                panels[i].curves.begin(),
                 {methods.size() > 1 ? label_of(methods[m]) : "",
                  zenith_deg,
                  {first, first + static_cast<std::ptrdiff_t>(zenith_deg.size())},

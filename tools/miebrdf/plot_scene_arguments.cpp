@@ -67,6 +67,22 @@ std::string title_of(const Scene& scene) {
     return title + describe(scene.base);
 }
 
+std::pair<double, double> parse_range(const std::string& text, bool logarithmic) {
+    const std::vector<double> ends = parse_number_list(text, "range");
+    if (ends.size() != 2 || !(ends[0] < ends[1]) || (logarithmic && !(ends[0] > 0))) {
+        throw UsageError(fmt::format("range '{}'; wanted: LOW,HIGH, ascending{}", text,
+                                     logarithmic ? " and positive" : ""));
+    }
+    return {ends[0], ends[1]};
+}
+
+std::string title_of(const std::vector<Scene>& scenes) {
+    std::string title = title_of(scenes.front());
+    for (std::size_t i = 1; i < scenes.size(); ++i)
+        title += (i + 1 == scenes.size() ? " and " : ", ") + describe(scenes[i].base);
+    return title;
+}
+
 double only_wavelength_nm(const Request& request, const std::string& kind) {
     if (request.wavelength_nm.size() != 1) {
         throw UsageError(fmt::format("a {} shows one of --wavelengths; given: {}", kind,

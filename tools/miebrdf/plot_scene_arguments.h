@@ -39,6 +39,11 @@ const std::vector<double>& component_of(const SpectralSlice& slice, const std::s
 
 /// "paint (tau = 0.1) on base"
 std::string title_of(const Scene& scene);
+/// The same for scenes that differ in their bases.
+std::string title_of(const std::vector<Scene>& scenes);
+
+/// LOW,HIGH, ascending, and positive for a logarithmic scale. @throws UsageError
+std::pair<double, double> parse_range(const std::string& text, bool logarithmic);
 
 /// The one wavelength of kinds that show a single one. @throws UsageError
 double only_wavelength_nm(const Request& request, const std::string& kind);

@@ -71,7 +71,7 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
             }
         }
     }
-    std::string title = title_of(all_scenes.front());
+    std::string title = title_of(all_scenes);
     if (request.wavelength_nm.size() == 1)
         title += fmt::format(", {:g} nm", request.wavelength_nm.front());
     const plot::LobeOptions options{arguments.cosine ? "BRDF cos \u03b8 [1/sr]" : "BRDF [1/sr]",
@@ -111,7 +111,7 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     }
     arguments.plot.save(
         plot::draw_spectrum(spectra, "albedo",
-                            arguments.plot.caption(shell, title_of(all_scenes.front()))),
+                            arguments.plot.caption(shell, title_of(all_scenes))),
         shell);
     return converged ? kGood : kNotConverged;
 }
