@@ -137,7 +137,8 @@ void SvgDrawing::text(Point at, const std::string& content, const TextStyle& sty
                            at.y);
     }
     body_ += fmt::format(
-        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" text-anchor=\"{}\" "
+        "<text xml:space=\"preserve\" x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" "
+        "text-anchor=\"{}\" "
         "fill=\"{}\"{}>{}</text>\n",
         at.x, at.y, style.size, anchors[static_cast<int>(style.anchor)], style.colour, turn,
         with_subscripts(escape_markup(content), style.size));
