@@ -87,12 +87,18 @@ void Axis::add_log_ticks() {
     const int last = static_cast<int>(std::ceil(std::log10(highest_)));
     const bool plain = first >= -4 && last <= 4;  // 0.0001 to 10000
     const int every = 1 + (last - first) / 7;     // at most eight numbers
+    // Chosen ends may leave a single power of ten between them, which is no scale to read.
+    const double above = std::log10(highest_ * (1 + 1e-9)),
+                 below = std::log10(lowest_ * (1 - 1e-9));
+    const bool few = std::floor(above) - std::ceil(below) < 1;
     for (int exponent = first; exponent <= last; ++exponent) {
         for (int digit = 1; digit <= 9; ++digit) {
             const double value = digit * std::pow(10.0, exponent);
             if (value < lowest_ * (1 - 1e-9) || value > highest_ * (1 + 1e-9)) continue;
             std::string label;
-            if (digit == 1 && exponent % every == 0) {
+            if (few && (digit == 1 || digit == 2 || digit == 5)) {
+                label = fmt::format("{:g}", value);
+            } else if (digit == 1 && exponent % every == 0) {
                 label = plain ? fmt::format("{:g}", value) : power_of_ten(exponent);
             }
             if (digit == 1 || every == 1) ticks_.push_back({value, label});

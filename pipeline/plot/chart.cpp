@@ -238,6 +238,7 @@ Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, dou
         drawing.begin_clip({p.left - 4, p.top - 4}, p.right - p.left + 8, p.bottom - p.top + 8);
         for (const Curve& curve : p.panel.curves) draw_curve(drawing, p, curve, colours.of(curve));
         drawing.end_clip();
+        drawing.text({p.left + 8, p.top + 17}, p.panel.note, {12.5, Anchor::start, 0, "#000000"});
     }
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
 }

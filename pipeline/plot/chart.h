@@ -26,6 +26,7 @@ struct Panel {
     AxisOptions x, y;
     std::vector<Curve> curves;
     double height = 230.0;  ///< of the plot area
+    std::string note = {};  ///< in the upper left corner of the plot area
 };
 
 /// Draws panels under each other with their plot areas aligned; curves of the same label share a

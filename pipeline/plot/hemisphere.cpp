@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "pipeline/plot/cell_map.h"
 #include "pipeline/plot/colour_bar.h"
 #include "pipeline/plot/svg.h"
 
@@ -48,32 +49,28 @@ struct Disk {
     }
 };
 
-void draw_cell(SvgDrawing& drawing, const Disk& disk, double z0, double z1, double a0, double a1,
-               const std::string& colour) {
-    const int steps =
-        std::max(1, static_cast<int>(std::ceil((a1 - a0) / 4)));  // arcs of at most 4 degrees
-    std::vector<Point> outline;
-    for (int i = 0; i <= steps; ++i) outline.push_back(disk.at(z1, a0 + (a1 - a0) * i / steps));
-    if (z0 == 0) {
-        outline.push_back(disk.centre);
-    } else {
-        for (int i = steps; i >= 0; --i) outline.push_back(disk.at(z0, a0 + (a1 - a0) * i / steps));
-    }
-    drawing.polygon(outline, colour);
-}
-
 void draw_cells(SvgDrawing& drawing, const Disk& disk, const HemisphereMap& map, const Axis& axis) {
     const auto& azimuths = map.azimuth_edges_deg;
     const bool mirrored = azimuths.front() >= 0 && azimuths.back() <= 180;
-    std::size_t index = 0;
+    const std::size_t columns = azimuths.size() - 1;
+    CellMap cells;
     for (std::size_t z = 0; z + 1 < map.zenith_edges_deg.size(); ++z) {
-        for (std::size_t a = 0; a + 1 < azimuths.size(); ++a) {
-            const std::string colour = colour_on(axis, map.value[index++]);
-            const double z0 = map.zenith_edges_deg[z], z1 = map.zenith_edges_deg[z + 1];
-            draw_cell(drawing, disk, z0, z1, azimuths[a], azimuths[a + 1], colour);
-            if (mirrored) draw_cell(drawing, disk, z0, z1, -azimuths[a + 1], -azimuths[a], colour);
+        const double* row = map.value.data() + z * columns;
+        const double inner = kRadius * map.zenith_edges_deg[z] / 90;
+        const double outer = kRadius * map.zenith_edges_deg[z + 1] / 90;
+        for (std::size_t a = 0; a < columns;) {
+            const std::string colour = colour_on(axis, row[a]);
+            std::size_t end = a + 1;  // neighbours of one colour are one cell, up to half a ring
+            while (end < columns && azimuths[end + 1] - azimuths[a] <= 180 &&
+                   colour_on(axis, row[end]) == colour)
+                ++end;
+            cells.add_sector(disk.centre, inner, outer, azimuths[a], azimuths[end], colour);
+            a = end;
         }
     }
+    if (mirrored) drawing.begin_mirrored();
+    cells.draw(drawing, Edges::overlapping);
+    if (mirrored) drawing.end_mirrored(disk.centre.y);
 }
 
 void draw_marks(SvgDrawing& drawing, const Disk& disk, double incidence_deg) {

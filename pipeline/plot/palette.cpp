@@ -7,11 +7,6 @@
 #include <cmath>
 
 namespace miebrdf::plot {
-namespace {
-
-constexpr int kCurveColours = 7;
-
-}  // namespace
 
 std::string curve_colour(int index) {
     constexpr std::array<const char*, kCurveColours> colours = {

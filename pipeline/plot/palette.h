@@ -5,6 +5,8 @@
 
 namespace miebrdf::plot {
 
+inline constexpr int kCurveColours = 7;
+
 /// Colour of the i-th curve as "#rrggbb": black first, then Okabe & Ito's set without its yellow,
 /// which is lost on white paper; repeats after 7.
 std::string curve_colour(int index);

@@ -61,6 +61,7 @@ void draw_grid(SvgDrawing& drawing, const Disk& disk, const RadialScale& scale) 
     for (const Tick& tick : scale.circles()) {
         const double radius = scale.radius(tick.value);
         drawing.circle(disk.centre, kRadius * radius, grid);
+        if (radius < 0.2) continue;            // the curves are there
         const Point at = disk.at(75, radius);  // between two spokes, inside its circle
         drawing.text({at.x, at.y + 13}, tick.label, {11.0, Anchor::middle, 0, "#606060"});
     }

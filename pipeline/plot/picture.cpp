@@ -20,7 +20,7 @@ std::string description_of(const std::string& svg) {
     if (from == std::string::npos || to == std::string::npos) return {};
     std::string text = svg.substr(from + 6, to - from - 6);
     const std::pair<const char*, const char*> entities[] = {
-        {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}};
+        {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}};
     for (const auto& [entity, character] : entities) {
         for (auto at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1)) {
             text.replace(at, std::string_view(entity).size(), character);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "pipeline/plot/cell_map.h"
 #include "pipeline/plot/colour_bar.h"
 #include "pipeline/plot/svg.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr double kWidth = 460.0;
 constexpr double kSide = 290.0;
 
-void draw_angles(SvgDrawing& drawing, Point corner) {
+void draw_angles(SvgDrawing& drawing, Point corner, double azimuth_deg) {
     const Stroke edge{"#000000", 1.0, {}};
     drawing.frame(corner, kSide, kSide, edge);
     for (int angle = 0; angle <= 90; angle += 15) {
@@ -28,9 +29,10 @@ void draw_angles(SvgDrawing& drawing, Point corner) {
         drawing.text({corner.x - 8, y + 4}, fmt::format("{}\u00b0", angle),
                      {12, Anchor::end, 0, "#000000"});
     }
-    drawing.text({corner.x + 0.5 * kSide, corner.y + kSide + 37}, "half angle \u03b8h",
+    drawing.text({corner.x + 0.5 * kSide, corner.y + kSide + 37}, "half angle \u03b8_h",
                  {13, Anchor::middle, 0, "#000000"});
-    drawing.text({16, corner.y + 0.5 * kSide}, "difference angle \u03b8d",
+    drawing.text({16, corner.y + 0.5 * kSide},
+                 fmt::format("difference angle \u03b8_d  (\u03c6_d = {:g}\u00b0)", azimuth_deg),
                  {13, Anchor::middle, -90, "#000000"});
 }
 
@@ -43,10 +45,11 @@ Picture draw_slice(const SliceMap& map, const Caption& caption) {
                                                 map.value.size(), map.half_cells,
                                                 map.difference_cells));
     }
-    const Axis axis({map.value_label, map.scale}, map.value);
+    const Axis axis({map.value_label, map.scale, map.lowest, map.highest}, map.value);
     const Point corner{58, caption.title.empty() ? 12.0 : 36.0};
     SvgDrawing drawing(kWidth, std::ceil(corner.y + kSide + 48));
     drawing.text({0.5 * kWidth, 22}, caption.title, {14, Anchor::middle, 0, "#000000"});
+    CellMap cells;
     const double dx = kSide / map.half_cells, dy = kSide / map.difference_cells;
     for (int d = 0; d < map.difference_cells; ++d) {
         const double* row = map.value.data() + static_cast<std::size_t>(d) * map.half_cells;
@@ -54,12 +57,13 @@ Picture draw_slice(const SliceMap& map, const Caption& caption) {
             const std::string colour = colour_on(axis, row[h]);
             int end = h + 1;  // neighbours of one colour are one rectangle
             while (end < map.half_cells && colour_on(axis, row[end]) == colour) ++end;
-            drawing.cell({corner.x + h * dx, corner.y + kSide - (d + 1) * dy}, (end - h) * dx, dy,
-                         colour);
+            cells.add_rectangle({corner.x + h * dx, corner.y + kSide - (d + 1) * dy},
+                                (end - h) * dx, dy, colour);
             h = end;
         }
     }
-    draw_angles(drawing, corner);
+    cells.draw(drawing, Edges::crisp);
+    draw_angles(drawing, corner, map.azimuth_deg);
     draw_colour_bar(drawing, axis, {corner.x + kSide + 20, corner.y}, 16, kSide);
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
 }

@@ -1,6 +1,7 @@
 // A BRDF as an image over half and difference angle (Rusinkiewicz 1998).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,16 @@
 namespace miebrdf::plot {
 
 /// Values at the centres of equal cells of theta_h (0 to 90, along x) and theta_d (0 to 90, along
-/// y): the left edge is the mirror direction, the bottom edge retro-reflection, the top grazing.
+/// y) for one phi_d: the left edge is the mirror direction, the bottom edge retro-reflection, the
+/// top and the right edge grazing (slice_directions.h).
 struct SliceMap {
     int half_cells = 0, difference_cells = 0;
     std::vector<double>
         value;  ///< value[d * half_cells + h]; not finite where there is no direction
+    double azimuth_deg = 90.0;  ///< phi_d
+    /// Ends of the colours where they should not be those of all values; what lies beyond has the
+    /// colour of the end.
+    std::optional<double> lowest = {}, highest = {};
     std::string value_label = "BRDF [1/sr]";
     Scale scale = Scale::logarithmic;
 };

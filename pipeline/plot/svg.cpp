@@ -3,32 +3,41 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 namespace miebrdf::plot {
 namespace {
 
-std::string escaped(const std::string& text) {
+/// Lowers the letters after "\u03b8_", "\u03c6_" and "Q_".
+std::string with_subscripts(const std::string& text, double size) {
     std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                // XML 1.0 has no other control characters, not even escaped.
-                if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
-        }
+    std::size_t done = 0;
+    bool lowered = false;
+    for (std::size_t at = text.find('_'); at != std::string::npos; at = text.find('_', at + 1)) {
+        const auto follows = [&](const std::string& letter) {
+            return at >= letter.size() &&
+                   text.compare(at - letter.size(), letter.size(), letter) == 0;
+        };
+        if (!(follows("\u03b8") || follows("\u03c6") || follows("Q"))) continue;
+        std::size_t end = at + 1;
+        while (end < text.size() && std::isalpha(static_cast<unsigned char>(text[end]))) ++end;
+        if (end == at + 1) continue;
+        std::string before = text.substr(done, at - done);
+        if (lowered && !before.empty() && before.front() == ' ') before.replace(0, 1, "\u00a0");
+        // What follows a subscript goes up again, in an element of its own.
+        out +=
+            lowered ? fmt::format("<tspan dy=\"{:.1f}\">{}</tspan>", -0.25 * size, before) : before;
+        out += fmt::format("<tspan dy=\"{:.1f}\" font-size=\"{:.1f}\">{}</tspan>", 0.25 * size,
+                           0.75 * size, text.substr(at + 1, end - at - 1));
+        lowered = true;
+        done = end;
     }
-    return out;
+    // Blanks at the ends of elements are dropped by some renderers.
+    std::string rest = text.substr(done);
+    if (lowered && !rest.empty() && rest.front() == ' ') rest.replace(0, 1, "\u00a0");
+    return out + (lowered && !rest.empty()
+                      ? fmt::format("<tspan dy=\"{:.1f}\">{}</tspan>", -0.25 * size, rest)
+                      : rest);
 }
 
 std::string attributes(const Stroke& stroke) {
@@ -46,6 +55,33 @@ std::string list(const std::vector<Point>& points) {
 }
 
 }  // namespace
+
+std::string escape_markup(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            case '\'':
+                out += "&#39;";
+                break;
+            default:
+                // XML 1.0 has no other control characters, not even escaped.
+                if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+        }
+    }
+    return out;
+}
 
 SvgDrawing::SvgDrawing(double width, double height) : width_(width), height_(height) {}
 
@@ -73,11 +109,11 @@ void SvgDrawing::rectangle(Point corner, double width, double height, const std:
         corner.x, corner.y, width, height, fill);
 }
 
-void SvgDrawing::cell(Point corner, double width, double height, const std::string& fill) {
-    body_ += fmt::format(
-        "<path d=\"M{:.2f} {:.2f}h{:.2f}v{:.2f}h{:.2f}\" fill=\"{}\" "
-        "shape-rendering=\"crispEdges\"/>\n",
-        corner.x, corner.y, width, height, -width, fill);
+void SvgDrawing::path(const std::string& data, const std::string& fill, Edges edges) {
+    const std::string side = edges == Edges::crisp
+                                 ? "shape-rendering=\"crispEdges\""
+                                 : fmt::format("stroke=\"{}\" stroke-width=\"0.4\"", fill);
+    body_ += fmt::format("<path d=\"{}\" fill=\"{}\" {}/>\n", data, fill, side);
 }
 
 void SvgDrawing::frame(Point corner, double width, double height, const Stroke& stroke) {
@@ -93,6 +129,7 @@ void SvgDrawing::circle(Point centre, double radius, const Stroke& stroke,
 }
 
 void SvgDrawing::text(Point at, const std::string& content, const TextStyle& style) {
+    if (content.empty()) return;
     const char* anchors[] = {"start", "middle", "end"};
     std::string turn;
     if (style.rotation_deg != 0.0) {
@@ -100,10 +137,11 @@ void SvgDrawing::text(Point at, const std::string& content, const TextStyle& sty
                            at.y);
     }
     body_ += fmt::format(
-        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" text-anchor=\"{}\" "
+        "<text xml:space=\"preserve\" x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" "
+        "text-anchor=\"{}\" "
         "fill=\"{}\"{}>{}</text>\n",
         at.x, at.y, style.size, anchors[static_cast<int>(style.anchor)], style.colour, turn,
-        escaped(content));
+        with_subscripts(escape_markup(content), style.size));
 }
 
 void SvgDrawing::begin_clip(Point corner, double width, double height) {
@@ -117,15 +155,25 @@ void SvgDrawing::begin_clip(Point corner, double width, double height) {
 
 void SvgDrawing::end_clip() { body_ += "</g>\n"; }
 
+void SvgDrawing::begin_mirrored() { body_ += fmt::format("<g id=\"half{}\">\n", mirrored_); }
+
+void SvgDrawing::end_mirrored(double y) {
+    body_ +=
+        fmt::format("</g>\n<use xlink:href=\"#half{}\" transform=\"matrix(1 0 0 -1 0 {:.2f})\"/>\n",
+                    mirrored_++, 2 * y);
+}
+
 std::string SvgDrawing::document(const std::string& title, const std::string& description) const {
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 "
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 "
+        "0 "
         "{0:g} {1:g}\" "
         "font-family=\"DejaVu Sans, Verdana, Helvetica, sans-serif\">\n"
         "<title>{2}</title>\n<desc>{3}</desc>\n"
         "<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"#ffffff\"/>\n{4}</svg>\n",
-        width_, height_, escaped(title), escaped(description), body_);
+        width_, height_, escape_markup(title), escape_markup(description), body_);
 }
 
 double SvgDrawing::text_width(const std::string& content, double size) {

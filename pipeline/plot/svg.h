@@ -10,6 +10,12 @@ struct Point {
     double x = 0.0, y = 0.0;  ///< y downwards
 };
 
+/// How a filled shape meets its neighbours.
+enum class Edges {
+    crisp,       ///< no antialiasing: for sides along the axes
+    overlapping  ///< a hairline of the same colour closes the seams that antialiasing leaves
+};
+
 enum class Anchor { start, middle, end };
 
 struct TextStyle {
@@ -35,16 +41,22 @@ class SvgDrawing {
     void polyline(const std::vector<Point>& points, const Stroke& stroke);
     void polygon(const std::vector<Point>& points, const std::string& fill);
     void rectangle(Point corner, double width, double height, const std::string& fill);
-    /// Rows of a colour map: touching rectangles, written briefly.
-    void cell(Point corner, double width, double height, const std::string& fill);
+    /// A filled shape in SVG's path language.
+    void path(const std::string& data, const std::string& fill, Edges edges);
     void frame(Point corner, double width, double height, const Stroke& stroke);
     void circle(Point centre, double radius, const Stroke& stroke,
                 const std::string& fill = "none");
+    /// Letters after "\u03b8_", "\u03c6_" and "Q_" become a subscript; nothing is drawn for "".
     void text(Point at, const std::string& content, const TextStyle& style = {});
 
     /// Everything between is cut off at a rectangle.
     void begin_clip(Point corner, double width, double height);
     void end_clip();
+
+    /// Everything between is drawn twice, the second time as its image below (or above) the
+    /// horizontal line at y.
+    void begin_mirrored();
+    void end_mirrored(double y);
 
     /// The document; `description` (say, the command that made it) goes into its <desc>.
     std::string document(const std::string& title, const std::string& description) const;
@@ -58,7 +70,11 @@ class SvgDrawing {
   private:
     double width_, height_;
     int clips_ = 0;
+    int mirrored_ = 0;
     std::string body_;
 };
+
+/// Text with <, >, & and quotes replaced, and without control characters, for SVG and HTML.
+std::string escape_markup(const std::string& text);
 
 }  // namespace miebrdf::plot

@@ -1,9 +1,9 @@
 // Cubic interpolation in a table: which four neighbours, and how much of each.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <span>
 
 namespace miebrdf::render {
 
@@ -15,9 +15,14 @@ struct CubicTaps {
 };
 
 /// Nodes 0, 1, ..., count - 1 (at least 4); x is kept within them.
-CubicTaps uniform_taps(double x, std::size_t count);
-
-/// @param nodes  ascending, at least 4; x is kept within them
-CubicTaps taps_at(double x, std::span<const double> nodes);
+inline CubicTaps uniform_taps(double x, std::size_t count) {
+    const double at = std::clamp(x, 0.0, double(count - 1));
+    CubicTaps taps;
+    taps.first = std::clamp<std::size_t>(std::size_t(at), 1, count - 3) - 1;
+    const double t = at - double(taps.first);  // nodes at 0, 1, 2, 3
+    const double a = t, b = t - 1, c = t - 2, d = t - 3;
+    taps.weight = {b * c * d / -6, a * c * d / 2, a * b * d / -2, a * b * c / 6};
+    return taps;
+}
 
 }  // namespace miebrdf::render

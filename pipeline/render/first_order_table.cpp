@@ -1,65 +1,147 @@
 #include "pipeline/render/first_order_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/render/cubic_taps.h"
+#include "rte/math/legendre.h"
+#include "rte/narrow_features.h"
 
 namespace miebrdf::render {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr int kAngles = 600;
-/// Share by which the middle is thinned in favour of the ends.
-constexpr double kThinning = 0.9;
+constexpr double kPi = std::numbers::pi;
+constexpr std::size_t kAngles = 1025;
+/// Of 1/mu_in + 1/mu_out; what is narrow is lost at steeper slants than the last (cosines of 1e-3),
+/// where it is that of the last.
+constexpr std::size_t kSlants = 24;
+const double kFirstLogQ = std::log(2.0), kLastLogQ = std::log(2000.0);
 
-std::vector<double> nodes_deg() {
-    std::vector<double> angles;
-    for (int i = 0; i <= kAngles; ++i) {
-        const double s = double(i) / kAngles;
-        const double turn = 2 * std::numbers::pi;
-        angles.push_back(180.0 * (s - kThinning * std::sin(turn * s) / turn));
+double angle_node(std::size_t a) {
+    return kPi * std::pow(std::sin(0.5 * kPi * double(a) / (kAngles - 1)), 2);
+}
+
+double slant_node(std::size_t j) {
+    return std::exp(kFirstLogQ + (kLastLogQ - kFirstLogQ) * double(j) / (kSlants - 1));
+}
+
+double strength_times_phase(const rte::ScaledMedium& medium, bool exact, double cos_theta) {
+    const rte::ScaledOptics& scaled = medium.scaled;
+    if (exact) {
+        return medium.exact.single_scattering_albedo / scaled.depth_factor *
+               rte::exact_phase(medium.exact, cos_theta);
     }
-    angles.back() = 180.0;
-    return angles;
+    return scaled.albedo *
+           math::legendre_series({scaled.chi.data(), std::size_t(scaled.chi.size())}, cos_theta);
 }
 
 }  // namespace
 
-FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks)
-    : angles_deg_(nodes_deg()) {
-    for (const auto& media : stacks) {
-        auto& layers = stacks_.emplace_back();
-        for (auto medium = media.rbegin(); medium != media.rend(); ++medium) {
-            const double strength =
-                medium->exact.single_scattering_albedo / medium->scaled.depth_factor;
-            layers.push_back({medium->optical_depth, phase_.size()});
-            auto& row = phase_.emplace_back();
-            for (const double angle : angles_deg_) {
-                row.push_back(strength *
-                              rte::exact_phase(medium->exact, std::cos(angle * kDegree)));
+FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks,
+                                 bool exact)
+    : stride_(lanes_for(stacks.size()) * kLaneWidth) {
+    add_layers(stacks, exact);
+    if (exact) add_narrow(stacks);
+}
+
+void FirstOrderTable::add_layers(const std::vector<std::vector<rte::ScaledMedium>>& stacks,
+                                 bool exact) {
+    for (const auto& media : stacks) layers_ = std::max(layers_, media.size());
+    depth_.resize(layers_ * stride_);  // a layer that is not there at a wavelength has no depth
+    phase_.resize(layers_ * kAngles * stride_);
+    for (std::size_t w = 0; w < stacks.size(); ++w) {
+        for (std::size_t layer = 0; layer < stacks[w].size(); ++layer) {
+            const rte::ScaledMedium& medium = stacks[w][stacks[w].size() - 1 - layer];
+            depth_[layer * stride_ + w] = float(medium.optical_depth);
+            for (std::size_t a = 0; a < kAngles; ++a) {
+                phase_[(layer * kAngles + a) * stride_ + w] =
+                    float(strength_times_phase(medium, exact, std::cos(angle_node(a))));
             }
         }
     }
 }
 
-void FirstOrderTable::add(double mu_in, double mu_out, double cos_azimuth,
-                          std::span<double> reflection) const {
-    const double cos_theta = rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth);
-    const CubicTaps taps = taps_at(std::acos(cos_theta) / kDegree, angles_deg_);
-    const double q = 1.0 / mu_in + 1.0 / mu_out;
-    const double shape = 1.0 / (4.0 * (mu_in + mu_out));
-    for (std::size_t w = 0; w < reflection.size(); ++w) {
-        double above = shape;  // times what is left of the light on its way through upper layers
-        for (const Layer& layer : stacks_[w]) {
-            const double* p = &phase_[layer.row][taps.first];
-            const double phase = taps.weight[0] * p[0] + taps.weight[1] * p[1] +
-                                 taps.weight[2] * p[2] + taps.weight[3] * p[3];
-            const double left = std::exp(-layer.optical_depth * q);
-            reflection[w] += above * phase * (1.0 - left);
-            above *= left;
+void FirstOrderTable::add_narrow(const std::vector<std::vector<rte::ScaledMedium>>& stacks) {
+    // Column node * stride + w; row = degree.
+    const std::size_t nodes = layers_ > 1 ? kSlants : 1;
+    Eigen::MatrixXd strengths;
+    for (std::size_t node = 0; node < nodes; ++node) {
+        for (std::size_t w = 0; w < stacks.size(); ++w) {
+            const std::vector<double> of_degree =
+                rte::narrow_strengths(stacks[w], slant_node(node));
+            const auto degrees = Eigen::Index(of_degree.size());
+            if (degrees == 0) continue;
+            if (strengths.rows() < degrees) {
+                const Eigen::Index old = strengths.rows();
+                strengths.conservativeResize(degrees, Eigen::Index(nodes * stride_));
+                strengths.bottomRows(degrees - old).setZero();
+            }
+            strengths.col(Eigen::Index(node * stride_ + w)).head(degrees) =
+                Eigen::Map<const Eigen::VectorXd>(of_degree.data(), degrees);
         }
     }
+    if (strengths.rows() == 0) return;
+    narrow_nodes_ = nodes;
+    narrow_.resize(nodes * kAngles * stride_);
+    constexpr std::size_t kBlock = 64;  // angles at a time: their polynomials take a few MB
+    Eigen::MatrixXd polynomials;
+    for (std::size_t first = 0; first < kAngles; first += kBlock) {
+        const std::size_t count = std::min(kBlock, kAngles - first);
+        Eigen::VectorXd cosines(static_cast<Eigen::Index>(count));
+        for (std::size_t a = 0; a < count; ++a)
+            cosines[Eigen::Index(a)] = std::cos(angle_node(first + a));
+        math::legendre_functions(0, int(strengths.rows()), cosines, polynomials);
+        const Eigen::MatrixXd sums = polynomials * strengths;
+        for (std::size_t node = 0; node < nodes; ++node) {
+            for (std::size_t a = 0; a < count; ++a) {
+                Eigen::Map<Eigen::RowVectorXf>(&narrow_[(node * kAngles + first + a) * stride_],
+                                               Eigen::Index(stride_)) =
+                    sums.row(Eigen::Index(a))
+                        .segment(Eigen::Index(node * stride_), Eigen::Index(stride_))
+                        .cast<float>();
+            }
+        }
+    }
+}
+
+FirstOrderTable::Place FirstOrderTable::place(double mu_in, double mu_out,
+                                              double cos_azimuth) const {
+    const double angle = std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth));
+    const double q = 1.0 / mu_in + 1.0 / mu_out;
+    Place place;
+    place.angle = uniform_taps(
+        2.0 / kPi * std::asin(std::sqrt(std::min(1.0, angle / kPi))) * (kAngles - 1), kAngles);
+    if (narrow_nodes_ > 1) {
+        place.log_q = uniform_taps(
+            (std::log(q) - kFirstLogQ) / (kLastLogQ - kFirstLogQ) * (kSlants - 1), kSlants);
+    }
+    place.q = float(q);
+    place.shape = float(1.0 / (4.0 * (mu_in + mu_out)));
+    return place;
+}
+
+Lane FirstOrderTable::reflection(const Place& place, std::size_t lane) const {
+    const auto at_angle = [&](const std::vector<float>& table, std::size_t block) -> Lane {
+        Lane sum = Lane::Zero();
+        for (std::size_t k = 0; k < 4; ++k) {
+            sum += float(place.angle.weight[k]) *
+                   lane_at(row(table, block * kAngles + place.angle.first + k, lane));
+        }
+        return sum;
+    };
+    Lane sum = Lane::Zero();
+    Lane above = Lane::Ones();  // what is left of the light on its way through upper layers
+    for (std::size_t layer = 0; layer < layers_; ++layer) {
+        const Lane left = (-place.q * lane_at(row(depth_, layer, lane))).exp();
+        sum += above * at_angle(phase_, layer) * (1.0F - left);
+        above *= left;
+    }
+    if (narrow_nodes_ == 1) sum += at_angle(narrow_, 0);
+    if (narrow_nodes_ > 1) {
+        for (std::size_t k = 0; k < 4; ++k)
+            sum += float(place.log_q.weight[k]) * at_angle(narrow_, place.log_q.first + k);
+    }
+    return place.shape * sum;
 }
 
 }  // namespace miebrdf::render

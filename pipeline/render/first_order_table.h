@@ -1,32 +1,51 @@
 // Light scattered once in a stack of layers, at any directions, for all wavelengths at once.
 #pragma once
 
-#include <span>
 #include <vector>
 
+#include "pipeline/render/cubic_taps.h"
+#include "pipeline/render/lanes.h"
 #include "rte/single_scattering.h"
 
 namespace miebrdf::render {
 
-/// rte::single_scattering with the exact phase functions read from tables over the scattering
-/// angle: nodes 0.03 degrees apart at 0 and 180, 0.6 degrees in the middle. Glories, rainbows and
-/// forward peaks live here: what is scattered more than once is smooth.
+/// rte::single_scattering and rte::NarrowFeatures with functions of the scattering angle read from
+/// tables: 1024 intervals that are 0.0004 degrees wide at 0 and 180, 0.03 within half a degree of
+/// them, 0.28 in the middle. Glories, rainbows and forward peaks live here: what is scattered more
+/// than once is smooth.
 class FirstOrderTable {
   public:
     /// @param stacks  for each wavelength the media from the bottom up
-    explicit FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks);
+    /// @param exact   the exact phase functions, else what the discrete equations use of them
+    FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks, bool exact);
 
-    /// Adds to R at each wavelength.
-    void add(double mu_in, double mu_out, double cos_azimuth, std::span<double> reflection) const;
+    /// What a pair of directions shares over all wavelengths.
+    struct Place {
+        CubicTaps angle, log_q;
+        float q;      ///< 1/mu_in + 1/mu_out
+        float shape;  ///< 1 / (4 (mu_in + mu_out))
+    };
+    Place place(double mu_in, double mu_out, double cos_azimuth) const;
+
+    /// R at the eight wavelengths of a lane.
+    Lane reflection(const Place& place, std::size_t lane) const;
 
   private:
-    struct Layer {
-        double optical_depth;  ///< tau', infinite for a half-space
-        std::size_t row;       ///< of phase_: alpha / (1 - alpha f) P
-    };
-    std::vector<double> angles_deg_;
-    std::vector<std::vector<Layer>> stacks_;  ///< for each wavelength, from the top down
-    std::vector<std::vector<double>> phase_;
+    void add_layers(const std::vector<std::vector<rte::ScaledMedium>>& stacks, bool exact);
+    void add_narrow(const std::vector<std::vector<rte::ScaledMedium>>& stacks);
+    const float* row(const std::vector<float>& table, std::size_t index, std::size_t lane) const {
+        return &table[index * stride_ + lane * kLaneWidth];
+    }
+
+    std::size_t stride_;  ///< wavelengths, filled up to whole lanes
+    std::size_t layers_ = 0;
+    std::size_t narrow_nodes_ = 0;  ///< in log q; 1 where it does not matter, 0 without any
+    /// From the top down: [layer * stride + w], tau', infinite for a half-space.
+    std::vector<float> depth_;
+    /// [(layer * angles + a) * stride + w]: alpha / (1 - alpha f) P
+    std::vector<float> phase_;
+    /// [(node * angles + a) * stride + w]: C of rte::NarrowFeatures
+    std::vector<float> narrow_;
 };
 
 }  // namespace miebrdf::render

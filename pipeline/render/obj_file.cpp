@@ -6,7 +6,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <sstream>
 #include <tuple>
 
 #include "pipeline/error.h"
@@ -119,6 +121,23 @@ void require_finite(const std::vector<tinyobj::real_t>& values, const char* what
     }
 }
 
+/// tinyobjloader reads what is not a number (nan, text, nothing) as 0 without a word.
+void require_numbers(const std::string& path) {
+    std::ifstream file(path);
+    std::string line, word;
+    for (int number = 1; std::getline(file, line); ++number) {
+        std::istringstream words(line);
+        words >> word;
+        if (!words || (word != "v" && word != "vn")) continue;
+        for (int i = 0; i < 3; ++i) {
+            double value = 0.0;  // streams do not read "nan" or "inf" as numbers
+            if (words >> value) continue;
+            throw InputError(fmt::format("{} line {}: three finite numbers are wanted after '{}'",
+                                         path, number, word));
+        }
+    }
+}
+
 TriangleMesh build(const std::vector<Face>& faces, const tinyobj::attrib_t& attrib) {
     const SmoothNormals smooth(faces, attrib);
     MeshBuilder builder(attrib);
@@ -148,6 +167,7 @@ TriangleMesh read_obj(const std::string& path) {
         throw InputError(
             fmt::format("{}: cannot be read as an OBJ file: {}", path, reader.Error()));
     }
+    require_numbers(path);
     const tinyobj::attrib_t& attrib = reader.GetAttrib();
     require_finite(attrib.vertices, "vertex", path);
     require_finite(attrib.normals, "normal", path);

@@ -12,6 +12,7 @@
 #include "pipeline/render/table_nodes.h"
 #include "pipeline/scene_optics.h"
 #include "rte/discretisation.h"
+#include "rte/fourier_reflection.h"
 
 namespace miebrdf::render {
 
@@ -25,19 +26,25 @@ class SolvedBrdfBuilder {
         brdf_->cosines_ = std::size_t(size.cosines);
         brdf_->azimuths_ = std::size_t(size.azimuths);
         solver_ = requests.front().solver;
-        directions_ = {cosine_nodes(size.cosines), cosine_nodes(size.cosines),
-                       azimuth_nodes_deg(size.azimuths)};
+        const std::vector<double> cosines = cosine_nodes(size.cosines);
+        nodes_.mu = Eigen::Map<const Eigen::VectorXd>(cosines.data(), size.cosines);
+        for (int k = 0; k < size.cosines; ++k) {
+            nodes_.in.push_back(k);
+            nodes_.out.push_back(k);
+        }
+        azimuth_deg_ = azimuth_nodes_deg(size.azimuths);
     }
 
     std::shared_ptr<const SolvedBrdf> build(const Scene& scene, Component component) {
         const std::size_t count = optics_.size();
         brdf_->component_ = component;
-        brdf_->table_.resize(brdf_->cosines_ * brdf_->cosines_ * brdf_->azimuths_ * count);
+        brdf_->stride_ = lanes_for(count) * kLaneWidth;
+        brdf_->table_.resize(brdf_->cosines_ * brdf_->cosines_ * brdf_->azimuths_ * brdf_->stride_);
         std::vector<std::vector<rte::ScaledMedium>> stacks(count);
         std::vector<rte::SolverReport> reports(count);
         run_parallel("radiative transfer", count, control_,
                      [&](std::size_t w) { reports[w] = solve(w, stacks[w]); });
-        brdf_->first_order_.emplace(stacks);
+        brdf_->first_order_.emplace(stacks, solver_.single_scattering_correction);
         add_surface(scene);
         for (std::size_t w = 0; w < count; ++w) {
             const double error = reports[w].error_estimate + optics_[w].mie_error_estimate;
@@ -70,30 +77,40 @@ class SolvedBrdfBuilder {
     /// Column w of the table: (mu_in + mu_out) R without the first order.
     rte::SolverReport solve(std::size_t w, std::vector<rte::ScaledMedium>& media) {
         const rte::Stack& stack = optics_[w].stack;
-        const rte::ReflectionTable solved = rte::reflect(stack, directions_, solver_);
-        media = rte::scale_stack(stack, solved.report.moments, solver_.delta_m).media;
-        const bool exact = solver_.single_scattering_correction;
-        const std::size_t count = optics_.size(), cosines = brdf_->cosines_;
+        // Streams and moments are chosen where a picture shows something: the table's own
+        // directions at the very horizon would ask for many more.
+        const rte::Directions probe{
+            {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
+        rte::SolverReport report = rte::reflect(stack, probe, solver_).report;
+        rte::SolverOptions options = solver_;
+        options.streams = report.streams;
+        const rte::ScaledStack scaled = rte::scale_stack(stack, report.moments, options.delta_m);
+        const rte::ZenithGrid grid = rte::make_zenith_grid(
+            rte::choose_discretisation(stack, options, report.streams).grid, report.streams);
+        const rte::MultipleScattering multiple =
+            rte::sum_orders(scaled, grid, nodes_, azimuth_deg_, 0.1 * options.tolerance, options);
+        media = scaled.media;
+        fill(w, multiple);
+        report.converged = report.converged && multiple.converged;
+        return report;
+    }
+
+    void fill(std::size_t w, const rte::MultipleScattering& multiple) {
         std::size_t index = 0;
-        for (std::size_t i = 0; i < cosines; ++i) {
-            for (std::size_t o = 0; o < cosines; ++o) {
-                const double in = directions_.mu_in[i], out = directions_.mu_out[o];
-                for (const double azimuth : directions_.azimuth_deg) {
-                    const double cosine = std::cos(azimuth * std::numbers::pi / 180.0);
-                    const double once = rte::single_scattering(media, exact, in, out, cosine);
-                    const double value = (in + out) * (solved.reflection[index] - once);
-                    if (!std::isfinite(value)) {
+        for (Eigen::Index i = 0; i < nodes_.mu.size(); ++i) {
+            for (Eigen::Index o = 0; o < nodes_.mu.size(); ++o) {
+                for (std::size_t a = 0; a < azimuth_deg_.size(); ++a, ++index) {
+                    const double value = (nodes_.mu[i] + nodes_.mu[o]) * multiple.reflection[index];
+                    if (!multiple.physical || !std::isfinite(value)) {
                         throw InputError(
                             fmt::format("no physical solution at {} nm; try other streams "
                                         "or a smaller tolerance",
                                         brdf_->wavelength_nm_[w]));
                     }
-                    brdf_->table_[index * count + w] = float(value);
-                    ++index;
+                    brdf_->table_[index * brdf_->stride_ + w] = float(value);
                 }
             }
         }
-        return solved.report;
     }
 
     void add_surface(const Scene& scene) {
@@ -107,7 +124,8 @@ class SolvedBrdfBuilder {
     std::vector<std::complex<double>>
         surface_index_;  ///< at each wavelength; empty without surface
     rte::SolverOptions solver_;
-    rte::Directions directions_;
+    rte::RequestedDirections nodes_;
+    std::vector<double> azimuth_deg_;
 };
 
 std::shared_ptr<const SolvedBrdf> solve_brdf(std::vector<Request> requests, Component component,

@@ -19,14 +19,14 @@ enum class Component { total, subsurface, surface };
 
 /// Nodes of the table of light scattered more than once.
 struct TableSize {
-    int cosines = 32;   ///< of either direction, evenly spaced in sqrt(mu); at least 4
+    int cosines = 49;   ///< of either direction (table_nodes.h); at least 4
     int azimuths = 33;  ///< from 0 to 180 degrees; at least 4
 };
 
 /// BRDF of a scene. (mu_in + mu_out) R of light scattered more than once, which is smooth and
-/// bounded, is interpolated cubically in sqrt(mu_in), sqrt(mu_out) and azimuth; light scattered
-/// once and the surface lobe are evaluated at the very directions (first_order_table.h,
-/// surface_term.h).
+/// bounded, is interpolated cubically in both cosines and azimuth (table_nodes.h); what has narrow
+/// features, light scattered once and the surface lobe, is evaluated at the very directions
+/// (first_order_table.h, surface_term.h).
 class SolvedBrdf : public RenderBrdf {
   public:
     std::size_t wavelengths() const override { return wavelength_nm_.size(); }
@@ -41,14 +41,17 @@ class SolvedBrdf : public RenderBrdf {
 
   private:
     friend class SolvedBrdfBuilder;
-    void add_multiple(double mu_in, double mu_out, double cos_azimuth,
-                      std::span<double> reflection) const;
+    /// Neighbours in the table, the same at all wavelengths.
+    struct Place;
+    Place place(double mu_in, double mu_out, double cos_azimuth) const;
+    Lane multiple(const Place& place, std::size_t lane) const;
 
     std::vector<double> wavelength_nm_;
     Component component_ = Component::total;
     std::size_t cosines_ = 0;
     std::size_t azimuths_ = 0;
-    std::vector<float> table_;  ///< [((i * cosines + o) * azimuths + a) * wavelengths + w]
+    std::size_t stride_ = 0;    ///< wavelengths, filled up to whole lanes
+    std::vector<float> table_;  ///< [((i * cosines + o) * azimuths + a) * stride + w]
     std::optional<FirstOrderTable> first_order_;
     std::optional<SurfaceTerm> surface_;
     bool converged_ = true;

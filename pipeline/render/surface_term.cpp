@@ -1,9 +1,11 @@
 #include "pipeline/render/surface_term.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/render/cubic_taps.h"
 #include "pipeline/render/half_vector.h"
+#include "pipeline/render/lanes.h"
 
 namespace miebrdf::render {
 namespace {
@@ -22,33 +24,37 @@ CubicTaps taps_of(double mu) {
 
 SurfaceTerm::SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
                          const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling)
-    : options_(options),
-      shadowing_(options),
-      in_(kNodes * refractive_index.size()),
-      out_(in_.size()) {
-    const std::size_t count = refractive_index.size();
-    for (std::size_t w = 0; w < count; ++w) {
-        fresnel_.emplace_back(refractive_index[w], options.fresnel);
-        const rte::SurfaceTransmission transmission({refractive_index[w], options}, coupling);
+    : options_(options), shadowing_(options) {
+    const auto count = Eigen::Index(refractive_index.size());
+    const auto filled = Eigen::Index(lanes_for(refractive_index.size()) * kLaneWidth);
+    square_.setOnes(filled);
+    product_.setOnes(filled);
+    normal_.resize(count);
+    in_.resize(count, kNodes);
+    out_.resize(count, kNodes);
+    for (Eigen::Index w = 0; w < count; ++w) {
+        const std::complex<double> index = refractive_index[std::size_t(w)];
+        const std::complex<double> squared = index * index;
+        square_[w] = squared.real();
+        product_[w] = squared.imag() * squared.imag();
+        normal_[w] = rte::normal_reflectance(index);
+        const rte::SurfaceTransmission transmission({index, options}, coupling);
         for (std::size_t i = 0; i < kNodes; ++i) {
             const double mu = i + 1 == kNodes ? 1.0 : node(i) * node(i);
-            in_[i * count + w] = transmission.in(mu);
-            out_[i * count + w] = transmission.out(mu);
+            in_(w, Eigen::Index(i)) = transmission.in(mu);
+            out_(w, Eigen::Index(i)) = transmission.out(mu);
         }
     }
 }
 
 void SurfaceTerm::weaken(double mu_in, double mu_out, std::span<double> brdf) const {
-    const CubicTaps in = taps_of(mu_in), out = taps_of(mu_out);
-    const std::size_t count = brdf.size();
-    for (std::size_t w = 0; w < count; ++w) {
-        double factor_in = 0.0, factor_out = 0.0;
-        for (std::size_t k = 0; k < 4; ++k) {
-            factor_in += in.weight[k] * in_[(in.first + k) * count + w];
-            factor_out += out.weight[k] * out_[(out.first + k) * count + w];
-        }
-        brdf[w] *= factor_in * factor_out;
-    }
+    const auto between = [](const Eigen::ArrayXXd& table, const CubicTaps& taps) {
+        const auto first = Eigen::Index(taps.first);
+        return taps.weight[0] * table.col(first) + taps.weight[1] * table.col(first + 1) +
+               taps.weight[2] * table.col(first + 2) + taps.weight[3] * table.col(first + 3);
+    };
+    Eigen::Map<Eigen::ArrayXd>(brdf.data(), Eigen::Index(brdf.size())) *=
+        between(in_, taps_of(mu_in)) * between(out_, taps_of(mu_out));
 }
 
 void SurfaceTerm::add(double mu_in, double mu_out, double cos_azimuth,
@@ -59,7 +65,26 @@ void SurfaceTerm::add(double mu_in, double mu_out, double cos_azimuth,
     const double shape = 0.25 *
                          rte::normal_density(options_.distribution, options_.beckmann_alpha, tan2) *
                          shadowing_({mu_in, mu_out, half.cos_normal, half.cos_light});
-    for (std::size_t w = 0; w < brdf.size(); ++w) brdf[w] += shape * fresnel_[w](half.cos_light);
+    const double c = half.cos_light;
+    if (options_.fresnel == rte::FresnelKind::schlick) {
+        for (std::size_t w = 0; w < brdf.size(); ++w)
+            brdf[w] += shape * rte::schlick_reflectance(normal_[Eigen::Index(w)], c);
+        return;
+    }
+    // Born & Wolf 1999, ch. 14.2: u + iv = sqrt(m^2 - sin^2), r = u^2 + v^2.
+    using Eight = Eigen::Array<double, kLaneWidth, 1>;
+    const double sine2 = (1.0 - c) * (1.0 + c);
+    for (std::size_t first = 0; first < brdf.size(); first += kLaneWidth) {
+        const Eight t = square_.segment<kLaneWidth>(Eigen::Index(first)) - sine2;
+        const Eight r = (t.square() + product_.segment<kLaneWidth>(Eigen::Index(first))).sqrt();
+        const Eight u2c = 2.0 * c * (0.5 * (r + t)).max(0.0).sqrt();
+        const Eight s = r + c * c;
+        const Eight p = r * (c * c) + sine2 * sine2;
+        const Eight ratio = (p - u2c * sine2) / (p + u2c * sine2);
+        const Eight lobe = 0.5 * shape * (s - u2c) / (s + u2c) * (1.0 + ratio);
+        const std::size_t count = std::min(kLaneWidth, brdf.size() - first);
+        for (std::size_t w = 0; w < count; ++w) brdf[first + w] += lobe[Eigen::Index(w)];
+    }
 }
 
 }  // namespace miebrdf::render

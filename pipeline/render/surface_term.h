@@ -1,6 +1,7 @@
 // The rough surface of a rendered material, for all wavelengths at once.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <span>
 #include <vector>
@@ -12,8 +13,8 @@
 namespace miebrdf::render {
 
 /// The lobe is evaluated exactly: D and G, which do not depend on wavelength, once, and Fresnel's
-/// equations at each wavelength. What the surface lets through is an integral for each cosine and
-/// is interpolated cubically in sqrt(mu) between 64 nodes.
+/// equations, in real arithmetic, side by side for all wavelengths. What the surface lets through
+/// is an integral for each cosine and is interpolated cubically in sqrt(mu) between 64 nodes.
 class SurfaceTerm {
   public:
     /// @param refractive_index  of the top material at each wavelength
@@ -30,9 +31,11 @@ class SurfaceTerm {
   private:
     rte::SurfaceOptions options_;
     rte::ShadowingOverCosines shadowing_;
-    std::vector<rte::FresnelReflectance> fresnel_;
-    std::vector<double> in_;   ///< [node * wavelengths + w]
-    std::vector<double> out_;  ///< likewise
+    Eigen::ArrayXd square_;   ///< n^2 - k^2, filled up to whole lanes
+    Eigen::ArrayXd product_;  ///< (2 n k)^2, likewise
+    Eigen::ArrayXd normal_;   ///< reflectance at normal incidence
+    Eigen::ArrayXXd in_;      ///< row = wavelength, column = node
+    Eigen::ArrayXXd out_;     ///< likewise
 };
 
 }  // namespace miebrdf::render

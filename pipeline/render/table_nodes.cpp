@@ -7,22 +7,23 @@
 namespace miebrdf::render {
 namespace {
 
-constexpr double kFirstRoot = 0.01;
+/// Stands for the horizon, where (mu_in + mu_out) R has a limit but 0 is no direction.
+constexpr double kHorizon = 1e-9;
 
 }  // namespace
 
 std::vector<double> cosine_nodes(int count) {
     std::vector<double> nodes;
     for (int i = 0; i < count; ++i) {
-        const double root = kFirstRoot + (1.0 - kFirstRoot) * i / (count - 1);
-        nodes.push_back(std::min(1.0, root * root));
+        const double sine = std::sin(0.5 * std::numbers::pi * i / (count - 1));
+        nodes.push_back(std::clamp(sine * sine, kHorizon, 1.0));
     }
     nodes.back() = 1.0;
     return nodes;
 }
 
 CubicTaps cosine_taps(double mu, std::size_t count) {
-    return uniform_taps((std::sqrt(mu) - kFirstRoot) / (1.0 - kFirstRoot) * double(count - 1),
+    return uniform_taps(2.0 / std::numbers::pi * std::asin(std::sqrt(mu)) * double(count - 1),
                         count);
 }
 
@@ -33,8 +34,8 @@ std::vector<double> azimuth_nodes_deg(int count) {
 }
 
 CubicTaps azimuth_taps(double cos_azimuth, std::size_t count) {
-    const double azimuth = std::acos(std::clamp(cos_azimuth, -1.0, 1.0));
-    return uniform_taps(std::pow(azimuth / std::numbers::pi, 2.0 / 3.0) * double(count - 1), count);
+    const double share = std::acos(std::clamp(cos_azimuth, -1.0, 1.0)) / std::numbers::pi;
+    return uniform_taps(std::cbrt(share * share) * double(count - 1), count);
 }
 
 }  // namespace miebrdf::render

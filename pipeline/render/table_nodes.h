@@ -7,8 +7,8 @@
 
 namespace miebrdf::render {
 
-/// Cosines evenly spaced in sqrt(mu) from mu = 1e-4 to 1: close to each other at grazing, where
-/// reflection changes fastest.
+/// Cosines sin^2(pi x / 2) for evenly spaced x in [0, 1], the first 1e-9: close to each other at
+/// grazing, where reflection changes fastest, and at the normal.
 std::vector<double> cosine_nodes(int count);
 CubicTaps cosine_taps(double mu, std::size_t count);
 

@@ -91,3 +91,11 @@ TEST_CASE("colours are the published ones and rise in lightness", "[plot][palett
         before = luma;
     }
 }
+
+TEST_CASE("a logarithmic axis with one power of ten numbers 2 and 5 as well", "[plot][axis]") {
+    std::vector<std::string> labels;
+    const Axis axis({"y", Scale::logarithmic, 0.3, 9.0}, {1.0});
+    for (const Tick& tick : axis.ticks())
+        if (!tick.label.empty()) labels.push_back(tick.label);
+    CHECK(labels == std::vector<std::string>{"0.5", "1", "2", "5"});
+}

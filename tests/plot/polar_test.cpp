@@ -1,8 +1,13 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/slice.h"
+#include "pipeline/plot/slice_directions.h"
 #include "pipeline/plot/spectra.h"
 #include "tests/plot/svg_text.h"
 #include "tests/support/catch.h"
@@ -11,6 +16,8 @@ using namespace miebrdf;
 using namespace miebrdf::plot;
 
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 /// The last polyline: curves are drawn after grid and frame.
 std::vector<std::pair<double, double>> last_curve(const Picture& picture) {
@@ -70,29 +77,89 @@ TEST_CASE("a hemisphere shows each value in its place and mirrors a half", "[plo
     map.incidence_deg = 30;
     const Picture picture = draw_hemisphere(map, {"h", "c"});
     CHECK(support::is_well_formed(picture.svg));
-    const auto fills = support::attributes(picture.svg, "polygon", "fill");
-    const auto shapes = support::attributes(picture.svg, "polygon", "points");
-    REQUIRE(fills.size() == 8);
-    int bright = 0;
-    for (std::size_t i = 0; i < fills.size(); ++i) {
-        if (fills[i] != "#fde725") continue;
-        ++bright;
-        double x = 0;
-        const auto at = support::points(shapes[i]);
-        for (const auto& p : at) x += p.first / static_cast<double>(at.size());
-        CHECK(x > 0.5 * picture.width * 0.8);  // right of the disk's centre at 191 of 460
-    }
-    CHECK(bright == 2);
+    const auto fills = support::attributes(picture.svg, "path", "fill");
+    const auto shapes = support::attributes(picture.svg, "path", "d");
+    REQUIRE(fills.size() == 3);
+    const auto paths = support::starts(
+        shapes[std::size_t(std::find(fills.begin(), fills.end(), "#fde725") - fills.begin())]);
+    REQUIRE(paths.size() == 1);
+    // A cell starts at the rim of its first azimuth, here 0: on the right, as high as the centre.
+    const auto bounds = support::attributes(picture.svg, "circle", "cy");
+    CHECK(fmt::format("{:.2f}", paths[0].second) == bounds.front());
+    CHECK(paths[0].first > 0.5 * picture.width);
+    const auto images = support::attributes(picture.svg, "use", "transform");
+    CHECK(images == std::vector{fmt::format("matrix(1 0 0 -1 0 {:.2f})", 2 * paths[0].second)});
 }
 
-TEST_CASE("a slice marks directions that do not exist and merges equal neighbours",
+TEST_CASE("a slice puts each value in its place, merges equal neighbours and greys what is not",
           "[plot][slice]") {
     SliceMap map;
     map.half_cells = 3, map.difference_cells = 2;
     map.value = {1, 1, 10, 100, 100, std::nan("")};
     const Picture picture = draw_slice(map, {});
+    CHECK(support::is_well_formed(picture.svg));
     const auto fills = support::attributes(picture.svg, "path", "fill");
-    CHECK(fills == std::vector<std::string>{"#440154", fills[1], "#fde725", "#c8c8c8"});
+    const auto shapes = support::attributes(picture.svg, "path", "d");
+    REQUIRE(fills.size() == 4);
+    const auto start_of = [&](const std::string& colour) {
+        const auto at = std::find(fills.begin(), fills.end(), colour) - fills.begin();
+        REQUIRE(std::size_t(at) < fills.size());
+        const auto starts = support::starts(shapes[std::size_t(at)]);
+        REQUIRE(starts.size() == 1);
+        return starts.front();
+    };
+    // theta_h to the right, theta_d upwards; corners are written with two decimals.
+    const auto low = start_of("#440154"), high = start_of("#fde725"), none = start_of("#c8c8c8");
+    CHECK(low.first == Approx(high.first).margin(0.011));
+    CHECK(low.second > high.second);
+    CHECK(none.first > high.first);
+    CHECK(none.second == Approx(high.second).margin(0.011));
+}
+
+TEST_CASE("at azimuth 90 both directions of a slice are as steep", "[plot][slice]") {
+    for (const double h : {0.5, 20.0, 89.5}) {
+        for (const double d : {0.5, 45.0, 89.5}) {
+            const auto direction = slice_direction(h, d, 90.0);
+            REQUIRE(direction);
+            const double expected = std::cos(h * kDegree) * std::cos(d * kDegree);
+            CHECK(direction->mu_in == Approx(expected).epsilon(1e-12).margin(1e-15));
+            CHECK(direction->mu_out == Approx(expected).epsilon(1e-12).margin(1e-15));
+        }
+    }
+}
+
+TEST_CASE("a slice's directions have its half and difference angles", "[plot][slice]") {
+    // From the cosines back: the law of cosines gives the angle between light and view, 2 theta_d,
+    // and the half vector's cosine is (mu_in + mu_out) / (2 cos theta_d). Rounding only.
+    const double h = GENERATE(3.0, 30.0, 61.0), d = GENERATE(2.0, 25.0, 50.0);
+    const double phi = GENERATE(0.0, 40.0, 90.0, 180.0);
+    const auto direction = slice_direction(h, d, phi);
+    const double lower =
+        std::cos(h * kDegree) * std::cos(d * kDegree) -
+        std::sin(h * kDegree) * std::sin(d * kDegree) * std::abs(std::cos(phi * kDegree));
+    CAPTURE(h, d, phi, lower);
+    REQUIRE(direction.has_value() == (lower > 0));
+    if (!direction) return;
+    const auto [mu_in, mu_out, azimuth] = *direction;
+    const double sines = std::sqrt((1 - mu_in * mu_in) * (1 - mu_out * mu_out));
+    const double between = mu_in * mu_out - sines * std::cos(azimuth * kDegree);
+    CHECK(between == Approx(std::cos(2 * d * kDegree)).margin(1e-12));
+    CHECK((mu_in + mu_out) / (2 * std::cos(d * kDegree)) ==
+          Approx(std::cos(h * kDegree)).margin(1e-12));
+    if (phi < 90) CHECK(mu_in < mu_out);  // the light is the lower of the two
+}
+
+TEST_CASE("a map of thousands of cells stays small", "[plot][hemisphere][slice]") {
+    SliceMap slice;
+    slice.half_cells = slice.difference_cells = 90;
+    HemisphereMap hemisphere;
+    for (int i = 0; i <= 45; ++i) hemisphere.zenith_edges_deg.push_back(2.0 * i);
+    for (int i = 0; i <= 60; ++i) hemisphere.azimuth_edges_deg.push_back(3.0 * i);
+    // Every cell differs from its neighbours: nothing can be merged.
+    for (int i = 0; i < 90 * 90; ++i) slice.value.push_back(1 + 37 * i % 256);
+    for (int i = 0; i < 45 * 60; ++i) hemisphere.value.push_back(37 * i % 256);
+    CHECK(draw_slice(slice, {}).svg.size() < 300000);
+    CHECK(draw_hemisphere(hemisphere, {}).svg.size() < 300000);
 }
 
 TEST_CASE("polar charts refuse data that do not fit", "[plot][errors]") {

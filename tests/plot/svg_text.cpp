@@ -9,7 +9,7 @@ bool is_well_formed(const std::string& xml) {
     std::vector<std::string> open;
     static const std::regex tag(
         R"re(<([/?]?)([A-Za-z]+)((?:\s+[-A-Za-z0-9:]+="[^"<]*")*)\s*([/?]?)>)re");
-    static const std::regex good_text(R"re((?:[^&<]|&(?:amp|lt|gt|quot);)*)re");
+    static const std::regex good_text(R"re((?:[^&<]|&(?:amp|lt|gt|quot|#39);)*)re");
     std::size_t at = 0;
     while (at < xml.size()) {
         const std::size_t next = xml.find('<', at);
@@ -62,6 +62,16 @@ std::vector<std::pair<double, double>> points(const std::string& list) {
     std::istringstream stream(list);
     double x = 0, y = 0;
     for (char comma = 0; stream >> x >> comma >> y;) found.emplace_back(x, y);
+    return found;
+}
+
+std::vector<std::pair<double, double>> starts(const std::string& path) {
+    std::vector<std::pair<double, double>> found;
+    for (std::size_t at = path.find('M'); at != std::string::npos; at = path.find('M', at + 1)) {
+        std::istringstream stream(path.substr(at + 1, 40));
+        double x = 0, y = 0;
+        if (stream >> x >> y) found.emplace_back(x, y);
+    }
     return found;
 }
 

@@ -84,6 +84,11 @@ TEST_CASE("bad meshes are refused with their name and what is wrong", "[render][
     CHECK_THROWS_WITH(read_obj(folder / "missing.obj"),
                       Catch::Contains("missing.obj: no such file"));
     CHECK_THROWS_AS(read_obj(folder / "missing.obj"), InputError);
+    for (const char* number : {"nan", "inf", "x", ""}) {
+        CHECK_THROWS_WITH(
+            reading("v 0 0 0\nv 1 0 " + std::string(number) + "\nv 0 1 0\nf 1 2 3\n"),
+            Catch::Contains("bad.obj line 2"));
+    }
     CHECK_THROWS_WITH(reading(""), Catch::Contains("bad.obj") && Catch::Contains("no triangles"));
     CHECK_THROWS_WITH(reading("v 0 0 0\nv 1 0 0\n"), Catch::Contains("no triangles"));
     CHECK_THROWS_AS(reading("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), InputError);

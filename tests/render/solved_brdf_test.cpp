@@ -2,6 +2,7 @@
 // solver predicts.
 #include "pipeline/render/solved_brdf.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -51,12 +52,33 @@ TEST_CASE("the table agrees with the solver between its nodes", "[render][solved
     const auto brdf = solve_brdf({request}, Component::total);
     const InterpolationError error = interpolation_error(*brdf, request);
     CAPTURE(describe(request.scene.base), request.scene.coats.size(), error.median, error.largest);
-    // Smooth phase functions: below the solver's own tolerance, 1e-3 of the largest value. Peaked
-    // ones are narrower than the table's cosines where light is scattered forward at grazing
-    // (mu = 0.05 and 0.07, azimuth 1): 7e-3 there.
-    const bool is_peaked = std::holds_alternative<HenyeyGreensteinMedium>(request.scene.base);
-    CHECK(error.largest <= (is_peaked ? 1e-2 : 1e-3));
-    CHECK(error.median <= 1e-4);
+    // Azimuthal orders are summed to a tenth of the tolerance, 1e-4; single precision and cubic
+    // interpolation are below that (1.2e-5 measured).
+    CHECK(error.largest <= 1e-4);
+    CHECK(error.median <= 1e-5);
+}
+
+TEST_CASE("the glory of spheres is as narrow and high as the solver says", "[render][solved]") {
+    // 2 um, 550 nm: some 2 degrees wide, far narrower than the table's cosines and azimuths.
+    Request request = request_of("index:1.5,0.001", {"index:1.8,0.01@0.2"});
+    request.scene.particles.sizes.effective_radius_um = 2.0;
+    const auto brdf = solve_brdf({request}, Component::subsurface);
+    request.directions = {{0.33, 0.5, 0.77}, {0.33, 0.5, 0.77}, {178.0, 179.0, 180.0}};
+    const auto exact = compute_brdf(request).slices.front().total;
+    const double largest = *std::max_element(exact.begin(), exact.end());
+    std::size_t index = 0;
+    for (const double in : request.directions.mu_in) {
+        for (const double out : request.directions.mu_out) {
+            for (const double azimuth : request.directions.azimuth_deg) {
+                CAPTURE(in, out, azimuth, exact[index]);
+                // 7e-3 measured, two degrees beside exact retro-reflection at the lowest cosine.
+                // Both solutions may err by the tolerance there, 1e-3, with streams chosen at
+                // different directions; the rest is what the narrow features leave in the table.
+                CHECK(std::abs(value(*brdf, in, out, azimuth) - exact[index]) <= 1e-2 * largest);
+                ++index;
+            }
+        }
+    }
 }
 
 TEST_CASE("a lossless half-space disappears in a uniform environment",

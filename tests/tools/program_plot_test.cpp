@@ -17,6 +17,9 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
              " --incidence 0,45 --component total,subsurface --roughness 0.3 --surface-index 1.5"},
         {"lobe", scene + " --log --decades 2 --cosine --compare isotropic:0.9"},
         {"hemisphere", scene + " --incidence 45 --log"},
+        {"slice", scene + " --log --cells 30"},
+        {"slice", scene + " --phi-d 0 --cells 20 --component subsurface"},
+        {"profile", scene + " --incidence 0,60 --compare-coat-method first-order --azimuth 0"},
         {"spectrum", scene + ",600,650 --incidence 60"},
         {"nk", " GaP SiO2"},
         {"optics", " hg:0.9,0.5 isotropic:0.3 --wavelengths 400,500"},
@@ -31,7 +34,7 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
     const std::string svg = read_file(file);
     CHECK(svg.find("</svg>") != std::string::npos);
     CHECK(svg.find("<desc>miebrdf plot " + kind) != std::string::npos);
-    CHECK(svg.find("<polyline") + svg.find("<polygon") != 2 * std::string::npos);
+    CHECK((svg.find("<polyline") != std::string::npos || svg.find("<path") != std::string::npos));
     CHECK(svg.find("nan") == std::string::npos);
     CHECK(svg.find("inf") == std::string::npos);
 }
@@ -56,11 +59,23 @@ TEST_CASE("bad plots are refused before any work, with one line and no file",
         {"plot lobe --base isotropic:0.5 --wavelengths 550 --incidence 95 -o FOLDER/a.svg", 2,
          "95"},
         {"plot hemisphere --base isotropic:0.5 --wavelengths 450,550 -o FOLDER/a.svg", 2, "one"},
+        {"plot slice --base isotropic:0.5 --wavelengths 450,550 -o FOLDER/a.svg", 2, "one"},
+        {"plot slice --base isotropic:0.5 --wavelengths 550 --cells 1 -o FOLDER/a.svg", 2, "cells"},
+        {"plot slice --base isotropic:0.5 --wavelengths 550 --component sheen -o FOLDER/a.svg", 2,
+         "sheen"},
+        {"plot profile --base isotropic:0.5 --wavelengths 550 --range 2,1 -o FOLDER/a.svg", 2,
+         "ascending"},
+        {"plot profile --base isotropic:0.5 --wavelengths 550 --compare-coat-method second-order "
+         "-o FOLDER/a.svg",
+         2, "second-order"},
+        {"plot profile --base isotropic:0.5 --wavelengths 550 --points FOLDER/no.csv -o "
+         "FOLDER/a.svg",
+         3, "no.csv"},
         {"plot nk GaP -o FOLDER/no/a.svg", 3, "no"},
         {"plot phase rayleigh:1 --polar --decades 40 -o FOLDER/a.svg", 2, "decades"},
     }));
     std::string line = options;
-    if (const auto at = line.find("FOLDER"); at != std::string::npos) {
+    for (auto at = line.find("FOLDER"); at != std::string::npos; at = line.find("FOLDER")) {
         line.replace(at, 6, folder.path().string());
     }
     const ProgramRun run = run_program(line);
@@ -69,4 +84,40 @@ TEST_CASE("bad plots are refused before any work, with one line and no file",
     CHECK(run.err.find(wanted) != std::string::npos);
     CHECK(run.err.find('\n') == run.err.size() - 1);
     CHECK(folder.count() == 0);
+}
+
+TEST_CASE("a profile draws the points that belong to it", "[program][plot]") {
+    const TemporaryFolder folder;
+    const std::string scene = "--base hg:0.9,0.5 --streams 8 --wavelengths 550";
+    const std::string points = folder / "points.csv", chart = folder / "chart.svg";
+    REQUIRE(
+        run_program("brdf " + scene + " --mu-in 0.5 --mu-out 0.3,0.6 --azimuth 0,180 -o " + points)
+            .exit_code == 0);
+    const std::string plot = "plot profile " + scene + " --points " + points + " -o " + chart;
+    REQUIRE(run_program(plot + " --incidence 0,60").exit_code == 0);
+    const std::string svg = read_file(chart);
+    std::size_t circles = 0;
+    for (auto at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1))
+        ++circles;
+    CHECK(circles == 3);  // two values at azimuth 180, and the legend's
+    const ProgramRun elsewhere = run_program(plot + " --incidence 30");
+    CHECK(elsewhere.exit_code == 3);
+    CHECK(elsewhere.err.find("none at 550 nm") != std::string::npos);
+}
+
+TEST_CASE("damaged points are refused with file and line", "[program][plot][errors]") {
+    const TemporaryFolder folder;
+    const auto [content, wanted] = GENERATE(table<std::string, std::string>({
+        {"", "no values"},
+        {"mu_in,mu_out\n1,1\n", "wanted columns"},
+        {"wavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180\n", "line 2: 4 fields"},
+        {"# x\nwavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180,nan\n", "line 3"},
+    }));
+    const std::string points = folder.write("points.csv", content);
+    const ProgramRun run =
+        run_program("plot profile --base isotropic:0.5 --wavelengths 550 --points " + points +
+                    " -o " + (folder / "a.svg"));
+    CAPTURE(content, run.err);
+    CHECK(run.exit_code == 3);
+    CHECK(run.err.find(wanted) != std::string::npos);
 }

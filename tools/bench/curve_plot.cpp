@@ -6,15 +6,16 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/plot/palette.h"
+#include "pipeline/plot/svg.h"
 #include "tools/bench/log_axis.h"
 #include "tools/bench/results.h"
 
 namespace miebrdf::bench {
 namespace {
 
-// Okabe & Ito 2008: told apart with any colour vision, yellow replaced by grey for white paper.
-constexpr std::array<const char*, 8> kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                 "#56b4e9", "#e69f00", "#000000", "#7f7f7f"};
+using plot::escape_markup;
+
 constexpr double kWidth = 1000, kHeight = 640, kLeft = 70, kRight = 730, kTop = 40, kBottom = 570;
 // Beyond these points are drawn at the edge; their tooltips and the table have the numbers.
 constexpr double kLowestError = 1e-17, kHighestError = 10, kShortestTime = 1e-6;
@@ -194,33 +195,7 @@ MethodStyles::MethodStyles(const std::vector<Measurement>& all) {
 MethodStyles::Style MethodStyles::of(const std::string& method) const {
     const auto found = std::find(methods_.begin(), methods_.end(), method);
     const auto i = static_cast<std::size_t>(found - methods_.begin());
-    return {kColours[i % kColours.size()], static_cast<int>(i / kColours.size() % 4)};
-}
-
-std::string escape_markup(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '&':
-                out += "&amp;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
+    return {plot::curve_colour(static_cast<int>(i)), static_cast<int>(i) / plot::kCurveColours % 4};
 }
 
 std::string curve_plot_svg(const std::string& title, const std::vector<Measurement>& points,

@@ -30,7 +30,4 @@ class MethodStyles {
 std::string curve_plot_svg(const std::string& title, const std::vector<Measurement>& points,
                            const MethodStyles& styles);
 
-/// Text with <, >, & and quotes replaced, for SVG and HTML.
-std::string escape_markup(const std::string& text);
-
 }  // namespace miebrdf::bench

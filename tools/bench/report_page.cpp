@@ -4,10 +4,13 @@
 
 #include <cmath>
 
+#include "pipeline/plot/svg.h"
 #include "tools/bench/curve_plot.h"
 
 namespace miebrdf::bench {
 namespace {
+
+using plot::escape_markup;
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>miebrdf: error against run time</title>

@@ -34,6 +34,8 @@ void add_plot_command(CLI::App& program, Shell& shell) {
     command->require_subcommand(1);
     command->footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
     add_scene_plots(*command, shell);
+    add_profile_plot(*command, shell);
+    add_map_plots(*command, shell);
     add_medium_plots(*command, shell);
 }
 

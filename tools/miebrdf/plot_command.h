@@ -27,7 +27,11 @@ class PlotArguments {
 
 /// Kinds that take media: nk, optics, phase.
 void add_medium_plots(CLI::App& plot, Shell& shell);
-/// Kinds that take a scene: lobe, hemisphere, spectrum.
+/// Curves of a scene: lobe, spectrum.
 void add_scene_plots(CLI::App& plot, Shell& shell);
+/// A scene's BRDF by several methods: profile.
+void add_profile_plot(CLI::App& plot, Shell& shell);
+/// Colour maps of a scene: hemisphere, slice.
+void add_map_plots(CLI::App& plot, Shell& shell);
 
 }  // namespace miebrdf::program

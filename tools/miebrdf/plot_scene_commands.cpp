@@ -1,65 +1,15 @@
-// miebrdf plot lobe, hemisphere, spectrum: what a scene reflects.
+// miebrdf plot lobe, spectrum: what a scene reflects.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
-#include <numbers>
-
-#include "pipeline/brdf.h"
 #include "pipeline/colour.h"
-#include "pipeline/error.h"
 #include "pipeline/number_list.h"
-#include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
-#include "tools/miebrdf/plot_command.h"
-#include "tools/miebrdf/scene_options.h"
+#include "tools/miebrdf/plot_scene_arguments.h"
 
 namespace miebrdf::program {
 namespace {
-
-struct ScenePlotArguments {
-    SceneArguments scene;
-    std::string incidence;  ///< degrees
-    std::string components = "total";
-    std::vector<std::string> compare;
-    bool logarithmic = false;
-    bool cosine = false;
-    int decades = 3;
-    PlotArguments plot;
-};
-
-double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
-
-std::vector<double> cosines_of(const std::vector<double>& degrees) {
-    std::vector<double> list;
-    for (const double angle : degrees) list.push_back(cosine_of(angle));
-    return list;
-}
-
-std::vector<double> incidences(const ScenePlotArguments& arguments) {
-    return parse_number_list(arguments.incidence, "incidence (degrees)", 0.0, 89.9);
-}
-
-const std::vector<double>& component_of(const SpectralSlice& slice, const std::string& name) {
-    if (name == "total") return slice.total;
-    if (name == "subsurface") return slice.subsurface;
-    if (name != "surface") {
-        throw UsageError(
-            fmt::format("unknown component '{}'; allowed: total, subsurface, surface", name));
-    }
-    if (slice.surface.empty())
-        throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
-    return slice.surface;
-}
-
-std::string title_of(const Scene& scene) {
-    std::string title;
-    for (auto coat = scene.coats.rbegin(); coat != scene.coats.rend(); ++coat) {
-        title += fmt::format("{} (\u03c4 = {:g}) on ", describe(coat->medium), coat->optical_depth);
-    }
-    return title + describe(scene.base);
-}
 
 /// The scene itself and the same with every --compare base in its place.
 std::vector<Scene> scenes(const ScenePlotArguments& arguments, const Scene& first) {
@@ -121,7 +71,7 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
             }
         }
     }
-    std::string title = title_of(all_scenes.front());
+    std::string title = title_of(all_scenes);
     if (request.wavelength_nm.size() == 1)
         title += fmt::format(", {:g} nm", request.wavelength_nm.front());
     const plot::LobeOptions options{arguments.cosine ? "BRDF cos \u03b8 [1/sr]" : "BRDF [1/sr]",
@@ -129,34 +79,6 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.save(plot::draw_lobe(curves, options, arguments.plot.caption(shell, title)),
                         shell);
     return converged ? kGood : kNotConverged;
-}
-
-int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
-    arguments.plot.check(shell);
-    Request request = arguments.scene.parse();
-    const std::vector<double> incidence_deg = incidences(arguments);
-    if (incidence_deg.size() != 1 || request.wavelength_nm.size() != 1) {
-        throw UsageError("a hemisphere shows one --incidence at one of --wavelengths");
-    }
-    plot::HemisphereMap map;
-    map.zenith_edges_deg = parse_number_list("0:90:3", "zenith angle (degrees)");
-    map.azimuth_edges_deg = parse_number_list("0:180:5", "azimuth (degrees)");
-    map.incidence_deg = incidence_deg.front();
-    if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
-    const auto centres = [](const std::vector<double>& edges) {
-        std::vector<double> list;
-        for (std::size_t i = 0; i + 1 < edges.size(); ++i)
-            list.push_back(0.5 * (edges[i] + edges[i + 1]));
-        return list;
-    };
-    request.directions = {cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
-                          centres(map.azimuth_edges_deg)};
-    const BrdfResult result = compute_brdf(request, shell.control());
-    map.value = component_of(result.slices.front(), arguments.components);
-    const std::string title =
-        fmt::format("{}, {:g} nm", title_of(request.scene), request.wavelength_nm.front());
-    arguments.plot.save(plot::draw_hemisphere(map, arguments.plot.caption(shell, title)), shell);
-    return result.converged ? kGood : kNotConverged;
 }
 
 int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
@@ -189,35 +111,12 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     }
     arguments.plot.save(
         plot::draw_spectrum(spectra, "albedo",
-                            arguments.plot.caption(shell, title_of(all_scenes.front()))),
+                            arguments.plot.caption(shell, title_of(all_scenes))),
         shell);
     return converged ? kGood : kNotConverged;
 }
 
-using Arguments = std::shared_ptr<ScenePlotArguments>;
-
-CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const std::string& title,
-                   const std::string& incidence, const Arguments& arguments) {
-    auto* command = plot.add_subcommand(kind, title);
-    arguments->incidence = incidence;
-    arguments->scene.add_to(*command);
-    command
-        ->add_option("--incidence", arguments->incidence,
-                     "angles of incidence, degrees from the normal")
-        ->type_name("LIST")
-        ->capture_default_str();
-    arguments->plot.add_to(*command);
-    shell.add_common_options(*command);
-    return command;
-}
-
-void add_component(CLI::App& command, const Arguments& arguments) {
-    command.add_option("--component", arguments->components, "total, subsurface, surface")
-        ->capture_default_str();
-    command.add_flag("--log", arguments->logarithmic, "logarithmic values");
-}
-
-void add_compare(CLI::App& command, const Arguments& arguments) {
+void add_compare(CLI::App& command, const ScenePlot& arguments) {
     command
         .add_option("--compare", arguments->compare,
                     "the same scene on another base as well; repeatable")
@@ -230,8 +129,9 @@ void add_compare(CLI::App& command, const Arguments& arguments) {
 void add_scene_plots(CLI::App& plot, Shell& shell) {
     auto lobe = std::make_shared<ScenePlotArguments>();
     auto* lobe_command =
-        add_kind(plot, shell, "lobe", "BRDF in the plane of incidence", "0,30,60", lobe);
-    add_component(*lobe_command, lobe);
+        add_scene_kind(plot, shell, "lobe", "BRDF in the plane of incidence", lobe);
+    add_incidence_option(*lobe_command, "0,30,60", lobe);
+    add_component_options(*lobe_command, lobe);
     add_compare(*lobe_command, lobe);
     lobe_command->add_flag("--cosine", lobe->cosine, "show BRDF times the cosine of reflection");
     lobe_command->add_option("--decades", lobe->decades, "of a logarithmic radius")
@@ -242,21 +142,12 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
         "--wavelengths 550 -o lobe.png");
     shell.on_run(*lobe_command, [lobe, &shell] { return run_lobe(*lobe, shell); });
 
-    auto hemisphere = std::make_shared<ScenePlotArguments>();
-    auto* hemisphere_command =
-        add_kind(plot, shell, "hemisphere", "BRDF over all outgoing directions", "45", hemisphere);
-    add_component(*hemisphere_command, hemisphere);
-    hemisphere_command->footer(
-        "Example:\n  miebrdf plot hemisphere --base TiO2 --wavelengths 550 --incidence 60 --log -o "
-        "hemisphere.png");
-    shell.on_run(*hemisphere_command,
-                 [hemisphere, &shell] { return run_hemisphere(*hemisphere, shell); });
-
     auto spectrum = std::make_shared<ScenePlotArguments>();
-    auto* spectrum_command = add_kind(plot, shell, "spectrum",
-                                      "spherical and plane albedo against wavelength, and "
-                                      "their colours under D65",
-                                      "0,60", spectrum);
+    auto* spectrum_command = add_scene_kind(plot, shell, "spectrum",
+                                            "spherical and plane albedo against wavelength, and "
+                                            "their colours under D65",
+                                            spectrum);
+    add_incidence_option(*spectrum_command, "0,60", spectrum);
     add_compare(*spectrum_command, spectrum);
     spectrum_command->footer(
         "Example:\n  miebrdf plot spectrum --base AlGaAs7 --wavelengths 400:700:10 -o "

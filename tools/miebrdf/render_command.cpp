@@ -39,7 +39,7 @@ struct RenderArguments {
     std::string background = "1,1,1";
     double exposure = 0.0;
     std::string exr;
-    std::string table = "32,33";
+    std::string table = "49,33";
     bool measure_interpolation = false;
     render::RenderOptions options;
 };
@@ -61,10 +61,6 @@ class Stopwatch {
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Streams of materials that ask for none. At grazing directions, which the table has many of and
-/// a picture hardly shows, the solver would take minutes to meet its tolerance.
-constexpr int kDefaultStreams = 24;
-
 /// The scene options themselves are the material, unless there are --material strings.
 std::vector<std::vector<Request>> material_requests(const RenderArguments& arguments,
                                                     const std::vector<double>& wavelength_nm) {
@@ -79,11 +75,6 @@ std::vector<std::vector<Request>> material_requests(const RenderArguments& argum
         Request request = arguments.scene.parse();
         request.wavelength_nm = wavelength_nm;
         all.push_back({request});
-    }
-    for (auto& requests : all) {
-        for (Request& request : requests) {
-            if (request.solver.streams == 0) request.solver.streams = kDefaultStreams;
-        }
     }
     return all;
 }

@@ -146,6 +146,15 @@ void SceneArguments::parse_surface(Scene& scene) const {
     }
 }
 
+rte::CoatMethod parse_coat_method(const std::string& name) {
+    static const std::map<std::string, rte::CoatMethod> kCoatMethods = {
+        {"auto", rte::CoatMethod::automatic},
+        {"first-order", rte::CoatMethod::first_order},
+        {"first-order-patched", rte::CoatMethod::first_order_patched},
+        {"exponential", rte::CoatMethod::exponential}};
+    return one_of(kCoatMethods, name, "coat method");
+}
+
 Request SceneArguments::parse() const {
     static const std::map<std::string, rte::GridKind> kGrids = {
         {"auto", rte::GridKind::automatic},
@@ -156,11 +165,6 @@ Request SceneArguments::parse() const {
         {"auto", rte::HalfSpaceMethod::automatic},
         {"fixed-point", rte::HalfSpaceMethod::fixed_point},
         {"doubling", rte::HalfSpaceMethod::doubling}};
-    static const std::map<std::string, rte::CoatMethod> kCoatMethods = {
-        {"auto", rte::CoatMethod::automatic},
-        {"first-order", rte::CoatMethod::first_order},
-        {"first-order-patched", rte::CoatMethod::first_order_patched},
-        {"exponential", rte::CoatMethod::exponential}};
 
     Request request;
     request.scene.base = parse_medium(base_);
@@ -173,7 +177,7 @@ Request SceneArguments::parse() const {
     request.solver.grid = one_of(kGrids, grid_, "grid");
     request.solver.half_space_method =
         one_of(kHalfSpaceMethods, half_space_method_, "half-space method");
-    request.solver.coat_method = one_of(kCoatMethods, coat_method_, "coat method");
+    request.solver.coat_method = parse_coat_method(coat_method_);
     request.solver.delta_m = !no_delta_m_;
     request.solver.single_scattering_correction = !no_correction_;
     return request;

@@ -66,6 +66,9 @@ class SceneArguments {
     MaterialArguments materials_;
 };
 
+/// Reads the name of a --coat-method. @throws UsageError
+rte::CoatMethod parse_coat_method(const std::string& name);
+
 /// Reads `N,K` or `N`.
 std::complex<double> parse_index(const std::string& text, const std::string& what);
 

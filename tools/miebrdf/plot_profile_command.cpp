@@ -1,0 +1,172 @@
+// miebrdf plot profile: a BRDF against the angle of reflection, by several methods.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/error.h"
+#include "pipeline/number_list.h"
+#include "pipeline/plot/chart.h"
+#include "tools/miebrdf/plot_scene_arguments.h"
+#include "tools/miebrdf/profile_points.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct ProfileArguments : ScenePlotArguments {
+    double azimuth_deg = 180.0;
+    std::vector<std::string> coat_methods;
+    std::string range;
+    std::string points;
+    std::string points_label = "points";
+};
+
+std::string label_of(rte::CoatMethod method) {
+    switch (method) {
+        case rte::CoatMethod::first_order:
+            return "first order in \u03c4";
+        case rte::CoatMethod::first_order_patched:
+            return "first order, patched";
+        case rte::CoatMethod::exponential:
+            return "exponential";
+        case rte::CoatMethod::automatic:
+            break;
+    }
+    return "exact";
+}
+
+/// Angles of reflection, closer around exact retro-reflection and the mirror direction, where
+/// glories and lobes are narrow.
+std::vector<double> zenith_angles(const std::vector<double>& incidence_deg) {
+    std::vector<double> list =
+        parse_number_list("0:88:0.5,88.2:89.8:0.2", "zenith angle (degrees)");
+    for (const double incidence : incidence_deg) {
+        for (int i = -40; i <= 40; ++i) {
+            const double angle = incidence + 0.05 * i;
+            if (angle >= 0.0 && angle < 89.9) list.push_back(angle);
+        }
+    }
+    std::sort(list.begin(), list.end());
+    const auto same = [](double a, double b) { return b - a < 1e-9; };
+    list.erase(std::unique(list.begin(), list.end(), same), list.end());
+    return list;
+}
+
+plot::AxisOptions value_axis(const ProfileArguments& arguments) {
+    plot::AxisOptions axis{"BRDF [1/sr]",
+                           arguments.logarithmic ? plot::Scale::logarithmic : plot::Scale::linear};
+    if (arguments.range.empty()) return axis;
+    const auto [low, high] = parse_range(arguments.range, arguments.logarithmic);
+    axis.lowest = low;
+    axis.highest = high;
+    return axis;
+}
+
+/// Points of one incidence and the wavelength and azimuth shown, by angle of reflection.
+plot::Curve points_near(const std::vector<ProfilePoint>& points, const ProfileArguments& arguments,
+                        double wavelength_nm, double incidence_deg) {
+    plot::Curve curve{arguments.points_label, {}, {}, plot::Mark::points, 0, {}};
+    for (const ProfilePoint& p : points) {
+        // Files state cosines and angles to a few digits.
+        const bool here = std::abs(p.wavelength_nm - wavelength_nm) <= 1e-6 &&
+                          std::abs(p.azimuth_deg - arguments.azimuth_deg) <= 1e-6 &&
+                          std::abs(p.mu_in - cosine_of(incidence_deg)) <= 1e-3;
+        if (!here || !(std::abs(p.mu_out) <= 1.0)) continue;
+        curve.x.push_back(std::acos(p.mu_out) * 180.0 / std::acos(-1.0));
+        curve.y.push_back(p.brdf);
+    }
+    return curve;
+}
+
+int run_profile(const ProfileArguments& arguments, const Shell& shell) {
+    arguments.plot.check(shell);
+    Request request = arguments.scene.parse();
+    const double wavelength_nm = only_wavelength_nm(request, "profile");
+    const std::vector<double> incidence_deg = incidences(arguments);
+    const std::vector<double> zenith_deg = zenith_angles(incidence_deg);
+    const plot::AxisOptions axis = value_axis(arguments);
+    std::vector<ProfilePoint> points;
+    if (!arguments.points.empty()) points = read_profile_points(arguments.points);
+    request.directions = {
+        cosines_of(incidence_deg), cosines_of(zenith_deg), {arguments.azimuth_deg}};
+
+    std::vector<rte::CoatMethod> methods{request.solver.coat_method};
+    for (const std::string& name : arguments.coat_methods)
+        methods.push_back(parse_coat_method(name));
+    std::vector<plot::Panel> panels(incidence_deg.size());
+    bool converged = true;
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+        request.solver.coat_method = methods[m];
+        const BrdfResult result = compute_brdf(request, shell.control());
+        // The first method is the answer; the others are shown for what they are.
+        if (m == 0) converged = result.converged;
+        const auto& values = component_of(result.slices.front(), arguments.components);
+        for (std::size_t i = 0; i < panels.size(); ++i) {
+            const auto first = values.begin() + static_cast<std::ptrdiff_t>(i * zenith_deg.size());
+            // The answer is drawn last: over the others where they agree.
+            panels[i].curves.insert(
+                panels[i].curves.begin(),
+                {methods.size() > 1 ? label_of(methods[m]) : "",
+                 zenith_deg,
+                 {first, first + static_cast<std::ptrdiff_t>(zenith_deg.size())},
+                 plot::Mark::line,
+                 static_cast<int>(m),
+                 {}});
+        }
+    }
+    bool any_point = false;
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        plot::Panel& panel = panels[i];
+        panel.x = {"angle of reflection [\u00b0]", plot::Scale::linear, 0.0, 90.0, 15.0};
+        panel.y = axis;
+        panel.note = fmt::format("incidence {:.3g}\u00b0", incidence_deg[i]);
+        panel.height = panels.size() == 1 ? 260.0 : 160.0;
+        plot::Curve near = points_near(points, arguments, wavelength_nm, incidence_deg[i]);
+        any_point = any_point || !near.x.empty();
+        if (!near.x.empty()) panel.curves.push_back(std::move(near));
+    }
+    if (!points.empty() && !any_point) {
+        throw InputError(
+            fmt::format("points '{}': none at {:g} nm, azimuth {:g} and these incidences",
+                        arguments.points, wavelength_nm, arguments.azimuth_deg));
+    }
+    const auto caption = arguments.plot.caption(
+        shell, fmt::format("{}, {:g} nm, azimuth {:g}\u00b0", title_of(request.scene),
+                           wavelength_nm, arguments.azimuth_deg));
+    arguments.plot.save(plot::draw_chart(panels, caption), shell);
+    return converged ? kGood : kNotConverged;
+}
+
+}  // namespace
+
+void add_profile_plot(CLI::App& plot, Shell& shell) {
+    auto profile = std::make_shared<ProfileArguments>();
+    auto* command =
+        add_scene_kind(plot, shell, "profile", "BRDF against the angle of reflection", profile);
+    add_incidence_option(*command, "0,30,60", profile);
+    add_component_options(*command, profile);
+    command
+        ->add_option("--azimuth", profile->azimuth_deg,
+                     "degrees; 180 is back towards the source, 0 the mirror side")
+        ->check(CLI::Range(0.0, 360.0))
+        ->capture_default_str();
+    command
+        ->add_option("--compare-coat-method", profile->coat_methods,
+                     "the same with another --coat-method as well; repeatable")
+        ->type_name("METHOD")
+        ->allow_extra_args(false);
+    command->add_option("--range", profile->range, "ends of the value axis")->type_name("LOW,HIGH");
+    command
+        ->add_option("--points", profile->points,
+                     "values to draw as points: a CSV table as `miebrdf brdf` writes it")
+        ->type_name("FILE.csv");
+    command->add_option("--points-label", profile->points_label, "their name in the legend")
+        ->type_name("TEXT")
+        ->capture_default_str();
+    command->footer(
+        "Example:\n  miebrdf plot profile --base TiO2 --coat AlGaAs7@0.1 --wavelengths 450 "
+        "--incidence 0,60 --compare-coat-method first-order --log --range 0.1,3 -o profile.png");
+    shell.on_run(*command, [profile, &shell] { return run_profile(*profile, shell); });
+}
+
+}  // namespace miebrdf::program
