@@ -105,7 +105,9 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
     set_range(map, arguments.range, directions, values);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_slice(map, caption), shell);
-    return source.converged() ? kGood : kNotConverged;
+    const exports::SolverAccuracy& accuracy = source.accuracy();
+    if (!accuracy.converged) shell.note(describe(accuracy));
+    return accuracy.converged ? kGood : kNotConverged;
 }
 
 }  // namespace
