@@ -35,13 +35,13 @@ constexpr double rounding = 1e-13;
 
 // What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
 // with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
-// unresolved peaks fall algebraically and keep the difference itself (docs/numerics.md).
-double remaining_error(double difference, bool peaked) {
-    return peaked || difference >= 1.0 ? difference : std::pow(difference, 1.25);
+// unresolved peaks fall more slowly and keep the difference itself (docs/numerics.md).
+double remaining_error(double difference, bool slow) {
+    return slow || difference >= 1.0 ? difference : std::pow(difference, 1.25);
 }
 
 // Compares two tables, relative to the largest value in each block (one incidence).
-void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, bool peaked,
+void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, bool slow,
                     double tolerance) {
     SolverReport& report = fine.report;
     double largest = 0.0;
@@ -54,7 +54,7 @@ void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, boo
         for (std::size_t k = start; k < end; ++k) {
             const double difference = std::abs(fine.values[k] - coarse.values[k]);
             const double error =
-                difference > 0.0 ? remaining_error(difference / scale, peaked) : 0.0;
+                difference > 0.0 ? remaining_error(difference / scale, slow) : 0.0;
             if (error <= tolerance) ++within;
             if (error > largest) {
                 largest = error;
@@ -113,7 +113,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     for (const int streams : ladder) {
         fine = attempt_at(streams);
         if (fine.physical && coarse.physical) {
-            estimate_error(coarse, fine, block, strongly_peaked(stack, streams), options.tolerance);
+            estimate_error(coarse, fine, block, converges_slowly(stack, streams), options.tolerance);
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
             fine.report.share_within_tolerance = 0.0;

@@ -9,8 +9,8 @@
 namespace miebrdf::rte {
 namespace {
 
-// chi_{2n} above this: the peak is far from resolved by n nodes.
-constexpr double peaked_above = 0.1;
+// chi_n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
+constexpr double slow_above = 1e-3;
 
 std::size_t most_moments(const Stack& stack) {
     std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
@@ -44,8 +44,8 @@ double largest_moment(const Stack& stack, int degree) {
 
 }  // namespace
 
-bool strongly_peaked(const Stack& stack, int streams) {
-    return largest_moment(stack, 2 * streams) > peaked_above;
+bool converges_slowly(const Stack& stack, int streams) {
+    return largest_moment(stack, streams) > slow_above;
 }
 
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,

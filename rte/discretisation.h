@@ -17,8 +17,9 @@ struct Discretisation {
 /// Grid and moments for a given number of nodes.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
-/// A phase function whose forward peak `streams` nodes cannot resolve: chi_{2n} > 0.1.
-bool strongly_peaked(const Stack& stack, int streams);
+/// A phase function with so much beyond degree n (chi_n > 1e-3) that the error does not yet fall
+/// geometrically with the number of nodes.
+bool converges_slowly(const Stack& stack, int streams);
 
 /// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
 std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options);

@@ -61,9 +61,12 @@ TEST_CASE("axes are labelled in decades", "[bench][page]") {
     const bench::LogAxis axis(1e-5, 1e-2, 0, 100);
     CHECK(axis.decades() == std::vector<int>{-5, -4, -3, -2});
     CHECK(axis.position(1e-5) < axis.position(1e-4));
-    CHECK(bench::LogAxis::time_label(-6) == "1 us");
-    CHECK(bench::LogAxis::time_label(-2) == "10 ms");
-    CHECK(bench::LogAxis::time_label(2) == "100 s");
+    CHECK(bench::LogAxis::time_label(1e-6) == "1 us");
+    CHECK(bench::LogAxis::time_label(2e-2) == "20 ms");
+    CHECK(bench::LogAxis::time_label(1e2) == "100 s");
+    // Few decades: more marks between them.
+    CHECK(bench::LogAxis(1.5, 6, 0, 100).ticks() == std::vector<double>{2, 5});
+    CHECK(bench::LogAxis(1e-5, 1e-2, 0, 100).ticks().size() == 4);
 }
 
 TEST_CASE("the page refers to nothing outside itself", "[bench][page]") {

@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/bench/document.h"
+#include "tools/bench/report_page.h"
+#include "tools/bench/rule_savings.h"
 
 using namespace miebrdf;
 
@@ -63,6 +65,31 @@ TEST_CASE("a comparison tells faster, slower, better and worse from noise", "[be
     CHECK(changes[3].verdict == "better");
     CHECK(changes[4].verdict == "slower; worse");
     CHECK(changes[5].verdict == "same");
+}
+
+TEST_CASE("rules get a table of what they save, and no curves", "[bench][results]") {
+    bench::Results results;
+    results.facts = {{"case rules/albedo", "Plane albedo. Truth: none from outside."}};
+    results.measurements = {{"rules", "albedo", "full", "-", 0, 2, 0, 0},
+                            {"rules", "albedo", "reduced", "-", 1e-9, 0.125, 0, 0},
+                            point("a", 1e-2, 1)};
+    const auto savings = bench::rule_savings(results);
+    REQUIRE(savings.size() == 1);
+    CHECK(savings[0].compared == "Plane albedo.");
+    CHECK(savings[0].ratio() == 16);
+    CHECK(savings[0].difference == 1e-9);
+    const std::string page = bench::report_page(results);
+    CHECK_THAT(page, Catch::Contains("<td>2 s</td><td>125 ms</td><td>16</td><td>1.0e-09</td>"));
+    CHECK_THAT(page, !Catch::Contains("rules: albedo"));
+
+    const support::TemporaryFolder folder;
+    const std::string empty = "<!-- generated bench -->\n<!-- end bench -->\n";
+    folder.write("accuracy.md", empty);
+    folder.write("performance.md", empty);
+    bench::update_bench_documents(folder / "", results);
+    CHECK_THAT(support::read_file(folder / "performance.md"),
+               Catch::Contains("| albedo | Plane albedo. | 2 s | 125 ms | 16 | 1.0e-09 |"));
+    CHECK_THAT(support::read_file(folder / "accuracy.md"), !Catch::Contains("albedo"));
 }
 
 TEST_CASE("generated parts of a page are replaced and nothing else", "[bench][results]") {

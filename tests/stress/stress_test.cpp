@@ -33,6 +33,12 @@ TEST_CASE("stress: coats", "[stress]") { require_all(bench::stress_coats, 80); }
 TEST_CASE("stress: surfaces", "[stress]") { require_all(bench::stress_surfaces, 80); }
 TEST_CASE("stress: materials", "[stress]") { require_all(bench::stress_materials, 30); }
 TEST_CASE("stress: refusals", "[stress]") { require_all(bench::stress_refusals, 60); }
+TEST_CASE("stress: sphere switches", "[stress]") {
+    require_all(bench::stress_sphere_switches, 150);
+}
+TEST_CASE("stress: transfer switches", "[stress]") {
+    require_all(bench::stress_transfer_switches, 20);
+}
 TEST_CASE("stress: photons", "[stress]") { require_all(bench::stress_photons, 30); }
 
 TEST_CASE("the battery notices what is broken", "[stress]") {

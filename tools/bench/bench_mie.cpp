@@ -1,6 +1,6 @@
 // Mie theory: error against CPU time for the reference ensembles, scaling, and what each request
 // costs. One line per case; `error` is the largest of q_ext, albedo and moments (absolute, chi_0 =
-// 1).
+// 1). Every line has every counter (--benchmark_format=csv wants that); nan: not known.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -83,13 +83,28 @@ double peak_mebibytes() {
     return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+struct Counters {
+    double error = NAN;
+    double estimate = NAN;
+    double nodes = NAN;
+    double spheres = 0;  ///< in one run; 0: of no interest
+};
+
+void report(benchmark::State& state, const Counters& counters) {
+    state.counters["error"] = counters.error;
+    state.counters["estimate"] = counters.estimate;
+    state.counters["nodes"] = counters.nodes;
+    state.counters["peak_MiB"] = peak_mebibytes();
+    state.counters["spheres_per_s"] = benchmark::Counter(
+        counters.spheres > 0 ? counters.spheres * static_cast<double>(state.iterations()) : NAN,
+        benchmark::Counter::kIsRate);
+}
+
 void run_ensemble(benchmark::State& state, const ReferenceCase& c) {
     mie::EnsembleOptics optics;
     for (auto _ : state) optics = mie::average_over_sizes(c.request);
-    if (!c.chi.empty()) state.counters["error"] = error_of(c, optics);
-    state.counters["estimate"] = optics.error_estimate;
-    state.counters["nodes"] = optics.size_nodes;
-    state.counters["peak_MiB"] = peak_mebibytes();
+    report(state, {c.chi.empty() ? NAN : error_of(c, optics), optics.error_estimate,
+                   static_cast<double>(optics.size_nodes)});
 }
 
 void register_reference_cases() {
@@ -151,9 +166,10 @@ void register_threads() {
                                                       const std::function<void(int)>& job) {
                             arena.execute([&] { tbb::parallel_for(0, count, job); });
                         };
-                        for (auto _ : state) {
-                            benchmark::DoNotOptimize(mie::average_over_sizes(request, run));
-                        }
+                        mie::EnsembleOptics optics;
+                        for (auto _ : state) optics = mie::average_over_sizes(request, run);
+                        report(state, {NAN, optics.error_estimate,
+                                       static_cast<double>(optics.size_nodes)});
                     })
                     ->Unit(benchmark::kMillisecond)
                     ->UseRealTime();
@@ -164,15 +180,14 @@ void register_threads() {
 
 void single_sphere(benchmark::State& state, std::complex<double> m, double x) {
     for (auto _ : state) benchmark::DoNotOptimize(mie::scatter_by_sphere(m, x));
+    report(state, {.spheres = 1});
 }
 
 void sphere_block(benchmark::State& state, std::complex<double> m, double x) {
     std::vector<double> sizes, weights(64, 1.0);
     for (int i = 0; i < 64; ++i) sizes.push_back(x + 0.1 * i);
     for (auto _ : state) benchmark::DoNotOptimize(mie::compute_spheres(m, sizes, weights, nullptr));
-    state.counters["us_per_sphere"] =
-        benchmark::Counter(64e-6 * static_cast<double>(state.iterations()),
-                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    report(state, {.spheres = 64});
 }
 
 }  // namespace

@@ -106,12 +106,12 @@ Frame make_frame(const std::vector<Measurement>& drawn) {
 
 std::string axes(const Frame& f) {
     std::string svg;
-    for (const int decade : f.x.decades()) {
-        const double x = f.x.position(std::pow(10.0, decade));
+    for (const double seconds : f.x.ticks()) {
+        const double x = f.x.position(seconds);
         svg += fmt::format(
             "<path class='grid' d='M{:.1f} {}V{}'/><text class='tick' x='{:.1f}' y='{}' "
             "text-anchor='middle'>{}</text>\n",
-            x, kTop, kBottom, x, kBottom + 16, LogAxis::time_label(decade));
+            x, kTop, kBottom, x, kBottom + 16, LogAxis::time_label(seconds));
     }
     for (const int decade : f.y.decades()) {
         const double y = f.y.position(std::pow(10.0, decade));
@@ -164,12 +164,13 @@ std::string one_series(const std::string& method, const std::vector<Measurement>
         if (m.method != method) continue;
         const auto [x, y] = f.at(m);
         line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", x, y);
-        const Box box = labels.place(x, y, m.parameter.size());
+        const std::string& knob = m.parameter == "-" ? m.method : m.parameter;  // "-": it has none
+        const Box box = labels.place(x, y, knob.size());
         points += fmt::format(
             "<path class='point' d='{}' fill='{}'><title>{}</title></path><text class='knob' "
             "x='{:.1f}' y='{:.1f}' style='fill:{}'>{}</text>\n",
             marker_path(style.marker, x, y, 3.6), style.colour, tooltip(m), box.left + 1,
-            box.bottom - 1.5, style.colour, escape_markup(m.parameter));
+            box.bottom - 1.5, style.colour, escape_markup(knob));
     }
     return fmt::format(
         "<g class='series' data-method='{}'><path class='curve' d='{}' stroke='{}'/>\n{}</g>\n",

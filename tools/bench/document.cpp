@@ -11,6 +11,7 @@
 #include "pipeline/error.h"
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/report_page.h"
+#include "tools/bench/rule_savings.h"
 
 namespace miebrdf::bench {
 namespace {
@@ -51,6 +52,17 @@ std::string error_table(const Results& results, const std::string& suite, const 
     return text;
 }
 
+std::string rule_markdown(const Results& results) {
+    std::string text;
+    bool head = true;
+    for (const auto& row : rule_table(results)) {
+        text += fmt::format("| {} |\n", fmt::join(row, " | "));
+        if (head) text += "|---|---|---|---|---|---|\n";
+        head = false;
+    }
+    return text;
+}
+
 std::string plot_name(std::size_t index, const std::string& suite) {
     return fmt::format("{}-{}.svg", suite, index + 1);
 }
@@ -85,6 +97,7 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
     std::filesystem::create_directories(folder / "plots");
     std::size_t index = 0;
     for (const auto& [suite, name] : cases_of(results)) {
+        if (is_about_rules(suite)) continue;
         if (suite != suite_before) {
             performance +=
                 fmt::format("### {}\n\n{}\n", suite, choice_table_markdown(results, suite));
@@ -99,6 +112,8 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         accuracy += fmt::format("**{}.** {}\n\n{}\n", name, description_of(results, suite, name),
                                 error_table(results, suite, name));
     }
+    if (!rule_savings(results).empty())
+        performance += "### rules\n\n" + rule_markdown(results) + "\n";
     update_document(folder / "accuracy.md", "bench", accuracy);
     update_document(folder / "performance.md", "bench", performance);
 }

@@ -26,10 +26,27 @@ std::vector<int> LogAxis::decades() const {
     return result;
 }
 
-std::string LogAxis::time_label(int decade) {
+std::vector<double> LogAxis::ticks() const {
+    const std::vector<int> whole = decades();
+    std::vector<double> result;
+    for (const int d : whole) result.push_back(std::pow(10.0, d));
+    if (whole.size() > 2) return result;
+    for (int d = static_cast<int>(std::floor(low_)); d <= high_; ++d) {
+        for (const double part : {2.0, 5.0}) {
+            const double value = part * std::pow(10.0, d);
+            if (std::log10(value) >= low_ && std::log10(value) <= high_) result.push_back(value);
+        }
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+}
+
+std::string LogAxis::time_label(double seconds) {
     static const char* const kUnits[] = {"ns", "us", "ms", "s"};
-    const int unit = std::clamp(static_cast<int>(std::floor((decade + 9) / 3.0)), 0, 3);
-    return fmt::format("{:g} {}", std::pow(10.0, decade + 9 - 3 * unit), kUnits[unit]);
+    const double nanoseconds = 1e9 * seconds;
+    const int unit =
+        std::clamp(static_cast<int>(std::floor(std::log10(nanoseconds * (1 + 1e-9)) / 3)), 0, 3);
+    return fmt::format("{:.6g} {}", nanoseconds / std::pow(1000.0, unit), kUnits[unit]);
 }
 
 }  // namespace miebrdf::bench

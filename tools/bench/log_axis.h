@@ -17,8 +17,11 @@ class LogAxis {
     /// Powers of ten inside the axis, at most ten of them.
     std::vector<int> decades() const;
 
-    /// "1 us", "10 ms", "100 s" for 10^decade seconds.
-    static std::string time_label(int decade);
+    /// The same as values, with 2 and 5 times each where the axis has only one or two of them.
+    std::vector<double> ticks() const;
+
+    /// "1 us", "20 ms", "100 s".
+    static std::string time_label(double seconds);
 
   private:
     double low_, high_, from_, to_;  // low, high: log10 of the ends

@@ -86,11 +86,16 @@ std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptio
         const double start = cpu_seconds();
         m.error = judge(contender.run(), bench_case.true_values);
         const double once = std::max(cpu_seconds() - start, 1e-9);
+        const double again = cpu_seconds();
         m.memory = memory_of(contender);
         Running r{&contender};
         r.loops = std::clamp(static_cast<int>(options.shortest_sample / once), 1, 100000);
         r.rounds = std::clamp(static_cast<int>(options.longest_total / (once * r.loops)), 1,
                               std::max(1, options.repeats));
+        if (once >= options.longest_total) {  // too slow for a third run
+            r.rounds = 0;
+            r.samples = {cpu_seconds() - again};
+        }
         running.push_back(std::move(r));
         results.push_back(std::move(m));
     }

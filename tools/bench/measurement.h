@@ -45,7 +45,8 @@ struct BenchCase {
 struct MeasureOptions {
     int repeats = 5;                ///< rounds over all contenders, at least 1
     double shortest_sample = 2e-3;  ///< s; quicker runs are repeated inside one sample
-    double longest_total = 4.0;     ///< s per contender: slow ones are repeated less, at least once
+    double longest_total = 4.0;     ///< s per contender: slow ones are repeated less; those slower
+                                    ///< than this are timed once, while their memory is watched
 };
 
 /// Runs every contender of a case: once to warm up and for its error, once for its memory, then in

@@ -149,10 +149,6 @@ BenchCase painted_sample() {
 
 }  // namespace
 
-std::vector<BenchCase> pipeline_suite() {
-    std::vector<BenchCase> cases = rule_cases();
-    cases.insert(cases.begin(), painted_sample());
-    return cases;
-}
+std::vector<BenchCase> pipeline_suite() { return {painted_sample()}; }
 
 }  // namespace miebrdf::bench

@@ -6,6 +6,7 @@
 
 #include "pipeline/plot/svg.h"
 #include "tools/bench/curve_plot.h"
+#include "tools/bench/rule_savings.h"
 
 namespace miebrdf::bench {
 namespace {
@@ -39,12 +40,6 @@ for (const entry of document.querySelectorAll('svg .legend')) {
 </script>
 )";
 
-std::string time_text(double seconds) {
-    if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
-    if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
-    return fmt::format("{:.3g} s", seconds);
-}
-
 std::string choice_text(const std::vector<Measurement>& points, double error) {
     const Measurement* best = best_for(points, error);
     return best ? fmt::format("{} {}, {}", best->method, best->parameter, time_text(best->seconds))
@@ -72,6 +67,21 @@ std::string choice_table_html(const Results& results, const std::string& suite) 
         html += "</tr>\n";
     }
     return html + "</table>\n";
+}
+
+std::string rules_html(const Results& results) {
+    std::string html = "<table class='choice'>";
+    const char* cell = "th";
+    for (const auto& row : rule_table(results)) {
+        html += "<tr>";
+        for (const std::string& text : row)
+            html += fmt::format("<{0}>{1}</{0}>", cell, escape_markup(text));
+        html += "</tr>\n";
+        cell = "td";
+    }
+    return "<p>The same values from a request with all the work, and without what a rule of "
+           "<code>plan</code> leaves out.</p>\n" +
+           html + "</table>\n";
 }
 
 std::string changes_html(const std::vector<Change>& changes) {
@@ -112,6 +122,12 @@ std::string facts_html(const Results& results) {
 
 }  // namespace
 
+std::string time_text(double seconds) {
+    if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
+    if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
+    return fmt::format("{:.3g} s", seconds);
+}
+
 const std::vector<double>& wanted_errors() {
     static const std::vector<double> errors = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
     return errors;
@@ -136,6 +152,10 @@ std::string report_page(const Results& results, const std::vector<Change>& chang
     html += "</nav>\n" + changes_html(changes);
     const MethodStyles styles(results.measurements);
     for (const std::string& suite : suites_of(results)) {
+        if (is_about_rules(suite)) {
+            html += fmt::format("<h2 id='{0}'>{0}</h2>\n{1}", suite, rules_html(results));
+            continue;
+        }
         html += fmt::format("<h2 id='{0}'>{0}</h2>\n<p>What to choose:</p>\n{1}", suite,
                             choice_table_html(results, suite));
         for (const auto& [s, name] : cases_of(results)) {

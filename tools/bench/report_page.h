@@ -16,6 +16,9 @@ const std::vector<double>& wanted_errors();
 /// shows and hides methods.
 std::string report_page(const Results& results, const std::vector<Change>& changes = {});
 
+/// 1.23e-5 -> "12.3 us".
+std::string time_text(double seconds);
+
 /// Markdown of the "what to choose" table of one suite, for the documentation.
 std::string choice_table_markdown(const Results& results, const std::string& suite);
 

@@ -50,10 +50,16 @@ std::vector<StressCheck> stress_battery(const StressOptions& options,
                                         const std::function<void(const std::string&)>& watch) {
     using Suite = void (*)(const StressOptions&, std::vector<StressCheck>&);
     const std::pair<const char*, Suite> suites[] = {
-        {"spheres", stress_spheres},         {"ensembles", stress_ensembles},
-        {"half-spaces", stress_half_spaces}, {"coats", stress_coats},
-        {"surfaces", stress_surfaces},       {"materials", stress_materials},
-        {"refusals", stress_refusals},       {"photons", stress_photons}};
+        {"spheres", stress_spheres},
+        {"ensembles", stress_ensembles},
+        {"half-spaces", stress_half_spaces},
+        {"coats", stress_coats},
+        {"surfaces", stress_surfaces},
+        {"materials", stress_materials},
+        {"refusals", stress_refusals},
+        {"photons", stress_photons},
+        {"sphere switches", stress_sphere_switches},
+        {"transfer switches", stress_transfer_switches}};
     std::vector<StressCheck> checks;
     for (const auto& [name, suite] : suites) {
         if (watch) watch(name);

@@ -56,6 +56,8 @@ void stress_coats(const StressOptions& options, std::vector<StressCheck>& checks
 void stress_surfaces(const StressOptions& options, std::vector<StressCheck>& checks);
 void stress_materials(const StressOptions& options, std::vector<StressCheck>& checks);
 void stress_refusals(const StressOptions& options, std::vector<StressCheck>& checks);
+void stress_sphere_switches(const StressOptions& options, std::vector<StressCheck>& checks);
+void stress_transfer_switches(const StressOptions& options, std::vector<StressCheck>& checks);
 void stress_photons(const StressOptions& options, std::vector<StressCheck>& checks);
 
 /// Everything, suite by suite.

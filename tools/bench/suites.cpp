@@ -8,7 +8,7 @@ namespace miebrdf::bench {
 
 const std::vector<std::string>& suite_names() {
     static const std::vector<std::string> names = {"mie", "half-space", "coat", "surface",
-                                                   "pipeline"};
+                                                   "pipeline", "rules"};
     return names;
 }
 
@@ -18,8 +18,9 @@ std::vector<BenchCase> suite(const std::string& name) {
     if (name == "coat") return coat_suite();
     if (name == "surface") return surface_suite();
     if (name == "pipeline") return pipeline_suite();
-    throw UsageError(
-        fmt::format("unknown suite '{}'; allowed: mie, half-space, coat, surface, pipeline", name));
+    if (name == "rules") return rules_suite();
+    throw UsageError(fmt::format(
+        "unknown suite '{}'; allowed: mie, half-space, coat, surface, pipeline, rules", name));
 }
 
 Results run_cases(const std::vector<BenchCase>& cases, const MeasureOptions& options,

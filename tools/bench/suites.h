@@ -14,11 +14,10 @@ std::vector<BenchCase> half_space_suite();
 std::vector<BenchCase> coat_suite();
 std::vector<BenchCase> surface_suite();
 std::vector<BenchCase> pipeline_suite();
-/// One case for each rule of `plan` (pipeline/rules.h): the full and the reduced request. Part of
-/// the pipeline suite.
-std::vector<BenchCase> rule_cases();
+/// One case for each rule of `plan` (pipeline/rules.h): the full and the reduced request.
+std::vector<BenchCase> rules_suite();
 
-/// "mie", "half-space", "coat", "surface", "pipeline".
+/// "mie", "half-space", "coat", "surface", "pipeline", "rules".
 const std::vector<std::string>& suite_names();
 
 /// @throws miebrdf::UsageError  for an unknown name, listing the known ones

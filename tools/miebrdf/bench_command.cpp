@@ -10,6 +10,7 @@
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/document.h"
 #include "tools/bench/report_page.h"
+#include "tools/bench/rule_savings.h"
 #include "tools/bench/suites.h"
 #include "tools/miebrdf/command.h"
 
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchArguments {
-    std::string suites = "mie,half-space,coat,surface,pipeline";
+    std::string suites = "mie,half-space,coat,surface,pipeline,rules";
     std::string compare_with;
     std::string read;
     std::string docs;
@@ -71,6 +72,7 @@ void write_folder(const fs::path& folder, const bench::Results& results,
                [&](std::ostream& out) { out << bench::report_page(results, changes); });
     const bench::MethodStyles styles(results.measurements);
     for (const auto& [suite, name] : bench::cases_of(results)) {
+        if (bench::is_about_rules(suite)) continue;  // a table, no curve
         const auto points = bench::of_case(results, suite, name);
         write_file(folder / file_name(suite, name),
                    [&, suite = suite, name = name](std::ostream& out) {
@@ -112,7 +114,7 @@ void add_bench_command(CLI::App& program, Shell& shell) {
     auto arguments = std::make_shared<BenchArguments>();
     command
         ->add_option("--suite", arguments->suites,
-                     "mie, half-space, coat, surface, pipeline; default all")
+                     "mie, half-space, coat, surface, pipeline, rules; default all")
         ->type_name("LIST");
     command
         ->add_option("--compare", arguments->compare_with,
