@@ -35,6 +35,7 @@ std::vector<double> sine_squared_cosines(int intervals) {
 
 std::vector<double> equally_spaced(double first, double last, int count) {
     std::vector<double> numbers;
+    numbers.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         numbers.push_back(count == 1 ? first : first + (last - first) * i / (count - 1));
     }
