@@ -88,7 +88,7 @@ TEST_CASE("bad plots are refused before any work, with one line and no file",
 
 TEST_CASE("a profile draws the points that belong to it", "[program][plot]") {
     const TemporaryFolder folder;
-    const std::string scene = "--base hg:0.9,0.5 --streams 8 --wavelengths 550";
+    const std::string scene = "--base hg:0.9,0.5 --streams 16 --tolerance 1e-2 --wavelengths 550";
     const std::string points = folder / "points.csv", chart = folder / "chart.svg";
     REQUIRE(
         run_program("brdf " + scene + " --mu-in 0.5 --mu-out 0.3,0.6 --azimuth 0,180 -o " + points)
