@@ -32,6 +32,9 @@ std::vector<std::string> split_range(std::string_view part, const std::string& w
     return ends;
 }
 
+/// 0.3 for 0.1 + 2 * 0.1 = 0.30000000000000004: people write steps in decimals.
+double as_written(double value) { return std::stod(fmt::format("{:.14g}", value)); }
+
 /// The numbers of `first:last:step`, the ends read by `parse`.
 void append_range(std::string_view part, const std::string& what, const Parse& parse,
                   std::vector<double>& numbers) {
@@ -50,7 +53,7 @@ void append_range(std::string_view part, const std::string& what, const Parse& p
                                      part, steps + 1.0, kLongestList));
     }
     for (int i = 0; i <= static_cast<int>(steps); ++i) {
-        const double value = first + i * step;
+        const double value = i == 0 ? first : as_written(first + i * step);
         numbers.push_back(std::abs(value - last) <= 1e-9 * std::abs(step) ? last : value);
     }
 }
