@@ -85,13 +85,6 @@ LayerSlice lossless(std::size_t incidences) {
     return slice;
 }
 
-/// Plane albedos beside a reflection table, on as many nodes: order 0 alone.
-std::vector<double> albedo_beside(const rte::Stack& stack, const Request& request, int streams) {
-    rte::SolverOptions options = request.solver;
-    options.streams = streams;
-    return rte::albedo(stack, request.directions.mu_in, options).plane_albedo;
-}
-
 /// What layers return of which none scatters.
 LayerSlice black(const Request& request, LayerQuantity quantity) {
     const rte::Directions& d = request.directions;
@@ -115,7 +108,7 @@ LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantit
         rte::ReflectionTable table = rte::reflect(stack, request.directions, request.solver);
         slice.values = std::move(table.reflection);
         slice.report = table.report;
-        slice.plane_albedo = albedo_beside(stack, request, slice.report.streams);
+        slice.plane_albedo = std::move(table.plane_albedo);
     } else {
         rte::AlbedoTable table = rte::albedo(stack, request.directions.mu_in, request.solver);
         slice.values = std::move(table.plane_albedo);

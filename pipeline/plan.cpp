@@ -245,9 +245,9 @@ class Planner {
                          orders(), visible_.coats.size(), streams_, cosines()),
              jobs_nm_.size(), jobs() * transfer_cost(orders(), layers())});
         if (!is_albedo()) {
-            plan_.steps.push_back({"energy check", "plane albedo at every mu_in, order 0 alone",
-                                   jobs_nm_.size(),
-                                   jobs() * order_seconds(streams_, layers(), cosines())});
+            plan_.steps.push_back({"energy check",
+                                   "plane albedo at every mu_in, from order 0 of the same solution",
+                                   jobs_nm_.size(), 0.0});
         }
         const double saved = jobs() * (transfer_cost(all_orders(), layers()) -
                                        transfer_cost(orders(), layers()));

@@ -114,6 +114,11 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
         sum.residual = std::max(sum.residual, reflector.residual);
         sum.converged = sum.converged && reflector.converged;
         add_order(m, azimuth_deg, reflector.multiple, sum.reflection);
+        if (m == 0) {
+            // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
+            const Eigen::VectorXd plane = reflector.rows * flux_weights(grid);
+            for (const int i : requested.in) sum.plane_albedo.push_back(plane[i]);
+        }
         const double largest = largest_bounded(reflector.multiple, requested);
         if (m == 0) order_zero = largest;
         sum.tail = order_zero > 0.0 ? largest / order_zero : 0.0;

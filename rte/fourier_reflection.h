@@ -24,6 +24,8 @@ struct ScaledStack {
 /// Reflection without the first order, and how it was found.
 struct MultipleScattering {
     std::vector<double> reflection;  ///< [(i * out + o) * azimuths + a]
+    /// At the incident cosines, all orders of scattering: what order 0 knows anyway.
+    std::vector<double> plane_albedo;
     int orders = 0;
     int iterations = 0;
     double residual = 0.0;

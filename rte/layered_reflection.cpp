@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -92,6 +93,7 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
+    attempt.plane_albedo = std::move(multiple.plane_albedo);
     attempt.report.azimuthal_orders = multiple.orders;
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
@@ -152,7 +154,11 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                                                                   options, discretisation);
                                           });
     name_worst_direction(directions, attempt.report);
-    return {std::move(attempt.values), std::move(attempt.report)};
+    if (!attempt.physical) {
+        attempt.plane_albedo.assign(directions.mu_in.size(),
+                                    std::numeric_limits<double>::quiet_NaN());
+    }
+    return {std::move(attempt.values), std::move(attempt.plane_albedo), std::move(attempt.report)};
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,

@@ -20,6 +20,7 @@ struct Directions {
 /// azimuth_deg[a]); BRDF = R / pi.
 struct ReflectionTable {
     std::vector<double> reflection;
+    std::vector<double> plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
     SolverReport report;
 };
 

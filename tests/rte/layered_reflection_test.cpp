@@ -102,3 +102,17 @@ TEST_CASE("reflect refuses nonsense with the value in the message", "[rte][refle
     coated.coats[0].optical_depth = std::nan("");
     CHECK_THROWS_WITH(rte::albedo(coated, {0.5}), Catch::Contains("nan"));
 }
+
+TEST_CASE("a reflection comes with the plane albedos of its own solution", "[rte][albedo]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.95, 0.6),
+                           .coats = {{rte::henyey_greenstein_optics(0.8, 0.3), 0.2}}};
+    const std::vector<double> mu_in{0.1, 0.6, 1.0};
+    const rte::SolverOptions options{.tolerance = 1e-6, .streams = 24};
+    const auto table = rte::reflect(stack, {mu_in, {0.3, 0.9}, {0.0, 90.0}}, options);
+    const auto alone = rte::albedo(stack, mu_in, options);
+    REQUIRE(table.plane_albedo.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        // Order 0 of the same equations: rounding only.
+        CHECK(std::abs(table.plane_albedo[i] - alone.plane_albedo[i]) <= 1e-13);
+    }
+}
