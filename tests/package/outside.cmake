@@ -24,7 +24,8 @@ endforeach()
 file(WRITE "${WORK}/every_header.cpp" "${includes}")
 
 if(WAY STREQUAL find_package)
-    run(${CMAKE_COMMAND} -S "${SOURCE}" -B "${WORK}/build" "-DCMAKE_PREFIX_PATH=${PREFIX}"
+    run(${CMAKE_COMMAND} -S "${SOURCE}" -B "${WORK}/build" -G "${GENERATOR}"
+        "-DCMAKE_PREFIX_PATH=${PREFIX}"
         "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
         "-DEVERY_HEADER=${WORK}/every_header.cpp")
     run(${CMAKE_COMMAND} --build "${WORK}/build")
