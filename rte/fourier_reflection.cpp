@@ -35,17 +35,20 @@ Reflector solve_base(const ScaledStack& stack, const PhaseMode& mode, const Zeni
 }
 
 Reflector solve_stack(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, const SolverOptions& options) {
+                      const RequestedDirections& requested, const SolverOptions& options,
+                      ReflectorParts parts) {
     Reflector reflector = solve_base(stack, mode, grid, requested, options);
     const std::size_t first_coat = stack.base == BaseKind::half_space ? 1 : 0;
     for (std::size_t c = first_coat; c < stack.media.size() && reflector.physical; ++c) {
         const ScaledMedium& coat = stack.media[c];
         const ScatteringMode medium = scattering_mode(coat, mode);
         if (options.coat_method == CoatMethod::automatic) {
+            const bool is_top = c + 1 == stack.media.size();
+            const ReflectorParts needed = is_top ? parts : ReflectorParts::nodes;
             const LayerOperator layer =
-                solve_layer(coat.optical_depth, medium, mode, grid, requested);
+                solve_layer(coat.optical_depth, medium, mode, grid, requested, needed);
             if (!layer.physical) return {};
-            reflector = put_on(layer, reflector, grid, requested);
+            reflector = put_on(layer, reflector, requested, needed);
         } else {
             const std::vector<ScaledMedium> below(stack.media.begin(),
                                                   stack.media.begin() + std::ptrdiff_t(c));
@@ -104,7 +107,8 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
     int small_orders = 0;
     for (int m = 0; m < highest && small_orders < 2; ++m) {
         make_phase_mode(m, stack.moments, grid, requested, mode);
-        const Reflector reflector = solve_stack(stack, mode, grid, requested, options);
+        const Reflector reflector = solve_stack(stack, mode, grid, requested, options,
+                                                m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
         if (!reflector.physical) {
             sum.physical = false;
             return sum;
@@ -132,7 +136,7 @@ Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
                        const RequestedDirections& requested, const SolverOptions& options) {
     PhaseMode mode;
     make_phase_mode(0, stack.moments, grid, requested, mode);
-    return solve_stack(stack, mode, grid, requested, options);
+    return solve_stack(stack, mode, grid, requested, options, ReflectorParts::nodes);
 }
 
 }  // namespace miebrdf::rte
