@@ -9,7 +9,9 @@
 #include "pipeline/parallel.h"
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
+#include "pipeline/surface_part.h"
 #include "pipeline/visible_layers.h"
+#include "rte/layered_brdf.h"
 
 namespace miebrdf {
 
@@ -18,6 +20,9 @@ std::string layer_hash(const Request& request, const SceneMedia& media, LayerQua
     const rte::SolverOptions& solver = request.solver;
     JobKey key("layers");
     key.add(static_cast<int>(quantity));
+    if (quantity == LayerQuantity::albedo_through_surface) {
+        add_surface(key, media.surface_index_at(wavelength_nm), request.scene);
+    }
     media.add_to(key, wavelength_nm);
     key.add(request.scene.particles.tolerance).add(solver.tolerance);
     key.add(static_cast<int>(solver.grid)).add(solver.streams);
@@ -28,6 +33,12 @@ std::string layer_hash(const Request& request, const SceneMedia& media, LayerQua
     key.add(std::span<const double>(request.directions.mu_out));
     key.add(std::span<const double>(request.directions.azimuth_deg));
     return key.hash();
+}
+
+LayerQuantity albedo_quantity(const Scene& scene) {
+    return scene.surface && scene.coupling == rte::SurfaceCoupling::reciprocal
+               ? LayerQuantity::albedo_through_surface
+               : LayerQuantity::albedo;
 }
 
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
@@ -88,7 +99,7 @@ LayerSlice lossless(std::size_t incidences) {
 /// What layers return of which none scatters.
 LayerSlice black(const Request& request, LayerQuantity quantity) {
     const rte::Directions& d = request.directions;
-    const bool albedo = quantity == LayerQuantity::albedo;
+    const bool albedo = quantity != LayerQuantity::reflection;
     LayerSlice slice;
     slice.values.assign(
         albedo ? d.mu_in.size() + 1 : d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
@@ -98,7 +109,20 @@ LayerSlice black(const Request& request, LayerQuantity quantity) {
     return slice;
 }
 
-LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantity quantity) {
+/// Plane and spherical albedos, with light weighted by what the surface lets out if that is asked.
+rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
+                              const SceneMedia& media, LayerQuantity quantity,
+                              double wavelength_nm) {
+    const std::vector<double>& mu_in = request.directions.mu_in;
+    if (quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, request.solver);
+    const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
+    const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
+    return rte::albedo(stack, mu_in, request.solver,
+                       [&transmission](double mu) { return transmission.out(mu); });
+}
+
+LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
+                 LayerQuantity quantity, double wavelength_nm) {
     const rte::Stack stack = with_black_ground(optics.stack);
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
         return black(request, quantity);
@@ -110,7 +134,7 @@ LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantit
         slice.report = table.report;
         slice.plane_albedo = std::move(table.plane_albedo);
     } else {
-        rte::AlbedoTable table = rte::albedo(stack, request.directions.mu_in, request.solver);
+        rte::AlbedoTable table = solve_albedo(stack, request, media, quantity, wavelength_nm);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         slice.report = table.report;
@@ -184,7 +208,7 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
         visible_optics(media, reduced, missing_nm, demand_of(reduced, phase), control);
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t j = missing[i];
-        solved[j] = solve(reduced, optics[i], quantity);
+        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i]);
         if (control.cache != nullptr) control.cache->store(jobs.hashes[j], packed(solved[j]));
     });
     std::vector<LayerSlice> slices;

@@ -14,7 +14,13 @@ namespace miebrdf {
 enum class LayerQuantity {
     reflection,  ///< R at all combinations of the request's directions
     albedo,      ///< plane albedo at the request's mu_in, then the spherical albedo
+    /// The same of what the reciprocal coupling lets out again through the request's surface: the
+    /// light into mu_out counts (1 - rho(mu_out)) / T (rte/layered_brdf.h).
+    albedo_through_surface,
 };
+
+/// What an albedo request needs of the layers: with a reciprocal surface what that lets out.
+LayerQuantity albedo_quantity(const Scene& scene);
 
 struct LayerSlice {
     std::vector<double> values;  ///< laid out as in rte::ReflectionTable, or as said above

@@ -48,7 +48,7 @@ class Planner {
     }
 
   private:
-    bool is_albedo() const { return quantity_ == LayerQuantity::albedo; }
+    bool is_albedo() const { return quantity_ != LayerQuantity::reflection; }
     std::size_t cosines() const {
         return reduced_.directions.mu_in.size() + reduced_.directions.mu_out.size();
     }
@@ -185,7 +185,7 @@ class Planner {
         double repeated_s = 0.0;
         std::size_t repeated = 0;
         const double k_floor = request_.scene.particles.k_floor;
-        const MediumResolver resolver(request_.database);
+        MediumResolver resolver(request_.database);
         for (const Medium& layer : layers) {
             const ResolvedMedium medium = resolver.resolve(layer);
             if (!needs_mie(layer)) {

@@ -7,6 +7,7 @@
 #include "rte/coat_steps.h"
 #include "rte/half_space.h"
 #include "rte/layer.h"
+#include "rte/order_tail.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -84,6 +85,13 @@ void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd
     table.noalias() += cosines * multiple.reshaped().transpose();
 }
 
+// cos(m azimuth) is zero at every azimuth: odd orders across the plane of incidence.
+bool is_invisible(int m, std::span<const double> azimuth_deg) {
+    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
+        return std::abs(std::remainder(m * azimuth, 180.0)) == 90.0;
+    });
+}
+
 bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
     return std::all_of(indices.begin(), indices.end(),
                        [&](int index) { return requested.mu[index] == 1.0; });
@@ -103,12 +111,14 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
     const int highest = zeroth_only ? 1 : stack.moments;
 
     PhaseMode mode;
-    double order_zero = 0.0;
-    int small_orders = 0;
-    for (int m = 0; m < highest && small_orders < 2; ++m) {
+    OrderTail tail(tail_tolerance);
+    int m = 0;
+    for (bool ended = false; m < highest && !ended; ++m) {
+        if (m > 0 && is_invisible(m, azimuth_deg)) continue;
         make_phase_mode(m, stack.moments, grid, requested, mode);
-        const Reflector reflector = solve_stack(stack, mode, grid, requested, options,
-                                                m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
+        const Reflector reflector =
+            solve_stack(stack, mode, grid, requested, options,
+                        m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
         if (!reflector.physical) {
             sum.physical = false;
             return sum;
@@ -123,12 +133,9 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
             const Eigen::VectorXd plane = reflector.rows * flux_weights(grid);
             for (const int i : requested.in) sum.plane_albedo.push_back(plane[i]);
         }
-        const double largest = largest_bounded(reflector.multiple, requested);
-        if (m == 0) order_zero = largest;
-        sum.tail = order_zero > 0.0 ? largest / order_zero : 0.0;
-        small_orders = largest <= tail_tolerance * order_zero ? small_orders + 1 : 0;
+        ended = tail.ends_with(largest_bounded(reflector.multiple, requested));
     }
-    if (sum.orders == highest) sum.tail = 0.0;  // every order there is
+    sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     return sum;
 }
 

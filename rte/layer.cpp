@@ -36,9 +36,9 @@ void fill_rows(double tau, const TransferModes& modes, const MatrixXd& alike,
     math::decay_integrals(tau / requested.mu.array(), tau * modes.rates.array(), near, far);
     const Eigen::ArrayXd tanh_rates =
         modes.rates.array().unaryExpr([=](double k) { return tanh_rate(k, tau); });
-    const Eigen::ArrayXd coth_rates =
-        tanh_rates +
-        modes.rates.array().unaryExpr([=](double k) { return 2.0 * sinh_rate(k, tau); });
+    const Eigen::ArrayXd coth_rates = tanh_rates + modes.rates.array().unaryExpr([=](double k) {
+        return 2.0 * sinh_rate(k, tau);
+    });
     const MatrixXd sum = near + far;
     const MatrixXd difference = near - far;
     const MatrixXd of_alike =

@@ -19,9 +19,9 @@ ModeSources mode_sources(const ScatteringMode& medium, const PhaseMode& mode,
     const Eigen::MatrixXd even_degrees =
         (even_columns(mode.scaled_nodes).transpose() * modes.odd) * modes.vectors;
     const Eigen::MatrixXd odd_degrees = odd_columns(mode.scaled_nodes).transpose() * modes.vectors;
-    return {even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal() *
-                even_degrees,
-            odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal() * odd_degrees};
+    return {
+        even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal() * even_degrees,
+        odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal() * odd_degrees};
 }
 
 }  // namespace miebrdf::rte
