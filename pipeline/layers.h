@@ -38,11 +38,6 @@ struct LayerSlice {
 std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
                                        LayerQuantity quantity, const RunControl& control);
 
-/// Names the job of one wavelength: everything its slice depends on.
-/// @param request  its directions as the solver gets them (distinct_directions.h)
-std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
-                       double wavelength_nm);
-
 /// Whether the answer is known without solving anything: albedos of layers that absorb nothing.
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm);
 

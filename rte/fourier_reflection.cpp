@@ -85,19 +85,18 @@ void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd
     table.noalias() += cosines * multiple.reshaped().transpose();
 }
 
-// cos(m azimuth) is zero at every azimuth: odd orders across the plane of incidence.
-bool is_invisible(int m, std::span<const double> azimuth_deg) {
-    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
-        return std::abs(std::remainder(m * azimuth, 180.0)) == 90.0;
-    });
-}
-
 bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
     return std::all_of(indices.begin(), indices.end(),
                        [&](int index) { return requested.mu[index] == 1.0; });
 }
 
 }  // namespace
+
+bool is_invisible(int m, std::span<const double> azimuth_deg) {
+    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
+        return std::abs(std::remainder(m * azimuth, 180.0)) == 90.0;
+    });
+}
 
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,

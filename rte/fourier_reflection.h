@@ -44,6 +44,9 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               std::span<const double> azimuth_deg, double tail_tolerance,
                               const SolverOptions& options);
 
+/// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
+bool is_invisible(int m, std::span<const double> azimuth_deg);
+
 /// Order 0 alone, for albedos: 2 R^0(mu, mu_q) D_q at the requested cosines, X at the nodes.
 Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
                        const RequestedDirections& requested, const SolverOptions& options);

@@ -179,6 +179,17 @@ TEST_CASE("a coat of no depth changes nothing, a very deep one hides the base",
     }
 }
 
+TEST_CASE("Mie theory and streams together stay within the tolerance", "[pipeline][brdf]") {
+    Request request = request_of("index:1.7,0.02");
+    request.scene.particles.sizes.effective_radius_um = 2;
+    request.solver.tolerance = GENERATE(1e-2, 1e-3, 1e-4);
+    const BrdfResult result = compute_brdf(request);
+    CAPTURE(request.solver.tolerance);
+    REQUIRE(result.converged);
+    CHECK(result.slices[0].mie_error_estimate > 0);
+    CHECK(result.error_estimate <= request.solver.tolerance);
+}
+
 TEST_CASE("complete albedo lies between the layers' own and 1", "[pipeline][albedo]") {
     Request request = request_of("TiO2");
     request.scene.particles.sizes.effective_radius_um = 2;
