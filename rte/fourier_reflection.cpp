@@ -12,6 +12,11 @@
 namespace miebrdf::rte {
 namespace {
 
+// Orders of a coarser solution are taken over once they agree to this share of the tolerance.
+constexpr double share_of_coarser_orders = 0.01;
+// Orders of larger tables are not kept: 30 of them would take 10 MB.
+constexpr std::size_t most_pairs = 40000;
+
 ScatteringMode scattering_mode(const ScaledMedium& medium, const PhaseMode& mode) {
     // Degrees that this medium has no moments for scatter nothing.
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(mode.at_nodes.cols());
@@ -62,17 +67,6 @@ Reflector solve_stack(const ScaledStack& stack, const PhaseMode& mode, const Zen
     return reflector;
 }
 
-double largest_bounded(const Eigen::MatrixXd& reflection, const RequestedDirections& requested) {
-    double largest = 0.0;
-    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
-        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
-            const double sum = requested.mu[requested.out[o]] + requested.mu[requested.in[i]];
-            largest = std::max(largest, sum * std::abs(reflection(o, i)));
-        }
-    }
-    return largest;
-}
-
 // Adds (2 - delta_m0) R^m cos(m azimuth).
 void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd& multiple,
                std::vector<double>& reflection) {
@@ -83,6 +77,26 @@ void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd
     }
     Eigen::Map<Eigen::MatrixXd> table(reflection.data(), cosines.size(), multiple.size());
     table.noalias() += cosines * multiple.reshaped().transpose();
+}
+
+// Nothing that matters is cut off: every order converges like the first ones.
+bool is_smooth(const ScaledStack& stack) {
+    constexpr double no_peak = 1e-4;
+    return std::all_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
+        return medium.scaled.truncated <= no_peak;
+    });
+}
+
+// How the equations of one order were solved, and what order 0 knows beside.
+void note(const Reflector& reflector, int order, const ZenithGrid& grid,
+          const RequestedDirections& requested, MultipleScattering& sum) {
+    sum.iterations = std::max(sum.iterations, reflector.iterations);
+    sum.residual = std::max(sum.residual, reflector.residual);
+    sum.converged = sum.converged && reflector.converged;
+    if (order > 0) return;
+    // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
+    const Eigen::VectorXd plane = reflector.rows * flux_weights(grid);
+    for (const int i : requested.in) sum.plane_albedo.push_back(plane[i]);
 }
 
 bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
@@ -101,40 +115,47 @@ bool is_invisible(int m, std::span<const double> azimuth_deg) {
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options) {
+                              const SolverOptions& options, const OrderList& coarser_orders) {
     const std::size_t azimuths = azimuth_deg.size();
     MultipleScattering sum;
     sum.reflection.assign(requested.in.size() * requested.out.size() * azimuths, 0.0);
     const bool zeroth_only =
         all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
     const int highest = zeroth_only ? 1 : stack.moments;
+    const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= most_pairs;
 
     PhaseMode mode;
     OrderTail tail(tail_tolerance);
+    CoarserOrders coarser(coarser_orders, share_of_coarser_orders * options.tolerance);
     int m = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         if (m > 0 && is_invisible(m, azimuth_deg)) continue;
-        make_phase_mode(m, stack.moments, grid, requested, mode);
-        const Reflector reflector =
-            solve_stack(stack, mode, grid, requested, options,
-                        m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
-        if (!reflector.physical) {
-            sum.physical = false;
-            return sum;
+        Eigen::MatrixXd multiple;
+        if (const Eigen::MatrixXd* known = coarser.settled(m)) {
+            multiple = *known;
+        } else {
+            make_phase_mode(m, stack.moments, grid, requested, mode);
+            const Reflector reflector =
+                solve_stack(stack, mode, grid, requested, options,
+                            m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
+            if (!reflector.physical) {
+                sum.physical = false;
+                return sum;
+            }
+            note(reflector, m, grid, requested, sum);
+            multiple = reflector.multiple;
+            coarser.compare(m, multiple, requested);
         }
         sum.orders = m + 1;
-        sum.iterations = std::max(sum.iterations, reflector.iterations);
-        sum.residual = std::max(sum.residual, reflector.residual);
-        sum.converged = sum.converged && reflector.converged;
-        add_order(m, azimuth_deg, reflector.multiple, sum.reflection);
-        if (m == 0) {
-            // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
-            const Eigen::VectorXd plane = reflector.rows * flux_weights(grid);
-            for (const int i : requested.in) sum.plane_albedo.push_back(plane[i]);
+        add_order(m, azimuth_deg, multiple, sum.reflection);
+        ended = tail.ends_with(largest_bounded(multiple, requested));
+        if (keep) {
+            sum.by_order.resize(std::size_t(m) + 1);
+            sum.by_order.back() = std::move(multiple);
         }
-        ended = tail.ends_with(largest_bounded(reflector.multiple, requested));
     }
     sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
+    if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "rte/coarser_orders.h"
 #include "rte/phase_mode.h"
 #include "rte/reflector.h"
 #include "rte/single_scattering.h"
@@ -29,9 +30,11 @@ struct MultipleScattering {
     int orders = 0;  ///< the highest one summed, plus 1
     int iterations = 0;
     double residual = 0.0;
-    double tail = 0.0;  ///< orders not summed relative to order 0, largest (mu + mu') R
+    /// Orders not summed, or the doubt in those taken over, relative to order 0: largest (mu + mu') R.
+    double tail = 0.0;
     bool converged = true;
     bool physical = true;
+    OrderList by_order;  ///< for a finer solution; empty where none may be taken over
 };
 
 /// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
@@ -39,10 +42,11 @@ struct MultipleScattering {
 /// Stops where the orders still to come are below `tail_tolerance` (order_tail.h). Only m = 0
 /// is computed when all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders
 /// whose cosine is zero at every azimuth (the odd ones across the plane of incidence) are left out.
+/// @param coarser_orders  by_order of a solution with fewer nodes, or empty (coarser_orders.h)
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options);
+                              const SolverOptions& options, const OrderList& coarser_orders = {});
 
 /// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
 bool is_invisible(int m, std::span<const double> azimuth_deg);

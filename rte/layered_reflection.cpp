@@ -86,11 +86,12 @@ void add_first_order(const ScaledStack& stack, const Directions& directions,
 
 Attempt reflect_with(const Stack& stack, const Directions& directions,
                      const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation) {
+                     const Discretisation& discretisation, OrderList& orders) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     MultipleScattering multiple = sum_orders(scaled, grid, requested, directions.azimuth_deg,
-                                             share_of_orders * options.tolerance, options);
+                                             share_of_orders * options.tolerance, options, orders);
+    orders = std::move(multiple.by_order);
     Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
@@ -152,10 +153,11 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     }
     const RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
     const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size();
+    OrderList orders;  // of the solution before, with fewer nodes
     Attempt attempt = solve_with_estimate(stack, options, directions.mu_in.size() * block, block,
                                           [&](const Discretisation& discretisation) {
                                               return reflect_with(stack, directions, requested,
-                                                                  options, discretisation);
+                                                                  options, discretisation, orders);
                                           });
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {

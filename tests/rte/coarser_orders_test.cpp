@@ -1,0 +1,61 @@
+#include "rte/coarser_orders.h"
+
+#include <cmath>
+
+#include "rte/layered_reflection.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+const rte::RequestedDirections pair{Eigen::VectorXd::Constant(1, 0.5), {0}, {0}};
+
+Eigen::MatrixXd value(double R) { return Eigen::MatrixXd::Constant(1, 1, R); }
+
+}  // namespace
+
+TEST_CASE("orders are taken over after two that agree, and never from nothing", "[rte][orders]") {
+    const rte::OrderList coarse{value(1.0), value(0.5), value(0.2), value(0.1)};
+    rte::CoarserOrders orders(coarse, 1e-2);
+    orders.compare(0, value(1.005), pair);
+    CHECK(orders.settled(1) == nullptr);
+    orders.compare(1, value(0.52), pair);  // 0.02 apart
+    orders.compare(2, value(0.2), pair);
+    CHECK(orders.settled(3) == nullptr);
+    orders.compare(3, value(0.1001), pair);
+    REQUIRE(orders.settled(3) == &coarse[3]);
+    CHECK(orders.difference() == Approx(1e-4 / 1.005).epsilon(1e-10));
+    CHECK(orders.settled(4) == nullptr);  // the coarser solution ended before
+
+    const rte::OrderList none;
+    rte::CoarserOrders alone(none, 1e-2);
+    alone.compare(0, value(1.0), pair);
+    alone.compare(1, value(1.0), pair);
+    CHECK(alone.settled(2) == nullptr);
+}
+
+TEST_CASE("what is taken over from fewer nodes stays within the tolerance and in the estimate",
+          "[rte][orders]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.98, 0.7),
+                           .coats = {{rte::henyey_greenstein_optics(0.9, 0.5), 0.2}}};
+    const rte::Directions directions{{0.15, 0.6, 1.0}, {0.1, 0.5, 0.9}, {0, 70, 180}};
+    // No order of 24 nodes agrees with 16 to 1e-16: every one is solved.
+    const auto truth = rte::reflect(stack, directions, {.tolerance = 1e-14, .streams = 96});
+    const double tolerance = GENERATE(1e-2, 1e-3, 1e-4, 1e-5);
+    const auto result = rte::reflect(stack, directions, {.tolerance = tolerance, .streams = 24});
+    double worst = 0.0;
+    for (std::size_t in = 0; in < 3; ++in) {
+        double scale = 0.0;
+        double error = 0.0;
+        for (std::size_t k = 9 * in; k < 9 * in + 9; ++k) {
+            scale = std::max(scale, truth.reflection[k]);
+            error = std::max(error, std::abs(result.reflection[k] - truth.reflection[k]));
+        }
+        worst = std::max(worst, error / scale);
+    }
+    CAPTURE(tolerance, worst, result.report.error_estimate);
+    CHECK(result.report.converged);
+    CHECK(worst <= tolerance);
+    CHECK(worst <= 3.0 * result.report.error_estimate);
+}
