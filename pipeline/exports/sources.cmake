@@ -12,6 +12,7 @@ set(miebrdf_export_sources
     exports/deviation.cpp
     exports/exr_writer.cpp
     exports/file_check.cpp
+    exports/first_order.cpp
     exports/merl_writer.cpp
     exports/metadata.cpp
     exports/npz_writer.cpp
@@ -34,6 +35,7 @@ set(miebrdf_export_sources
     exports/rgb_source.cpp
     exports/rgb_weights.cpp
     exports/rgl_writer.cpp
+    exports/sharp_part.cpp
     exports/smooth_part.cpp
     exports/solved_source.cpp
     exports/spectrum_writer.cpp

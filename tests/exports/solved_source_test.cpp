@@ -76,6 +76,23 @@ TEST_CASE("at the horizon itself the BRDF of large spheres is that just above it
     }
 }
 
+TEST_CASE("the number of threads changes no bit of a solved source", "[exports][solved_source]") {
+    Request request;
+    request.scene.base = IndexMedium{{1.5, 1e-3}};
+    request.scene.particles.sizes.effective_radius_um = 2;
+    request.scene.coats = {{HenyeyGreensteinMedium{0.6, 0.2}, 0.1}};
+    for (int w = 0; w < 20; ++w) request.wavelength_nm.push_back(400 + 10 * w);  // two tables
+    const std::vector<Direction> directions = random_directions(50, 4);
+    std::vector<std::vector<double>> values;
+    for (const int threads : {1, 2, 7}) {
+        const RunControl control{.threads = threads};
+        const SolvedSource source(request, Component::total, "", control);
+        values.push_back(evaluate_all(source, directions, "test", control));
+    }
+    CHECK(values[0] == values[1]);
+    CHECK(values[0] == values[2]);
+}
+
 TEST_CASE("components add up: total is the surface and what it lets through",
           "[exports][solved_source]") {
     Request request = half_space_request();
