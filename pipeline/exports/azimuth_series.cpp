@@ -76,34 +76,30 @@ double tail_of(const std::vector<double>& coefficients, std::size_t channels) {
 
 }  // namespace
 
-AzimuthSeries azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
-                             double tail_tolerance, int most_orders, const RunControl& control) {
+void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
+                    double tail_tolerance, int most_orders, const RunControl& control,
+                    const std::function<void(std::size_t pair, const AzimuthSeries&)>& take) {
     if (!(most_orders >= 16 && most_orders <= 4096)) {
         throw UsageError(
             fmt::format("azimuthal orders: {} is out of range; allowed: 16 to 4096", most_orders));
     }
     const std::vector<int> levels = levels_up_to(most_orders);
-    AzimuthSeries series{source.channels().size(), {}, 0.0};
-    series.coefficients.resize(pairs.size());
     const std::size_t jobs = (pairs.size() + kPairsOfJob - 1) / kPairsOfJob;
-    std::vector<double> tails(jobs);
     run_parallel("azimuth series", jobs, control, [&](std::size_t job) {
         const std::size_t last = std::min(pairs.size(), (job + 1) * kPairsOfJob);
         Eigen::FFT<double> fft;  // keeps its plans
+        AzimuthSeries series{source.channels().size(), {}, 0.0};
         for (std::size_t p = job * kPairsOfJob; p < last; ++p) {
-            double tail = 0.0;
             std::vector<double> samples;
             for (const int n : levels) {
                 refine(source, pairs[p], n, samples);
-                series.coefficients[p] = transform(samples, series.channels, fft);
-                tail = tail_of(series.coefficients[p], series.channels);
-                if (tail <= tail_tolerance) break;
+                series.coefficients = transform(samples, series.channels, fft);
+                series.tail = tail_of(series.coefficients, series.channels);
+                if (series.tail <= tail_tolerance) break;
             }
-            tails[job] = std::max(tails[job], tail);
+            take(p, series);
         }
     });
-    for (const double tail : tails) series.tail = std::max(series.tail, tail);
-    return series;
 }
 
 }  // namespace miebrdf::exports

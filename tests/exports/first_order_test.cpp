@@ -43,6 +43,9 @@ TEST_CASE("many wavelengths at once are each wavelength's own first order",
     const double tolerance = GENERATE(1e-3, 1e-5);
     const exports::FirstOrder together(stacks, exact, tolerance);
     REQUIRE(together.wavelengths() == 3);
+    // The same sums over moments, at each direction itself.
+    std::vector<rte::NarrowFeatures> features;
+    for (const auto& media : stacks) features.push_back({{&media, 1}, 0.005, 1e-9});
     std::mt19937_64 engine(5);
     const auto uniform = [&] { return (double(engine() >> 12) + 0.5) * 0x1p-52; };
     double largest_narrow = 0.0, largest_excess = 0.0;
@@ -52,12 +55,10 @@ TEST_CASE("many wavelengths at once are each wavelength's own first order",
         std::vector<double> found(9);
         together.evaluate(mu_in, mu_out, cos_azimuth, found);
         for (std::size_t w = 0; w < 3; ++w) {
-            // The same sums over moments at the direction itself.
-            rte::NarrowFeatures features({&stacks[w], 1}, 0.005, 1e-9);
             for (std::size_t a = 0; a < 3; ++a) {
                 double narrow = 0.0;
                 if (exact)
-                    features.add_to(&narrow, {&mu_in, 1}, {&mu_out, 1}, {&cos_azimuth[a], 1});
+                    features[w].add_to(&narrow, {&mu_in, 1}, {&mu_out, 1}, {&cos_azimuth[a], 1});
                 const double scattered =
                     rte::single_scattering(stacks[w], exact, mu_in, mu_out, cos_azimuth[a]);
                 // Phase functions to 0.01 of the tolerance, relative, of which terms that follow
