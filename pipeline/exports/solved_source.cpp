@@ -8,7 +8,9 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
+#include "pipeline/probe_directions.h"
 #include "pipeline/version.h"
+#include "pipeline/visible_layers.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -95,8 +97,12 @@ SolvedSource::SolvedSource(const Request& request, Component component,
                    "",
                    media.sources()};
     const bool layers = component != Component::surface;
-    const auto demand = demand_of(request, layers ? PhaseDemand::whole : PhaseDemand::moments_only);
-    const std::vector<SceneOptics> optics = media.optics(wavelength_nm_, demand, control);
+    const OpticsDemand demand = demand_of(request, PhaseDemand::whole);
+    Request probe = request;
+    probe.directions = probe_directions();
+    const std::vector<SceneOptics> optics =
+        layers ? visible_optics(media, probe, wavelength_nm_, demand, control)
+               : std::vector<SceneOptics>(wavelength_nm_.size());
     std::vector<std::optional<WavelengthSolution>> solved(optics.size());
     run_parallel("radiative transfer", optics.size(), control, [&](std::size_t w) {
         std::optional<std::complex<double>> surface_index;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/probe_directions.h"
 #include "rte/discretisation.h"
 #include "rte/layered_reflection.h"
 
@@ -12,13 +13,6 @@ namespace miebrdf::exports {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// The solver chooses streams and moments where everything shows: at directions of all kinds.
-const rte::Directions& probe() {
-    static const rte::Directions directions{
-        {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
-    return directions;
-}
 
 /// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
 Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
@@ -72,7 +66,7 @@ WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
 
 void WavelengthSolution::solve(const SceneOptics& optics, const Request& request) {
     const std::vector<double>& nodes = SmoothPart::nodes();
-    report_ = rte::reflect(optics.stack, probe(), request.solver).report;
+    report_ = rte::reflect(optics.stack, probe_directions(), request.solver).report;
 
     rte::SolverOptions options = request.solver;
     options.streams = report_.streams;
@@ -102,10 +96,11 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
 }
 
 Direction WavelengthSolution::worst_direction() const {
-    const std::size_t azimuths = probe().azimuth_deg.size(), outs = probe().mu_out.size();
+    const std::size_t azimuths = probe_directions().azimuth_deg.size(),
+                      outs = probe_directions().mu_out.size();
     const std::size_t pair = report_.worst_value / azimuths;
-    return {probe().mu_in[pair / outs], probe().mu_out[pair % outs],
-            probe().azimuth_deg[report_.worst_value % azimuths]};
+    return {probe_directions().mu_in[pair / outs], probe_directions().mu_out[pair % outs],
+            probe_directions().azimuth_deg[report_.worst_value % azimuths]};
 }
 
 double WavelengthSolution::lobe(const Direction& direction) const {
