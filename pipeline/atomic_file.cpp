@@ -2,14 +2,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "pipeline/error.h"
 
@@ -18,34 +18,46 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The library's one piece of global state: a signal handler can reach nothing else. It only ever
-// holds names of files that exist while an AtomicFile does.
+// The library's global state (with the count below): a signal handler can reach nothing else. It
+// only ever holds names of files that exist while an AtomicFile does. A name belongs to whoever
+// takes it out of its slot: the AtomicFile frees it, a signal handler, which may not, leaves it.
 constexpr std::size_t kSlots = 64;
-std::array<std::atomic<const char*>, kSlots> unfinished;
+std::array<std::atomic<char*>, kSlots> unfinished;
+static_assert(std::atomic<char*>::is_always_lock_free, "used in signal handlers");
 
-/// kSlots when all are taken: then only an abrupt end would leave a temporary file.
-std::size_t enlist(const char* name) {
-    std::size_t slot = 0;
-    for (; slot < kSlots; ++slot) {
-        const char* none = nullptr;
-        if (unfinished[slot].compare_exchange_strong(none, name)) break;
+/// Nowhere when all slots are taken: then only an abrupt end would leave a temporary file.
+std::atomic<char*>* enlist(char* name) {
+    for (auto& slot : unfinished) {
+        char* none = nullptr;
+        if (slot.compare_exchange_strong(none, name)) return &slot;
     }
-    return slot;
+    return nullptr;
 }
 
-void strike_off(std::size_t slot) {
-    if (slot < kSlots) unfinished[slot] = nullptr;
+/// Frees the name unless a signal handler has taken it; the slot may be another file's by then.
+void strike_off(std::atomic<char*>* slot, char* name) {
+    if (slot == nullptr || slot->compare_exchange_strong(name, nullptr)) std::free(name);
 }
 
 [[noreturn]] void refuse(const fs::path& target, int error) {
     throw InputError(fmt::format("cannot write '{}': {}", target.string(), std::strerror(error)));
 }
 
-/// What a file newly made by open(2) would get; mkstemp alone leaves it readable by its owner only.
-mode_t default_file_mode() {
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    return 0666 & ~mask;
+/// A new, empty file beside the target, with the permissions that any new file gets: mkstemp would
+/// need the process's umask for that, which no thread can read without changing it for all.
+std::string make_temporary(const fs::path& target) {
+    static std::atomic<unsigned> count = 0;
+    constexpr int kAttempts = 1000;  // leftovers of another process with this number
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        std::string name = fmt::format("{}.{}-{}", target.string(), ::getpid(), count++);
+        const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0) {
+            ::close(descriptor);
+            return name;
+        }
+        if (errno != EEXIST) break;
+    }
+    refuse(target, errno);
 }
 
 void flush_to_disk(const fs::path& file) {
@@ -57,7 +69,7 @@ void flush_to_disk(const fs::path& file) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), slot_(kSlots) {
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     std::error_code ignored;
     if (fs::is_symlink(target_, ignored)) {
         const fs::path resolved = fs::weakly_canonical(target_, ignored);
@@ -72,18 +84,14 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), slot_(kSlo
         if (!stream_) refuse(target_, errno);
         return;
     }
-    std::string pattern = target_.string() + ".XXXXXX";
-    const int descriptor = ::mkstemp(pattern.data());
-    if (descriptor < 0) refuse(target_, errno);
-    ::fchmod(descriptor, default_file_mode());
-    ::close(descriptor);
-    temporary_ = pattern;
-    slot_ = enlist(temporary_.c_str());
+    temporary_ = make_temporary(target_);
+    listed_name_ = ::strdup(temporary_.c_str());
+    if (listed_name_ != nullptr) slot_ = enlist(listed_name_);
     stream_.open(temporary_, std::ios::binary | std::ios::trunc);
     if (stream_) return;
     const int error = errno;
-    strike_off(slot_);
     ::unlink(temporary_.c_str());
+    strike_off(slot_, listed_name_);
     refuse(target_, error);
 }
 
@@ -91,7 +99,7 @@ AtomicFile::~AtomicFile() {
     stream_.close();
     std::error_code ignored;
     if (renames_ && !committed_) fs::remove(temporary_, ignored);
-    strike_off(slot_);
+    strike_off(slot_, listed_name_);
 }
 
 void AtomicFile::commit() {
@@ -105,12 +113,12 @@ void AtomicFile::commit() {
         if (::rename(temporary_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
     }
     committed_ = true;
-    strike_off(slot_);
+    strike_off(std::exchange(slot_, nullptr), std::exchange(listed_name_, nullptr));
 }
 
 void remove_unfinished_files() noexcept {
-    for (const auto& name : unfinished) {
-        if (const char* path = name) ::unlink(path);
+    for (auto& slot : unfinished) {
+        if (const char* path = slot.exchange(nullptr)) ::unlink(path);
     }
 }
 

@@ -1,7 +1,7 @@
 // A file that appears whole or not at all.
 #pragma once
 
-#include <cstddef>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -33,7 +33,8 @@ class AtomicFile {
     std::ofstream stream_;
     bool renames_ = true;
     bool committed_ = false;
-    std::size_t slot_;  ///< in the list of unfinished files
+    char* listed_name_ = nullptr;
+    std::atomic<char*>* slot_ = nullptr;  ///< in the list of unfinished files
 };
 
 /// Removes the temporary files of every AtomicFile that is neither committed nor destroyed. For a

@@ -69,7 +69,7 @@ void add_first_order(const ScaledStack& stack, const Directions& directions,
     if (options.single_scattering_correction) {
         constexpr double share_of_tolerance = 0.1;
         constexpr std::size_t many_directions = 2000;
-        NarrowFeatures narrow(stack.media, mu_least, share_of_tolerance * options.tolerance);
+        NarrowFeatures narrow({&stack.media, 1}, mu_least, share_of_tolerance * options.tolerance);
         if (reflection.size() > many_directions) narrow.tabulate();
         narrow.add_to(reflection.data(), directions.mu_in, directions.mu_out, cos_azimuth);
     }

@@ -1,5 +1,6 @@
 #include "rte/narrow_features.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,52 +10,30 @@ namespace {
 
 constexpr int most_nodes = 48;
 
-double chebyshev_point(int node, int count) {
-    return std::cos(std::numbers::pi * (node + 0.5) / count);
-}
-
-// Lagrange weights of Chebyshev's points (of the first kind), by the barycentric formula.
-Eigen::VectorXd chebyshev_weights(double t, int count) {
-    Eigen::VectorXd weights(count);
-    for (int j = 0; j < count; ++j) {
-        const double distance = t - chebyshev_point(j, count);
-        if (distance == 0.0) return Eigen::VectorXd::Unit(count, j);
-        weights[j] =
-            (j % 2 ? -1.0 : 1.0) * std::sin(std::numbers::pi * (j + 0.5) / count) / distance;
-    }
-    return weights / weights.sum();
-}
-
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j. The recurrence is a chain in l, so
 // many angles go side by side; the sums are matrix products of blocks of degrees.
 Eigen::MatrixXd sum_degrees(const Eigen::MatrixXd& strengths, const Eigen::VectorXd& angles) {
-    constexpr int group = 32;
-    constexpr int block = 128;
-    using Group = Eigen::Array<double, group, 1>;
+    constexpr Eigen::Index group = 256;  // with a block of degrees, what a second-level cache holds
+    constexpr Eigen::Index block = 64;
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(angles.size(), strengths.rows());
-    Eigen::Matrix<double, group, Eigen::Dynamic> legendre(group, block);
-    Eigen::Matrix<double, group, Eigen::Dynamic> sum(group, strengths.rows());
+    Eigen::MatrixXd legendre;
     for (Eigen::Index first = 0; first < angles.size(); first += group) {
-        const Eigen::Index count = std::min<Eigen::Index>(group, angles.size() - first);
-        Group x = Group::Zero();
-        x.head(count) = angles.segment(first, count).array().cos();
-        Group before = Group::Zero();
-        Group here = Group::Ones();
-        sum.setZero();
+        const Eigen::Index count = std::min(group, angles.size() - first);
+        const Eigen::ArrayXd x = angles.segment(first, count).array().cos();
+        Eigen::ArrayXd before = Eigen::ArrayXd::Zero(count);
+        Eigen::ArrayXd here = Eigen::ArrayXd::Ones(count);
+        legendre.resize(count, block);
         for (Eigen::Index start = 0; start < strengths.cols(); start += block) {
-            const Eigen::Index degrees = std::min<Eigen::Index>(block, strengths.cols() - start);
+            const Eigen::Index degrees = std::min(block, strengths.cols() - start);
             for (Eigen::Index d = 0; d < degrees; ++d) {
                 const double l = double(start + d);
                 legendre.col(d) = here.matrix();
-                const Group next =
-                    ((2.0 * l + 1.0) / (l + 1.0)) * x * here - (l / (l + 1.0)) * before;
-                before = here;
-                here = next;
+                before = ((2.0 * l + 1.0) / (l + 1.0)) * x * here - (l / (l + 1.0)) * before;
+                before.swap(here);
             }
-            sum.noalias() +=
+            sums.middleRows(first, count).noalias() +=
                 legendre.leftCols(degrees) * strengths.middleCols(start, degrees).transpose();
         }
-        sums.middleRows(first, count) = sum.topRows(count);
     }
     return sums;
 }
@@ -62,22 +41,40 @@ Eigen::MatrixXd sum_degrees(const Eigen::MatrixXd& strengths, const Eigen::Vecto
 double log_q_of(double mu_in, double mu_out) { return std::log(1.0 / mu_in + 1.0 / mu_out); }
 
 // Only a finite layer makes strengths depend on q.
-bool depends_on_q(const std::vector<ScaledMedium>& media) {
-    return std::any_of(media.begin(), media.end(), [](const ScaledMedium& medium) {
-        return std::isfinite(medium.optical_depth);
+bool depends_on_q(std::span<const std::vector<ScaledMedium>> stacks) {
+    return std::any_of(stacks.begin(), stacks.end(), [](const auto& media) {
+        return std::any_of(media.begin(), media.end(), [](const ScaledMedium& medium) {
+            return std::isfinite(medium.optical_depth);
+        });
     });
 }
 
-Eigen::MatrixXd strengths_at(const std::vector<ScaledMedium>& media, const Eigen::VectorXd& log_q) {
-    Eigen::MatrixXd strengths;
-    for (Eigen::Index j = 0; j < log_q.size(); ++j) {
-        const std::vector<double> at_q = narrow_strengths(media, std::exp(log_q[j]));
-        if (j == 0) strengths.resize(log_q.size(), Eigen::Index(at_q.size()));
-        if (at_q.empty()) break;  // no degrees: rows of nothing would start behind a null pointer
-        strengths.row(j) =
-            Eigen::Map<const Eigen::RowVectorXd>(at_q.data(), Eigen::Index(at_q.size()));
+// Row = place in the list of log q * stacks + stack, column = degree.
+Eigen::MatrixXd strengths_at(std::span<const std::vector<ScaledMedium>> stacks,
+                             const Eigen::VectorXd& log_q) {
+    std::vector<std::vector<double>> rows;
+    std::size_t degrees = 0;
+    for (const double at : log_q) {
+        for (const auto& media : stacks) {
+            rows.push_back(narrow_strengths(media, std::exp(at)));
+            degrees = std::max(degrees, rows.back().size());
+        }
+    }
+    Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(rows.size()),  //
+                                                      Eigen::Index(degrees));
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        for (std::size_t l = 0; l < rows[r].size(); ++l)
+            strengths(Eigen::Index(r), Eigen::Index(l)) = rows[r][l];
     }
     return strengths;
+}
+
+// sum over k of weights times values [k * stacks + stack]: one number for each stack.
+auto weighted_sums(const Eigen::Ref<const Eigen::VectorXd>& values,
+                   const Eigen::VectorXd& weights) {
+    return Eigen::Map<const Eigen::MatrixXd>(values.data(), values.size() / weights.size(),
+                                             weights.size()) *
+           weights;
 }
 
 // One degree of a medium's phase function.
@@ -122,7 +119,7 @@ class AttenuatedPath {
   private:
     double advance(double slant) {
         const double absorbed = above_ * -std::expm1(-slant);
-        above_ *= std::exp(-slant);
+        above_ -= absorbed;
         return absorbed;
     }
 
@@ -153,66 +150,131 @@ std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, dou
         end = std::max(end, medium.narrow.first_degree + int(medium.narrow.rest.size()));
     }
     std::vector<double> strengths(std::size_t(end), 0.0);
+    std::vector<double> without;  // from the top down, of no degree in particular
+    AttenuatedPath no_peak(q);
+    for (auto medium = media.rbegin(); medium != media.rend(); ++medium)
+        without.push_back(no_peak.scatter(*medium, medium->scaled.truncated));
     for (int l = first; l < end; ++l) {
-        AttenuatedPath true_peak(q), kept_peak(q), no_peak(q);
-        for (auto medium = media.rbegin(); medium != media.rend(); ++medium) {
-            const DegreeOfMedium degree = degree_of(*medium, l);
-            const double with_true = true_peak.scatter(*medium, degree.peak);
-            const double with_kept = kept_peak.scatter(*medium, degree.kept_peak);
-            const double without = no_peak.scatter(*medium, medium->scaled.truncated);
+        AttenuatedPath true_peak(q), kept_peak(q);
+        // The discrete equations know a peak only up to their own moments.
+        const bool any_kept = std::any_of(media.begin(), media.end(), [l](const auto& medium) {
+            return l < medium.scaled.chi.size();
+        });
+        for (std::size_t m = 0; m < media.size(); ++m) {
+            const ScaledMedium& medium = media[media.size() - 1 - m];
+            const DegreeOfMedium degree = degree_of(medium, l);
+            const double with_true = true_peak.scatter(medium, degree.peak);
+            const double with_kept =
+                any_kept ? kept_peak.scatter(medium, degree.kept_peak) : without[m];
             strengths[std::size_t(l)] +=
-                (2.0 * l + 1.0) * medium->exact.single_scattering_albedo * degree.rest *
-                ((with_true - without) - degree.share_kept * (with_kept - without));
+                (2.0 * l + 1.0) * medium.exact.single_scattering_albedo * degree.rest *
+                ((with_true - without[m]) - degree.share_kept * (with_kept - without[m]));
         }
     }
     return strengths;
 }
 
-NarrowFeatures::NarrowFeatures(const std::vector<ScaledMedium>& media, double mu_least,
+ChebyshevPoints::ChebyshevPoints(int count) : points_(count), factors_(count) {
+    for (int j = 0; j < count; ++j) {
+        const double angle = std::numbers::pi * (j + 0.5) / count;
+        points_[j] = std::cos(angle);
+        factors_[j] = (j % 2 ? -1.0 : 1.0) * std::sin(angle);
+    }
+}
+
+Eigen::VectorXd ChebyshevPoints::weights(double t) const {
+    Eigen::VectorXd weights(points_.size());
+    for (Eigen::Index j = 0; j < points_.size(); ++j) {
+        const double distance = t - points_[j];
+        if (distance == 0.0) return Eigen::VectorXd::Unit(points_.size(), j);
+        weights[j] = factors_[j] / distance;
+    }
+    return weights / weights.sum();
+}
+
+NarrowFeatures::NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
                                double tolerance)
-    : tolerance_(tolerance) {
+    : stacks_(stacks.size()), tolerance_(tolerance) {
     const double lowest = log_q_of(1.0, 1.0);
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    strengths_ = strengths_at_nodes(media, tolerance);
+    find_strengths(stacks);
+    reduce_rank();
 }
 
 void NarrowFeatures::tabulate() {
     if (none()) return;
     const double shortest_wave = 2.0 * std::numbers::pi / double(strengths_.cols());
     table_.emplace([&](const Eigen::VectorXd& angles) { return sum_degrees(strengths_, angles); },
-                   0.5 * shortest_wave, tolerance_);
+                   0.5 * shortest_wave, math::AngleTolerance{.absolute = tolerance_});
 }
 
-Eigen::MatrixXd NarrowFeatures::strengths_at_nodes(const std::vector<ScaledMedium>& media,
-                                                   double tolerance) const {
+void NarrowFeatures::find_strengths(std::span<const std::vector<ScaledMedium>> stacks) {
     const auto log_q = [&](double t) { return log_q_middle_ + log_q_half_ * t; };
-    for (int count = depends_on_q(media) ? 6 : 1;; count += count / 2) {
+    for (int count = depends_on_q(stacks) ? 6 : 1;; count += count / 2) {
+        nodes_ = ChebyshevPoints(count);
         Eigen::VectorXd at_nodes(count);
-        for (int j = 0; j < count; ++j) at_nodes[j] = log_q(chebyshev_point(j, count));
-        Eigen::MatrixXd strengths = strengths_at(media, at_nodes);
-        if (strengths.cols() == 0 || count == 1) return strengths;
-        drop_tail(strengths, 0.1 * tolerance);
+        for (int j = 0; j < count; ++j) at_nodes[j] = log_q(nodes_[j]);
+        strengths_ = strengths_at(stacks, at_nodes);
+        if (none() || count == 1) return;
+        drop_tail(strengths_, 0.1 * tolerance_);
         // Between the outermost nodes and in the middle: where polynomials through them are worst.
         double error = 0.0;
         for (const double place : {0.0, 1.0, 0.5 * count}) {
             const double t = std::cos(std::numbers::pi * place / count);
-            const Eigen::MatrixXd exact =
-                strengths_at(media, Eigen::VectorXd::Constant(1, log_q(t)));
-            error = std::max(error, (chebyshev_weights(t, count).transpose() * strengths -
-                                     exact.leftCols(strengths.cols()))
-                                        .cwiseAbs()
-                                        .sum());
+            Eigen::MatrixXd difference =
+                -strengths_at(stacks, Eigen::VectorXd::Constant(1, log_q(t)))
+                     .leftCols(strengths_.cols());
+            const Eigen::VectorXd weights = nodes_.weights(t);
+            for (int j = 0; j < count; ++j) {
+                difference +=
+                    weights[j] * strengths_.middleRows(j * difference.rows(), difference.rows());
+            }
+            error = std::max(error, difference.cwiseAbs().rowwise().sum().maxCoeff());
         }
-        if (error <= tolerance || count >= most_nodes) return strengths;
+        if (error <= tolerance_ || count >= most_nodes) return;
     }
 }
 
-Eigen::VectorXd NarrowFeatures::node_weights(double q) const {
-    const int count = int(strengths_.rows());
-    if (count == 1) return Eigen::VectorXd::Ones(1);
-    return chebyshev_weights((std::log(q) - log_q_middle_) / log_q_half_, count);
+void NarrowFeatures::reduce_rank() {
+    const Eigen::Index nodes = nodes_.count();
+    at_nodes_ = Eigen::MatrixXd::Identity(nodes, nodes);
+    if (none() || nodes == 1) return;
+    // One row for each node, all stacks and degrees beside each other (strengths_ is column-major).
+    const Eigen::Index others = Eigen::Index(stacks_) * strengths_.cols();
+    Eigen::MatrixXd of_node(nodes, others);
+    for (Eigen::Index j = 0; j < nodes; ++j) {
+        of_node.row(j) = strengths_.middleRows(j * Eigen::Index(stacks_), Eigen::Index(stacks_))
+                             .reshaped()
+                             .transpose();
+    }
+    // The left singular vectors, ascending: complete whatever the Gram matrix has lost in rounding.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(of_node * of_node.transpose());
+    Eigen::MatrixXd rest = of_node;
+    Eigen::Index rank = 0;
+    for (double left = tolerance_; rank < nodes && !(left <= 0.1 * tolerance_); ++rank) {
+        const auto basis = gram.eigenvectors().col(nodes - 1 - rank);
+        rest.noalias() -= basis * (basis.transpose() * of_node);
+        left = 0.0;  // the largest sum over degrees, |P_l| <= 1
+        for (Eigen::Index stack = 0; stack < Eigen::Index(stacks_); ++stack) {
+            const auto of_stack = rest(Eigen::all, Eigen::seq(stack, others - 1, stacks_));
+            left = std::max(left, of_stack.cwiseAbs().rowwise().sum().maxCoeff());
+        }
+    }
+    at_nodes_ = gram.eigenvectors().rightCols(rank);
+    const Eigen::MatrixXd reduced = at_nodes_.transpose() * of_node;
+    strengths_.resize(rank * Eigen::Index(stacks_), strengths_.cols());
+    for (Eigen::Index k = 0; k < rank; ++k) {
+        strengths_.middleRows(k * Eigen::Index(stacks_), Eigen::Index(stacks_)) =
+            reduced.row(k).reshaped(Eigen::Index(stacks_), strengths_.cols());
+    }
+}
+
+Eigen::VectorXd NarrowFeatures::weights_at(double q) const {
+    if (nodes_.count() == 1) return Eigen::VectorXd::Ones(1);
+    const double t = (std::log(q) - log_q_middle_) / log_q_half_;
+    return at_nodes_.transpose() * nodes_.weights(t);
 }
 
 void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
@@ -227,20 +289,24 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
             }
         }
     }
-    Eigen::MatrixXd sums;  // without a table: row = direction, column = node in log q
+    Eigen::MatrixXd sums;  // without a table: row = direction, column = function
     if (!table_) {
         sums = sum_degrees(strengths_, Eigen::Map<const Eigen::VectorXd>(
                                            angles.data(), Eigen::Index(angles.size())));
     }
+    Eigen::VectorXd values(strengths_.rows());
     std::size_t k = 0;
     for (const double in : mu_in) {
         for (const double out : mu_out) {
-            const Eigen::VectorXd weights = node_weights(1.0 / in + 1.0 / out);
-            const double scale = 1.0 / (4.0 * (in + out));
+            const Eigen::VectorXd weights = weights_at(1.0 / in + 1.0 / out) / (4.0 * (in + out));
             for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k) {
-                const double value = table_ ? table_->combined(angles[k], weights)
-                                            : sums.row(Eigen::Index(k)).dot(weights);
-                reflection[k] += scale * value;
+                if (table_) {
+                    table_->evaluate(angles[k], values);
+                } else {
+                    values = sums.row(Eigen::Index(k));
+                }
+                Eigen::Map<Eigen::VectorXd>(&reflection[k * stacks_], Eigen::Index(stacks_))
+                    .noalias() += weighted_sums(values, weights);
             }
         }
     }

@@ -23,6 +23,10 @@ double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth);
 /// P(cos Theta) of the medium: its own function if it has one, else the sum of all its moments.
 double exact_phase(const Optics& optics, double cos_theta);
 
+/// alpha P / (1 - alpha f) of one medium: what light that reaches it scatters once.
+/// @param exact  as below
+double first_order_strength(const ScaledMedium& medium, bool exact, double cos_theta);
+
 /// First order of a stack of media, listed from the bottom up (the lowest may be infinitely deep):
 /// sum of alpha P / (1 - alpha f) (1 - exp(-tau' q)) / (4 (mu_in + mu_out)) weakened by what lies
 /// above, q = 1/mu_in + 1/mu_out.

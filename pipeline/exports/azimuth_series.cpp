@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <complex>
+#include <unsupported/Eigen/FFT>
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
@@ -16,38 +17,10 @@ namespace {
 constexpr std::size_t kPairsOfJob = 32;
 constexpr int kFirstOrders = 64;
 
-/// Row k, column j: weight of sample j, at azimuth pi j / n, in coefficient k <= n.
-std::vector<double> dct_matrix(int n) {
-    const auto size = static_cast<std::size_t>(n + 1);
-    std::vector<double> matrix(size * size);
-    for (std::size_t k = 0; k < size; ++k) {
-        for (std::size_t j = 0; j < size; ++j) {
-            const bool end_sample = j == 0 || j + 1 == size;
-            const bool end_order = k == 0 || k + 1 == size;
-            // k j modulo 2 n keeps the argument small, so that the cosine keeps its digits.
-            const double angle =
-                std::numbers::pi * static_cast<double>((k * j) % (2 * (size - 1))) / n;
-            matrix[k * size + j] =
-                2.0 / n * (end_sample ? 0.5 : 1.0) * (end_order ? 0.5 : 1.0) * std::cos(angle);
-        }
-    }
-    return matrix;
-}
-
-/// One number of orders: n + 1 samples of half a turn and their DCT.
-struct Level {
-    int n;
-    std::vector<double> dct;
-};
-
-std::vector<Level> levels_up_to(int most_orders) {
-    std::vector<Level> levels;
-    int n = std::min(kFirstOrders, most_orders);
-    levels.push_back({n, dct_matrix(n)});
-    while (n < most_orders) {
-        n = std::min(2 * n, most_orders);
-        levels.push_back({n, dct_matrix(n)});
-    }
+/// Numbers of intervals of half a turn to try.
+std::vector<int> levels_up_to(int most_orders) {
+    std::vector<int> levels = {std::min(kFirstOrders, most_orders)};
+    while (levels.back() < most_orders) levels.push_back(std::min(2 * levels.back(), most_orders));
     return levels;
 }
 
@@ -70,17 +43,21 @@ void refine(const BrdfSource& source, const CosinePair& pair, int n, std::vector
     samples = std::move(all);
 }
 
-/// The coefficients of one pair, [channel * (n + 1) + k].
+/// The coefficients of one pair, [channel * (n + 1) + k]: the Fourier transform of the whole turn,
+/// which mirrors the half.
 std::vector<double> transform(const std::vector<double>& samples, std::size_t channels,
-                              const Level& level) {
-    const auto size = static_cast<std::size_t>(level.n + 1);
-    std::vector<double> coefficients(size * channels, 0.0);
+                              Eigen::FFT<double>& fft) {
+    const std::size_t size = samples.size() / channels, n = size - 1;
+    std::vector<double> coefficients(size * channels), turn(2 * n);
+    std::vector<std::complex<double>> spectrum;
     for (std::size_t c = 0; c < channels; ++c) {
+        for (std::size_t j = 0; j < 2 * n; ++j)
+            turn[j] = samples[std::min(j, 2 * n - j) * channels + c];
+        fft.fwd(spectrum, turn);
         for (std::size_t k = 0; k < size; ++k) {
-            double sum = 0.0;
-            for (std::size_t j = 0; j < size; ++j)
-                sum += level.dct[k * size + j] * samples[j * channels + c];
-            coefficients[c * size + k] = sum;
+            const double both_signs = k == 0 || k == n ? 1.0 : 2.0;
+            coefficients[c * size + k] =
+                both_signs * spectrum[k].real() / static_cast<double>(2 * n);
         }
     }
     return coefficients;
@@ -99,33 +76,30 @@ double tail_of(const std::vector<double>& coefficients, std::size_t channels) {
 
 }  // namespace
 
-AzimuthSeries azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
-                             double tail_tolerance, int most_orders, const RunControl& control) {
+void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
+                    double tail_tolerance, int most_orders, const RunControl& control,
+                    const std::function<void(std::size_t pair, const AzimuthSeries&)>& take) {
     if (!(most_orders >= 16 && most_orders <= 4096)) {
         throw UsageError(
             fmt::format("azimuthal orders: {} is out of range; allowed: 16 to 4096", most_orders));
     }
-    const std::vector<Level> levels = levels_up_to(most_orders);
-    AzimuthSeries series{source.channels().size(), {}, 0.0};
-    series.coefficients.resize(pairs.size());
+    const std::vector<int> levels = levels_up_to(most_orders);
     const std::size_t jobs = (pairs.size() + kPairsOfJob - 1) / kPairsOfJob;
-    std::vector<double> tails(jobs);
     run_parallel("azimuth series", jobs, control, [&](std::size_t job) {
         const std::size_t last = std::min(pairs.size(), (job + 1) * kPairsOfJob);
+        Eigen::FFT<double> fft;  // keeps its plans
+        AzimuthSeries series{source.channels().size(), {}, 0.0};
         for (std::size_t p = job * kPairsOfJob; p < last; ++p) {
-            double tail = 0.0;
             std::vector<double> samples;
-            for (const Level& level : levels) {
-                refine(source, pairs[p], level.n, samples);
-                series.coefficients[p] = transform(samples, series.channels, level);
-                tail = tail_of(series.coefficients[p], series.channels);
-                if (tail <= tail_tolerance) break;
+            for (const int n : levels) {
+                refine(source, pairs[p], n, samples);
+                series.coefficients = transform(samples, series.channels, fft);
+                series.tail = tail_of(series.coefficients, series.channels);
+                if (series.tail <= tail_tolerance) break;
             }
-            tails[job] = std::max(tails[job], tail);
+            take(p, series);
         }
     });
-    for (const double tail : tails) series.tail = std::max(series.tail, tail);
-    return series;
 }
 
 }  // namespace miebrdf::exports

@@ -1,6 +1,7 @@
 // Cosine series in azimuth of a BRDF at given pairs of cosines.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -13,16 +14,15 @@ struct CosinePair {
     double mu_out = 1.0;
 };
 
-/// f(pair, channel, azimuth) = sum_k a_k cos(k azimuth), azimuth 0 = mirror side.
+/// f(channel, azimuth) = sum_k a_k cos(k azimuth) of one pair, azimuth 0 = mirror side.
 struct AzimuthSeries {
     std::size_t channels = 0;
-    /// Of each pair, [channel * orders + k]; pairs have as many orders as each of them needs.
-    std::vector<std::vector<double>> coefficients;
+    std::vector<double> coefficients;  ///< [channel * orders + k]
     double tail = 0.0;  ///< largest |a_k| of the last eighth of orders, relative to its a_0
 
-    std::size_t orders(std::size_t pair) const { return coefficients[pair].size() / channels; }
-    std::span<const double> of(std::size_t pair, std::size_t channel) const {
-        return std::span(coefficients[pair]).subspan(channel * orders(pair), orders(pair));
+    std::size_t orders() const { return coefficients.size() / channels; }
+    std::span<const double> of(std::size_t channel) const {
+        return std::span(coefficients).subspan(channel * orders(), orders());
     }
 };
 
@@ -32,8 +32,10 @@ struct AzimuthSeries {
 /// `tail_tolerance` or `most_orders` is reached: then `tail` says what is missing.
 ///
 /// @param most_orders  16 to 4096
+/// @param take         gets each pair's series, in any order and from several threads
 /// @throws UsageError  most_orders out of range; Cancelled
-AzimuthSeries azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
-                             double tail_tolerance, int most_orders, const RunControl& control);
+void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
+                    double tail_tolerance, int most_orders, const RunControl& control,
+                    const std::function<void(std::size_t pair, const AzimuthSeries&)>& take);
 
 }  // namespace miebrdf::exports

@@ -101,7 +101,7 @@ std::string advice(const SampledFormat& format, const Job& job, int resolution, 
         finer = std::min(2 * finer, format.finest);
         std::ostringstream out;
         format.write(job, finer, out);
-        reached = judged(compare(*read_brdf_file(out.str(), format.name), job, format.spectral));
+        reached = judged(compare(*read_brdf_file(std::move(out).str(), format.name), job, format.spectral));
         if (reached <= bound) return fmt::format("--resolution {} reaches {:.2g}", finer, reached);
     }
     return fmt::format(

@@ -4,7 +4,6 @@
 #include <zip.h>
 
 #include <bit>
-#include <cstring>
 #include <memory>
 
 #include "pipeline/atomic_file.h"
@@ -40,25 +39,25 @@ std::string npy_header(const char* type, const std::vector<std::size_t>& shape) 
     return header;
 }
 
+zip_uint8_t* bytes_of(const void* data) {
+    return static_cast<zip_uint8_t*>(const_cast<void*>(data));
+}
+
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
     throw InputError(fmt::format("cannot write '{}': {}", path.string(), reason));
 }
 
 }  // namespace
 
-void NpzArchive::add(const std::string& name, const std::vector<double>& values,
+void NpzArchive::add(const std::string& name, std::vector<double> values,
                      std::vector<std::size_t> shape) {
     if (shape.empty()) shape = {values.size()};
-    std::string content = npy_header("<f8", shape);
-    const std::size_t header = content.size();
-    content.resize(header + values.size() * sizeof(double));
-    if (!values.empty())
-        std::memcpy(content.data() + header, values.data(), values.size() * sizeof(double));
-    members_.push_back({name + ".npy", std::move(content)});
+    std::string header = npy_header("<f8", shape);
+    members_.push_back({name + ".npy", std::move(header), std::move(values)});
 }
 
 void NpzArchive::add_bytes(const std::string& name, const std::string& bytes) {
-    members_.push_back({name + ".npy", npy_header("|u1", {bytes.size()}) + bytes});
+    members_.push_back({name + ".npy", npy_header("|u1", {bytes.size()}) + bytes, {}});
 }
 
 void NpzArchive::write(const std::filesystem::path& path) const {
@@ -69,8 +68,11 @@ void NpzArchive::write(const std::filesystem::path& path) const {
         zip_open(file.temporary_path().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error), zip_discard);
     if (!archive) refuse(path, fmt::format("libzip error {}", error));
     for (const Member& member : members_) {
-        zip_source_t* source =
-            zip_source_buffer(archive.get(), member.content.data(), member.content.size(), 0);
+        // libzip takes pieces as they are, and never writes to them.
+        const zip_buffer_fragment_t pieces[] = {
+            {bytes_of(member.header.data()), member.header.size()},
+            {bytes_of(member.values.data()), member.values.size() * sizeof(double)}};
+        zip_source_t* source = zip_source_buffer_fragment(archive.get(), pieces, 2, 0);
         const zip_int64_t index =
             source == nullptr
                 ? -1

@@ -12,7 +12,7 @@ namespace miebrdf::exports {
 class NpzArchive {
   public:
     /// @param shape  row-major; empty: one dimension
-    void add(const std::string& name, const std::vector<double>& values,
+    void add(const std::string& name, std::vector<double> values,
              std::vector<std::size_t> shape = {});
     /// A text as an array of unsigned bytes: bytes(archive["meta"]).decode() in Python.
     void add_bytes(const std::string& name, const std::string& bytes);
@@ -24,7 +24,8 @@ class NpzArchive {
   private:
     struct Member {
         std::string name;
-        std::string content;  ///< of the .npy file
+        std::string header;          ///< of .npy, and bytes after it
+        std::vector<double> values;  ///< of the .npy file
     };
     std::vector<Member> members_;
 };

@@ -61,11 +61,15 @@ class FourierTables {
             nodes_[h_ - k] = -nodes_[h_ + 1 + k];
         }
         const std::vector<CosinePair> pairs = lit_pairs();
-        const AzimuthSeries series =
-            azimuth_series(source, pairs, options.tail_tolerance, options.most_orders, control);
         extents_.resize(nodes_.size() * nodes_.size());
         mean_.assign(nodes_.size() * nodes_.size(), 0.0);
-        for (std::size_t p = 0; p < pairs.size(); ++p) add(series, p, options.tail_tolerance);
+        blocks_.resize(pairs.size());
+        azimuth_series(source, pairs, options.tail_tolerance, options.most_orders, control,
+                       [&](std::size_t pair, const AzimuthSeries& series) {
+                           blocks_[pair] =
+                               block_of(series, pairs[pair].mu_in, options.tail_tolerance);
+                       });
+        for (std::size_t p = 0; p < pairs.size(); ++p) place(p);
         // The row below the horizon repeats the one above, so that a spline across the double node
         // sees no jump: same coefficients, no second copy.
         for (std::size_t c = 0; c < h_; ++c) {
@@ -79,7 +83,7 @@ class FourierTables {
         binary.put_text("SCATFUN");
         binary.put(std::uint8_t{1});
         for (const std::size_t field :
-             {std::size_t{1}, nodes_.size(), coefficients_.size(), longest_, std::size_t{3},
+             {std::size_t{1}, nodes_.size(), coefficients_, longest_, std::size_t{3},
               std::size_t{1}, description.size(), std::size_t{0}, std::size_t{0}}) {
             binary.put(static_cast<std::uint32_t>(field));
         }
@@ -94,7 +98,7 @@ class FourierTables {
             binary.put(extent.offset);
             binary.put(extent.length);
         }
-        binary.put_all(coefficients_);
+        for (const std::vector<float>& block : blocks_) binary.put_all(block);
         binary.put_text(description);
     }
 
@@ -115,15 +119,14 @@ class FourierTables {
         return pairs;
     }
 
-    void add(const AzimuthSeries& series, std::size_t pair, double tail_tolerance) {
-        const std::size_t row = h_ + 1 + pair / h_, column = pair % h_;
-        const double mu_in = -double(nodes_[column]);
-        const std::size_t orders = series.orders(pair);
+    /// Y, R and B of one pair, times the cosine, as far as any of them counts.
+    static std::vector<float> block_of(const AzimuthSeries& series, double mu_in,
+                                       double tail_tolerance) {
+        const std::size_t orders = series.orders();
         std::vector<double> y_r_b(3 * orders);
         std::size_t length = 1;
         for (std::size_t k = 0; k < orders; ++k) {
-            const double rgb[3] = {series.of(pair, 0)[k], series.of(pair, 1)[k],
-                                   series.of(pair, 2)[k]};
+            const double rgb[3] = {series.of(0)[k], series.of(1)[k], series.of(2)[k]};
             const double y =
                 kLuminance[0] * rgb[0] + kLuminance[1] * rgb[1] + kLuminance[2] * rgb[2];
             const double channels[3] = {y * mu_in, rgb[0] * mu_in, rgb[2] * mu_in};
@@ -133,24 +136,33 @@ class FourierTables {
                     length = k + 1;
             }
         }
-        if (coefficients_.size() + 3 * length > std::numeric_limits<std::uint32_t>::max()) {
+        std::vector<float> block;
+        block.reserve(3 * length);
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t k = 0; k < length; ++k)
+                block.push_back(static_cast<float>(y_r_b[c * orders + k]));
+        }
+        return block;
+    }
+
+    void place(std::size_t pair) {
+        const std::size_t row = h_ + 1 + pair / h_, column = pair % h_;
+        const std::size_t length = blocks_[pair].size() / 3;
+        if (coefficients_ + 3 * length > std::numeric_limits<std::uint32_t>::max()) {
             throw UsageError(
                 "format 'pbrt': more than 2^32 coefficients; allow fewer orders or nodes");
         }
-        extents_[index(row, column)] = {static_cast<std::uint32_t>(coefficients_.size()),
+        extents_[index(row, column)] = {static_cast<std::uint32_t>(coefficients_),
                                         static_cast<std::uint32_t>(length)};
-        mean_[index(row, column)] = y_r_b[0];
+        mean_[index(row, column)] = blocks_[pair][0];
         longest_ = std::max(longest_, length);
-        for (std::size_t c = 0; c < 3; ++c) {
-            for (std::size_t k = 0; k < length; ++k) {
-                coefficients_.push_back(static_cast<float>(y_r_b[c * orders + k]));
-            }
-        }
+        coefficients_ += 3 * length;
     }
 
     std::size_t h_;
     std::vector<float> nodes_;
-    std::vector<float> coefficients_;
+    std::vector<std::vector<float>> blocks_;  ///< of each lit pair; in the file one after another
+    std::size_t coefficients_ = 0;            ///< in all blocks
     std::vector<Extent> extents_;
     std::vector<double> mean_;  ///< a_0 of Y, what the CDF is made of
     std::size_t longest_ = 1;

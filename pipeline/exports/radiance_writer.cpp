@@ -55,7 +55,7 @@ std::string escaped(const std::string& text) {
 struct Band {
     const char* wavelength;
     const char* detector;
-    std::vector<double> values;
+    std::vector<float> values;  ///< of a tree the first half; the rest is zero
 };
 
 void write_head(const RgbSource& source, const std::string& definition, std::ostream& out) {
@@ -96,7 +96,10 @@ void write_band(const Band& band, const std::string& basis, std::size_t row, std
                           static_cast<std::ptrdiff_t>(std::min(i + line, band.values.size()));
         out << fmt::format("{:.7g}\n", fmt::join(first, last, row == 0 ? " " : ",\t"));
     }
-    out << (row == 0 ? "}\n" : "");
+    if (row == 0) {
+        for (std::size_t i = 0; i < band.values.size(); i += line) out << "0 0 0 0 0 0 0 0\n";
+        out << "}\n";
+    }
     out << "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
 }
 
@@ -158,7 +161,7 @@ void write_radiance_klems(const RgbSource& source, std::ostream& out, const RunC
         for (int k = 0; k < kPatches[ring]; ++k) patches.emplace_back(ring, k);
     }
     std::map<std::tuple<int, int, int>, std::array<double, 3>> known;
-    std::array<std::vector<double>, 3> matrices;
+    std::array<std::vector<float>, 3> matrices;
     for (const auto& [ring_out, k_out] : patches) {
         if (control.cancelled != nullptr && *control.cancelled) throw Cancelled();
         for (const auto& [ring_in, k_in] : patches) {
@@ -169,7 +172,8 @@ void write_radiance_klems(const RgbSource& source, std::ostream& out, const RunC
             const int folded = std::min(difference, turn - difference);
             auto [mean, is_new] = known.try_emplace({ring_in, ring_out, folded});
             if (is_new) mean->second = patch_mean(source, ring_in, ring_out, 360.0 * folded / turn);
-            for (std::size_t c = 0; c < 3; ++c) matrices[c].push_back(mean->second[c]);
+            for (std::size_t c = 0; c < 3; ++c)
+                matrices[c].push_back(static_cast<float>(mean->second[c]));
         }
     }
     write_head(source, klems_definition(), out);
@@ -219,9 +223,13 @@ void write_radiance_tree(const RgbSource& source, int levels, std::ostream& out,
     }
     const std::size_t n = std::size_t{1} << levels;
     // Incidence along the first axis, from grazing (0) to normal (1/2); its upper half is not used.
-    std::vector<Direction> directions;
+    // Seven digits are written: floats.
+    Band bands[3] = {{"Visible", "ASTM E308 1931 Y.dsp", std::vector<float>(n * n * n / 2)},
+                     {"CIE-u", "CIE 1976 u.dsp", std::vector<float>(n * n * n / 2)},
+                     {"CIE-v", "CIE 1976 v.dsp", std::vector<float>(n * n * n / 2)}};
     for (std::size_t i = 0; i < n / 2; ++i) {
         const double sin_in = 1.0 - 2.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+        std::vector<Direction> directions;
         for (std::size_t x = 0; x < n; ++x) {
             for (std::size_t y = 0; y < n; ++y) {
                 const auto [dx, dy] =
@@ -232,17 +240,16 @@ void write_radiance_tree(const RgbSource& source, int levels, std::ostream& out,
                     {std::sqrt((1 - sin_in) * (1 + sin_in)), mu_out, std::atan2(dy, dx) / kDegree});
             }
         }
-    }
-    const std::vector<double> rgb = evaluate_all(source, directions, "tensor tree", control);
-    Band bands[3] = {{"Visible", "ASTM E308 1931 Y.dsp", std::vector<double>(n * n * n, 0.0)},
-                     {"CIE-u", "CIE 1976 u.dsp", std::vector<double>(n * n * n, 0.0)},
-                     {"CIE-v", "CIE 1976 v.dsp", std::vector<double>(n * n * n, 0.0)}};
-    for (std::size_t d = 0; d < directions.size(); ++d) {
-        const auto [X, Y, Z] = xyz_of(&rgb[3 * d]);
-        const double divisor = X + 15 * Y + 3 * Z;
-        bands[0].values[d] = Y;
-        bands[1].values[d] = divisor > 0 ? 4 * X / divisor : 0.0;
-        bands[2].values[d] = divisor > 0 ? 9 * Y / divisor : 0.0;
+        const auto stage = fmt::format("incidence {} of {}", i + 1, n / 2);
+        const std::vector<double> rgb = evaluate_all(source, directions, stage, control);
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            const auto [X, Y, Z] = xyz_of(&rgb[3 * d]);
+            const double divisor = X + 15 * Y + 3 * Z;
+            const std::size_t cell = i * n * n + d;
+            bands[0].values[cell] = static_cast<float>(Y);
+            bands[1].values[cell] = static_cast<float>(divisor > 0 ? 4 * X / divisor : 0.0);
+            bands[2].values[cell] = static_cast<float>(divisor > 0 ? 9 * Y / divisor : 0.0);
+        }
     }
     write_head(source,
                "<DataDefinition>\n<IncidentDataStructure>TensorTree3</IncidentDataStructure>\n</"

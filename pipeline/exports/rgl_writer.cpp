@@ -22,6 +22,16 @@ constexpr double kLargestAngle = 89.9 * kDegree;
 /// Incident angles crowd at the horizon, where the BRDF bends: at mu = 0.1 the albedo is 0.1 % off
 /// instead of 0.9 % with equal steps (24 angles, test material, tests/exports/read_back_test.cpp).
 constexpr double kCrowding = 1.75;
+/// Stands for the horizon, where mu = 0 is no direction.
+constexpr double kHorizon = 1e-9;
+/// Half vectors whose outgoing direction is below the horizon hold no BRDF, but readers interpolate
+/// between them and lit ones. BRDF times cosine goes through the horizon like an odd function of
+/// the cosine: its continuation, minus the value mirrored at the horizon, gives values at mu < 0.05
+/// a fifth of the error that zeros give (0.11 instead of 0.50, N = 64, test material), but loses
+/// 0.3 % of the albedo, since the function is concave; half of it gives 0.25 and loses 0.1 %.
+constexpr double kContinued = 0.5;
+/// Lower than steps of half vectors and of incidence reach.
+constexpr double kLowest = -0.5;
 /// Every half vector stays reachable by importance sampling, however dark it is.
 constexpr double kLuminanceFloor = 1e-6;
 
@@ -68,6 +78,12 @@ class RglGrid {
     }
 
   private:
+    /// A half vector and the cosine that its outgoing direction has.
+    struct Texel {
+        std::size_t x, y;
+        double cosine;
+    };
+
     double theta_in(std::size_t t) const {
         const double x = static_cast<double>(t) / static_cast<double>(angles_ - 1);
         return kHalfPi * (1.0 - std::pow(1.0 - x, kCrowding));
@@ -79,21 +95,22 @@ class RglGrid {
 
     void fill_incidence(std::size_t t, const RunControl& control) {
         const Eigen::Vector3d in = spherical(std::min(theta_in(t), kLargestAngle), 0.0);
-        std::vector<Direction> lit;
-        std::vector<std::size_t> texels;
+        std::vector<Texel> texels;
         for (std::size_t y = 0; y < n_; ++y) {
             for (std::size_t x = 0; x < n_; ++x) {
-                const Eigen::Vector3d half = half_vector(x, y);
-                const Eigen::Vector3d out = mirrored(in, half);
-                if (!(out.z() > 0.0 && in.dot(half) > 0.0)) continue;
-                lit.push_back(direction_of(in, out));
-                texels.push_back(y * n_ + x);
+                const double cosine = mirrored(in, half_vector(x, y)).z();
+                if (cosine > kLowest) texels.push_back({x, y, cosine});
             }
         }
+        std::vector<Direction> directions;
+        for (const Texel& texel : texels) {
+            Direction d = direction_of(in, mirrored(in, half_vector(texel.x, texel.y)));
+            d.mu_out = std::clamp(std::abs(texel.cosine), kHorizon, 1.0);
+            directions.push_back(d);
+        }
         const auto stage = fmt::format("incidence {} of {}", t + 1, angles_);
-        const std::vector<double> values = evaluate_all(source_, lit, stage, control);
-        for (std::size_t i = 0; i < lit.size(); ++i)
-            store(t, texels[i], lit[i], &values[i * channels_]);
+        const std::vector<double> values = evaluate_all(source_, directions, stage, control);
+        for (std::size_t i = 0; i < texels.size(); ++i) store(t, texels[i], &values[i * channels_]);
         for (std::size_t y = 0; y < n_; ++y) {
             for (std::size_t x = 0; x < n_; ++x) weigh(t, x, y, in);
         }
@@ -103,10 +120,12 @@ class RglGrid {
         return spherical(unit(x) * unit(x) * kHalfPi, (2.0 * unit(y) - 1.0) * std::numbers::pi);
     }
 
-    void store(std::size_t t, std::size_t texel, const Direction& direction, const double* values) {
+    void store(std::size_t t, const Texel& place, const double* values) {
+        const std::size_t texel = place.y * n_ + place.x;
+        const double cosine = place.cosine * (place.cosine < 0.0 ? kContinued : 1.0);
         double sum = 0.0;
         for (std::size_t c = 0; c < channels_; ++c) {
-            const double value = values[c] * direction.mu_out;
+            const double value = values[c] * cosine;
             spectra_[(t * channels_ + c) * n_ * n_ + texel] = static_cast<float>(value);
             sum += std::max(value, 0.0);
         }

@@ -8,7 +8,9 @@
 
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
+#include "pipeline/probe_directions.h"
 #include "pipeline/version.h"
+#include "pipeline/visible_layers.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -24,15 +26,25 @@ std::string title_of(const Scene& scene) {
     return title;
 }
 
-/// Smooth parts are mixed once; of sharp ones, wavelengths without weight are left out.
+/// Smooth parts are mixed once; sharp ones whose wavelengths have no weight are left out.
 class SolvedMix : public ChannelMix {
   public:
-    SolvedMix(const std::vector<WavelengthSolution>& solutions, const ColourWeights& weights) {
+    SolvedMix(const std::vector<WavelengthSolution>& solutions, const std::vector<SharpPart>& sharp,
+              const ColourWeights& weights) {
         for (std::size_t w = 0; w < solutions.size(); ++w) {
-            if (weights[w] == std::array{0.0, 0.0, 0.0}) continue;
-            parts_.push_back({&solutions[w], weights[w]});
-            for (std::size_t c = 0; c < 3; ++c)
-                smooth_[c].add(solutions[w].smooth(), weights[w][c]);
+            for (std::size_t c = 0; c < 3; ++c) {
+                if (weights[w][c] != 0.0) smooth_[c].add(solutions[w].smooth(), weights[w][c]);
+            }
+        }
+        auto next = weights.begin();
+        for (const SharpPart& part : sharp) {
+            const auto last = next + static_cast<std::ptrdiff_t>(part.wavelengths());
+            const ColourWeights own(next, last);
+            next = last;
+            const bool counts = std::any_of(own.begin(), own.end(), [](const auto& weight) {
+                return weight != std::array{0.0, 0.0, 0.0};
+            });
+            if (counts) parts_.push_back({&part, own});
         }
     }
 
@@ -45,19 +57,24 @@ class SolvedMix : public ChannelMix {
             double* const target = values.data() + 3 * first;
             for (std::size_t c = 0; c < 3; ++c)
                 add_smooth(smooth_[c], rest.first(count), target + c, 3);
-            sharp.resize(count);
             for (const Part& part : parts_) {
-                part.solution->evaluate_sharp(rest.first(count), sharp.data(), 1);
-                for (std::size_t i = 0; i < 3 * count; ++i)
-                    target[i] += part.weight[i % 3] * sharp[i / 3];
+                const std::size_t wavelengths = part.weight.size();
+                sharp.resize(count * wavelengths);
+                part.sharp->evaluate(rest.first(count), sharp);
+                for (std::size_t i = 0; i < sharp.size(); ++i) {
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        target[i / wavelengths * 3 + c] +=
+                            part.weight[i % wavelengths][c] * sharp[i];
+                    }
+                }
             }
         }
     }
 
   private:
     struct Part {
-        const WavelengthSolution* solution;
-        std::array<double, 3> weight;
+        const SharpPart* sharp;
+        ColourWeights weight;
     };
     std::vector<Part> parts_;
     std::array<SmoothPart, 3> smooth_;
@@ -80,8 +97,12 @@ SolvedSource::SolvedSource(const Request& request, Component component,
                    "",
                    media.sources()};
     const bool layers = component != Component::surface;
-    const auto demand = demand_of(request, layers ? PhaseDemand::whole : PhaseDemand::moments_only);
-    const std::vector<SceneOptics> optics = media.optics(wavelength_nm_, demand, control);
+    const OpticsDemand demand = demand_of(request, PhaseDemand::whole);
+    Request probe = request;
+    probe.directions = probe_directions();
+    const std::vector<SceneOptics> optics =
+        layers ? visible_optics(media, probe, wavelength_nm_, demand, control)
+               : std::vector<SceneOptics>(wavelength_nm_.size());
     std::vector<std::optional<WavelengthSolution>> solved(optics.size());
     run_parallel("radiative transfer", optics.size(), control, [&](std::size_t w) {
         std::optional<std::complex<double>> surface_index;
@@ -94,6 +115,18 @@ SolvedSource::SolvedSource(const Request& request, Component component,
         solutions_.push_back(std::move(*solved[w]));
     }
     provenance_.accuracy = describe(accuracy_);
+    tabulate_sharp_parts(request.solver, control);
+}
+
+void SolvedSource::tabulate_sharp_parts(const rte::SolverOptions& solver,
+                                        const RunControl& control) {
+    constexpr std::size_t kMost = SharpPart::kMostWavelengths;
+    std::vector<std::optional<SharpPart>> parts((solutions_.size() + kMost - 1) / kMost);
+    run_parallel("first order", parts.size(), control, [&](std::size_t p) {
+        const std::size_t first = p * kMost, count = std::min(kMost, solutions_.size() - first);
+        parts[p].emplace(std::span(solutions_).subspan(first, count), solver);
+    });
+    for (auto& part : parts) sharp_.push_back(std::move(*part));
 }
 
 void SolvedSource::judge(const WavelengthSolution& solution, const SceneOptics& optics,
@@ -124,19 +157,28 @@ std::string describe(const SolverAccuracy& accuracy) {
 
 void SolvedSource::evaluate(std::span<const Direction> directions, std::span<double> values) const {
     const std::size_t stride = solutions_.size();
+    std::vector<double> sharp;
     for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
         const auto rest = directions.subspan(first);
         count = count_sharing_cosines(rest);
+        double* target = values.data() + first * stride;
+        for (const SharpPart& part : sharp_) {
+            const std::size_t wavelengths = part.wavelengths();
+            sharp.resize(count * wavelengths);
+            part.evaluate(rest.first(count), sharp);
+            for (std::size_t i = 0; i < sharp.size(); ++i)
+                target[i / wavelengths * stride + i % wavelengths] = sharp[i];
+            target += wavelengths;
+        }
         for (std::size_t w = 0; w < stride; ++w) {
-            double* const target = values.data() + first * stride + w;
-            solutions_[w].evaluate_sharp(rest.first(count), target, stride);
-            add_smooth(solutions_[w].smooth(), rest.first(count), target, stride);
+            add_smooth(solutions_[w].smooth(), rest.first(count),
+                       values.data() + first * stride + w, stride);
         }
     }
 }
 
 std::unique_ptr<ChannelMix> SolvedSource::mix(const ColourWeights& weights) const {
-    return std::make_unique<SolvedMix>(solutions_, weights);
+    return std::make_unique<SolvedMix>(solutions_, sharp_, weights);
 }
 
 Component parse_component(const std::string& name) {

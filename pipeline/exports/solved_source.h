@@ -1,7 +1,7 @@
 // A request solved at all its wavelengths, as the source of an export.
 #pragma once
 
-#include "pipeline/exports/wavelength_solution.h"
+#include "pipeline/exports/sharp_part.h"
 
 namespace miebrdf::exports {
 
@@ -26,6 +26,8 @@ class SolvedSource : public BrdfSource {
     /// @throws UsageError  also for Component::surface without a surface; InputError, Cancelled
     SolvedSource(const Request& request, Component component, const std::string& command_line,
                  const RunControl& control);
+    SolvedSource(const SolvedSource&) = delete;  // its parts refer to each other
+    SolvedSource& operator=(const SolvedSource&) = delete;
 
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return wavelength_nm_; }
@@ -36,12 +38,14 @@ class SolvedSource : public BrdfSource {
     const SolverAccuracy& accuracy() const { return accuracy_; }
 
   private:
+    void tabulate_sharp_parts(const rte::SolverOptions& solver, const RunControl& control);
     void judge(const WavelengthSolution& solution, const SceneOptics& optics, double wavelength_nm);
 
     std::vector<double> wavelength_nm_;
     std::vector<std::string> channels_;
     Provenance provenance_;
     std::vector<WavelengthSolution> solutions_;
+    std::vector<SharpPart> sharp_;  ///< of the solutions in their order, some at a time
     SolverAccuracy accuracy_;
 };
 

@@ -12,6 +12,7 @@ set(miebrdf_export_sources
     exports/deviation.cpp
     exports/exr_writer.cpp
     exports/file_check.cpp
+    exports/first_order.cpp
     exports/merl_writer.cpp
     exports/metadata.cpp
     exports/npz_writer.cpp
@@ -34,6 +35,7 @@ set(miebrdf_export_sources
     exports/rgb_source.cpp
     exports/rgb_weights.cpp
     exports/rgl_writer.cpp
+    exports/sharp_part.cpp
     exports/smooth_part.cpp
     exports/solved_source.cpp
     exports/spectrum_writer.cpp
@@ -44,8 +46,8 @@ set(miebrdf_export_sources
     exports/wavelength_solution.cpp)
 
 # What other programs may use; the rest of the headers are for these sources alone.
-foreach(header brdf_export.h brdf_source.h deviation.h file_check.h merl_writer.h readers/brdf_file.h
-               rgb_source.h rgb_weights.h smooth_part.h solved_source.h spectrum_writer.h
+foreach(header brdf_export.h brdf_source.h deviation.h file_check.h first_order.h merl_writer.h readers/brdf_file.h
+               rgb_source.h rgb_weights.h sharp_part.h smooth_part.h solved_source.h spectrum_writer.h
                table_grid.h wavelength_solution.h)
     get_filename_component(folder "${header}" DIRECTORY)
     install(FILES "${CMAKE_CURRENT_LIST_DIR}/${header}"

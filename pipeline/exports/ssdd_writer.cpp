@@ -15,17 +15,6 @@ void write_ssdd(const BrdfSource& source, int intervals, std::ostream& out,
                 const RunControl& control) {
     require_wavelengths(source, "ssdd");
     const PolarGrid grid = make_polar_grid("ssdd", intervals);
-    // Incident angle fastest, then outgoing, then azimuth.
-    std::vector<Direction> directions;
-    for (const double azimuth : grid.azimuth_deg) {
-        for (const double theta_out : grid.theta_deg) {
-            for (const double theta_in : grid.theta_deg) {
-                directions.push_back(
-                    {std::cos(theta_in * kDegree), std::cos(theta_out * kDegree), 180.0 - azimuth});
-            }
-        }
-    }
-    const std::vector<double> values = evaluate_all(source, directions, "table", control);
     const Provenance& origin = source.provenance();
     const auto description = metadata(source, {.format = "ssdd",
                                                .cosine_included = false,
@@ -39,8 +28,19 @@ void write_ssdd(const BrdfSource& source, int intervals, std::ostream& out,
     out << fmt::format("PARAM3_LIST {}\n", fmt::join(grid.azimuth_deg, " "));
     out << "NAME " << origin.title << "\nSOURCE_TYPE generated\nDATA binary\n";
     BinaryWriter binary(out);
-    const std::vector<float> floats(values.begin(), values.end());
-    binary.put_all(floats);
+    // Incident angle fastest, then outgoing, then azimuth: one azimuth at a time.
+    for (std::size_t a = 0; a < grid.azimuth_deg.size(); ++a) {
+        std::vector<Direction> directions;
+        for (const double theta_out : grid.theta_deg) {
+            for (const double theta_in : grid.theta_deg) {
+                directions.push_back({std::cos(theta_in * kDegree), std::cos(theta_out * kDegree),
+                                      180.0 - grid.azimuth_deg[a]});
+            }
+        }
+        const auto stage = fmt::format("azimuth {} of {}", a + 1, grid.azimuth_deg.size());
+        const std::vector<double> values = evaluate_all(source, directions, stage, control);
+        binary.put_all(std::vector<float>(values.begin(), values.end()));
+    }
 }
 
 }  // namespace miebrdf::exports

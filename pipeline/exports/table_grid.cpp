@@ -9,8 +9,6 @@
 #include "pipeline/parallel.h"
 
 namespace miebrdf::exports {
-namespace {
-
 void validate(const TableGrid& grid) {
     if (grid.size() == 0) throw UsageError("a table needs at least one mu_in, mu_out and azimuth");
     for (const auto* cosines : {&grid.mu_in, &grid.mu_out}) {
@@ -21,8 +19,6 @@ void validate(const TableGrid& grid) {
         }
     }
 }
-
-}  // namespace
 
 std::vector<double> sine_squared_cosines(int intervals) {
     std::vector<double> cosines;

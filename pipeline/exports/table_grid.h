@@ -21,6 +21,9 @@ std::vector<double> sine_squared_cosines(int intervals);
 /// `count` equally spaced numbers from first to last, both included.
 std::vector<double> equally_spaced(double first, double last, int count);
 
+/// @throws UsageError  for an empty list or directions out of range
+void validate(const TableGrid& grid);
+
 /// [wavelength][mu_in][mu_out][azimuth], azimuth fastest.
 /// @throws UsageError  for an empty list, directions out of range or a source without wavelengths;
 ///         Cancelled

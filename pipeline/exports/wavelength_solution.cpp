@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/probe_directions.h"
 #include "rte/discretisation.h"
 #include "rte/layered_reflection.h"
 #include "rte/order_tail.h"
@@ -13,15 +14,6 @@ namespace miebrdf::exports {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Narrow features closer to the horizon are those of this cosine.
-constexpr double kLeastCosine = 1e-3;
-
-/// The solver chooses streams and moments where everything shows: at directions of all kinds.
-const rte::Directions& probe() {
-    static const rte::Directions directions{
-        {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
-    return directions;
-}
 
 /// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
 Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
@@ -60,10 +52,9 @@ SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples
 
 WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
                                        std::optional<std::complex<double>> surface_index,
-                                       const Request& request, Component component)
-    : component_(component), exact_first_order_(request.solver.single_scattering_correction) {
-    if (component_ != Component::surface) solve(optics, request);
-    if (surface_index && component_ != Component::subsurface) {
+                                       const Request& request, Component component) {
+    if (component != Component::surface) solve(optics, request);
+    if (surface_index && component != Component::subsurface) {
         lobe_.emplace(*surface_index, *request.scene.surface);
         const rte::SurfaceTransmission transmission(*lobe_, request.scene.coupling);
         for (const double mu : SmoothPart::nodes()) {
@@ -76,7 +67,7 @@ WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
 
 void WavelengthSolution::solve(const SceneOptics& optics, const Request& request) {
     const std::vector<double>& nodes = SmoothPart::nodes();
-    report_ = rte::reflect(optics.stack, probe(), request.solver).report;
+    report_ = rte::reflect(optics.stack, probe_directions(), request.solver).report;
 
     rte::SolverOptions options = request.solver;
     options.streams = report_.streams;
@@ -100,49 +91,25 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
     const rte::MultipleScattering multiple = rte::sum_orders(
         scaled, grid, requested, azimuth_deg, rte::share_of_orders * options.tolerance, options);
     media_ = scaled.media;
-    if (exact_first_order_) {
-        narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.1 * options.tolerance);
-        narrow_.tabulate();
-    }
     smooth_ = tabulate(multiple, samples);
     report_.azimuthal_orders = multiple.orders;
     report_.converged = report_.converged && multiple.converged && multiple.physical;
 }
 
 Direction WavelengthSolution::worst_direction() const {
-    const std::size_t azimuths = probe().azimuth_deg.size(), outs = probe().mu_out.size();
+    const std::size_t azimuths = probe_directions().azimuth_deg.size(),
+                      outs = probe_directions().mu_out.size();
     const std::size_t pair = report_.worst_value / azimuths;
-    return {probe().mu_in[pair / outs], probe().mu_out[pair % outs],
-            probe().azimuth_deg[report_.worst_value % azimuths]};
+    return {probe_directions().mu_in[pair / outs], probe_directions().mu_out[pair % outs],
+            probe_directions().azimuth_deg[report_.worst_value % azimuths]};
 }
 
-void WavelengthSolution::add_layers(std::span<const Direction> directions, double* values,
-                                    std::size_t stride) const {
-    const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
-    const double transmitted =
-        lobe_ ? at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out) : 1.0;
-    std::vector<double> cos_azimuth;
-    for (const Direction& d : directions)
-        cos_azimuth.push_back(std::cos(d.azimuth_deg * kPi / 180));
-    std::vector<double> narrow(directions.size(), 0.0);
-    // The table ends at this cosine, and beyond its end it is a polynomial gone astray.
-    const double narrow_in = std::max(mu_in, kLeastCosine);
-    const double narrow_out = std::max(mu_out, kLeastCosine);
-    narrow_.add_to(narrow.data(), {&narrow_in, 1}, {&narrow_out, 1}, cos_azimuth);
-    for (std::size_t a = 0; a < directions.size(); ++a) {
-        const double first_order =
-            rte::single_scattering(media_, exact_first_order_, mu_in, mu_out, cos_azimuth[a]);
-        values[a * stride] += transmitted * (narrow[a] + first_order) / kPi;
-    }
+double WavelengthSolution::lobe(const Direction& direction) const {
+    return lobe_ ? lobe_->brdf(direction.mu_in, direction.mu_out, direction.azimuth_deg) : 0.0;
 }
 
-void WavelengthSolution::evaluate_sharp(std::span<const Direction> directions, double* values,
-                                        std::size_t stride) const {
-    for (std::size_t a = 0; a < directions.size(); ++a) {
-        const Direction& d = directions[a];
-        values[a * stride] = lobe_ ? lobe_->brdf(d.mu_in, d.mu_out, d.azimuth_deg) : 0.0;
-    }
-    if (component_ != Component::surface) add_layers(directions, values, stride);
+double WavelengthSolution::transmitted(double mu_in, double mu_out) const {
+    return lobe_ ? at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out) : 1.0;
 }
 
 void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,

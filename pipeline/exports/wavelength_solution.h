@@ -9,7 +9,6 @@
 #include "pipeline/exports/smooth_part.h"
 #include "pipeline/scene_optics.h"
 #include "rte/layered_brdf.h"
-#include "rte/narrow_features.h"
 #include "rte/single_scattering.h"
 
 namespace miebrdf::exports {
@@ -18,8 +17,8 @@ namespace miebrdf::exports {
 enum class Component { total, subsurface, surface };
 
 /// Light scattered more than once is smooth and comes from a table (SmoothPart). What has sharp
-/// features, the first order of scattering and the surface lobe, is evaluated exactly at every
-/// direction. The BRDF is the sum of both.
+/// features, the first order of scattering (FirstOrder) and the surface lobe, is evaluated exactly
+/// at every direction. The BRDF is the sum of all.
 class WavelengthSolution {
   public:
     /// @param surface_index  n + ik of a rough surface on top; empty: there is none
@@ -28,10 +27,16 @@ class WavelengthSolution {
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
-    /// The sharp part of the BRDF at directions that share their cosines.
-    /// @param stride  distance between values of consecutive directions
-    void evaluate_sharp(std::span<const Direction> directions, double* values,
-                        std::size_t stride) const;
+    /// What scatters light once, without the surface; empty for the surface alone.
+    const std::vector<rte::ScaledMedium>& media() const { return media_; }
+    /// When their first order has been tabulated.
+    void drop_media() { media_.clear(); }
+
+    /// The surface lobe's BRDF; 0 without one.
+    double lobe(const Direction& direction) const;
+    /// What the surface lets through of light from below; 1 without one.
+    double transmitted(double mu_in, double mu_out) const;
+    bool has_surface() const { return lobe_.has_value(); }
 
     const rte::SolverReport& report() const { return report_; }
     /// Where the solver's error estimate is largest, among the directions that it was asked for.
@@ -39,14 +44,8 @@ class WavelengthSolution {
 
   private:
     void solve(const SceneOptics& optics, const Request& request);
-    /// Adds what the surface lets through of the first order of scattering.
-    void add_layers(std::span<const Direction> directions, double* values,
-                    std::size_t stride) const;
 
-    Component component_;
-    bool exact_first_order_ = true;
     std::vector<rte::ScaledMedium> media_;
-    rte::NarrowFeatures narrow_;
     SmoothPart smooth_;
     std::optional<rte::SurfaceLobe> lobe_;
     std::vector<double> factor_in_, factor_out_;  ///< of the surface, at the nodes

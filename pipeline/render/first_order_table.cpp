@@ -25,16 +25,6 @@ double slant_node(std::size_t j) {
     return std::exp(kFirstLogQ + (kLastLogQ - kFirstLogQ) * double(j) / (kSlants - 1));
 }
 
-double strength_times_phase(const rte::ScaledMedium& medium, bool exact, double cos_theta) {
-    const rte::ScaledOptics& scaled = medium.scaled;
-    if (exact) {
-        return medium.exact.single_scattering_albedo / scaled.depth_factor *
-               rte::exact_phase(medium.exact, cos_theta);
-    }
-    return scaled.albedo *
-           math::legendre_series({scaled.chi.data(), std::size_t(scaled.chi.size())}, cos_theta);
-}
-
 }  // namespace
 
 FirstOrderTable::FirstOrderTable(const std::vector<std::vector<rte::ScaledMedium>>& stacks,
@@ -55,7 +45,7 @@ void FirstOrderTable::add_layers(const std::vector<std::vector<rte::ScaledMedium
             depth_[layer * stride_ + w] = float(medium.optical_depth);
             for (std::size_t a = 0; a < kAngles; ++a) {
                 phase_[(layer * kAngles + a) * stride_ + w] =
-                    float(strength_times_phase(medium, exact, std::cos(angle_node(a))));
+                    float(rte::first_order_strength(medium, exact, std::cos(angle_node(a))));
             }
         }
     }

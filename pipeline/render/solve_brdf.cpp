@@ -8,9 +8,10 @@
 #include "pipeline/brdf.h"
 #include "pipeline/error.h"
 #include "pipeline/parallel.h"
+#include "pipeline/probe_directions.h"
 #include "pipeline/render/solved_brdf.h"
 #include "pipeline/render/table_nodes.h"
-#include "pipeline/scene_optics.h"
+#include "pipeline/visible_layers.h"
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
 #include "rte/order_tail.h"
@@ -59,7 +60,10 @@ class SolvedBrdfBuilder {
     void add_optics(const Request& request) {
         const SceneMedia media(request);
         const OpticsDemand demand = demand_of(request, PhaseDemand::whole);
-        for (SceneOptics& optics : media.optics(request.wavelength_nm, demand, control_)) {
+        Request probe = request;
+        probe.directions = probe_directions();
+        for (SceneOptics& optics :
+             visible_optics(media, probe, request.wavelength_nm, demand, control_)) {
             optics_.push_back(std::move(optics));
         }
         if (request.scene.surface) {
@@ -78,11 +82,7 @@ class SolvedBrdfBuilder {
     /// Column w of the table: (mu_in + mu_out) R without the first order.
     rte::SolverReport solve(std::size_t w, std::vector<rte::ScaledMedium>& media) {
         const rte::Stack& stack = optics_[w].stack;
-        // Streams and moments are chosen where a picture shows something: the table's own
-        // directions at the very horizon would ask for many more.
-        const rte::Directions probe{
-            {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
-        rte::SolverReport report = rte::reflect(stack, probe, solver_).report;
+        rte::SolverReport report = rte::reflect(stack, probe_directions(), solver_).report;
         rte::SolverOptions options = solver_;
         options.streams = report.streams;
         const rte::ScaledStack scaled = rte::scale_stack(stack, report.moments, options.delta_m);

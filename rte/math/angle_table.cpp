@@ -30,9 +30,17 @@ double node_angle(double lower, double upper, int i) {
     return std::clamp(0.5 * (lower + upper) + 0.5 * (upper - lower) * t, 0.0, pi);
 }
 
+// Row = function, column = degree.
+bool has_converged(const Eigen::MatrixXd& coefficients, const AngleTolerance& tolerance) {
+    const Eigen::ArrayXd tail = coefficients.rightCols(2).cwiseAbs().rowwise().maxCoeff();
+    const Eigen::ArrayXd largest = coefficients.cwiseAbs().rowwise().maxCoeff();
+    return (tail <= tolerance.absolute + tolerance.relative * largest).all();
+}
+
 }  // namespace
 
-AngleTable::AngleTable(const Functions& functions, double narrowest, double tolerance) {
+AngleTable::AngleTable(const Functions& functions, double narrowest,
+                       const AngleTolerance& tolerance) {
     std::vector<Panel> panels = first_panels();
     while (!panels.empty()) panels = refine(panels, functions, narrowest, tolerance);
     sort_panels();
@@ -49,7 +57,7 @@ std::vector<AngleTable::Panel> AngleTable::first_panels() const {
 
 std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& panels,
                                                   const Functions& functions, double narrowest,
-                                                  double tolerance) {
+                                                  const AngleTolerance& tolerance) {
     static const NodeMatrix analysis = make_analysis();
     Eigen::VectorXd angles(Eigen::Index(panels.size()) * nodes);
     for (std::size_t p = 0; p < panels.size(); ++p) {
@@ -64,8 +72,7 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
         const auto [lower, upper] = panels[p];
         const Eigen::MatrixXd coefficients =
             values.middleRows(Eigen::Index(p) * nodes, nodes).transpose() * analysis;
-        const double tail = coefficients.rightCols(2).cwiseAbs().maxCoeff();
-        if (tail <= tolerance || upper - lower <= narrowest) {
+        if (upper - lower <= narrowest || has_converged(coefficients, tolerance)) {
             lower_.push_back(lower);
             upper_.push_back(upper);
             coefficients_.push_back(coefficients);
@@ -95,21 +102,16 @@ void AngleTable::sort_panels() {
     coefficients_ = std::move(coefficients);
 }
 
-double AngleTable::combined(double angle, const Eigen::Ref<const Eigen::VectorXd>& weights) const {
+void AngleTable::evaluate(double angle, Eigen::Ref<Eigen::VectorXd> values) const {
     const auto above = std::lower_bound(upper_.begin(), upper_.end() - 1, angle);
     const auto panel = std::size_t(above - upper_.begin());
     const double t =
         (2.0 * angle - lower_[panel] - upper_[panel]) / (upper_[panel] - lower_[panel]);
-    Eigen::Matrix<double, nodes, 1> c;
-    c.noalias() = coefficients_[panel].transpose() * weights;
-    double b1 = 0.0;
-    double b2 = 0.0;
-    for (int k = nodes - 1; k >= 1; --k) {
-        const double b = c[k] + 2.0 * t * b1 - b2;
-        b2 = b1;
-        b1 = b;
-    }
-    return c[0] + t * b1 - b2;
+    Eigen::Matrix<double, nodes, 1> chebyshev;
+    chebyshev[0] = 1.0;
+    chebyshev[1] = t;
+    for (int k = 2; k < nodes; ++k) chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
+    values.noalias() = coefficients_[panel] * chebyshev;
 }
 
 }  // namespace miebrdf::math

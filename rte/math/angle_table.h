@@ -8,8 +8,14 @@
 
 namespace miebrdf::math {
 
+/// How well each function must be known; at a panel the sum of both counts.
+struct AngleTolerance {
+    double absolute = 0.0;
+    double relative = 0.0;  ///< to the largest coefficient of the function in the panel
+};
+
 /// Several functions of one angle on common panels. Panels are halved until the last two Chebyshev
-/// coefficients of every function are below the tolerance.
+/// coefficients of every function are within the tolerance.
 class AngleTable {
   public:
     static constexpr int nodes = 8;  ///< of a panel
@@ -20,14 +26,15 @@ class AngleTable {
     /// @param functions  called with the nodes of many panels at a time
     /// @param narrowest  no panel gets narrower than this: where the functions are a known sum of
     ///                   waves, half a wavelength of the shortest
-    /// @param tolerance  absolute
-    AngleTable(const Functions& functions, double narrowest, double tolerance);
+    AngleTable(const Functions& functions, double narrowest, const AngleTolerance& tolerance);
 
     int function_count() const { return function_count_; }
+    std::size_t panel_count() const { return upper_.size(); }
 
-    /// sum_j weights_j f_j(angle).
-    /// @param angle  in [0, pi]
-    double combined(double angle, const Eigen::Ref<const Eigen::VectorXd>& weights) const;
+    /// The functions at one angle.
+    /// @param angle   in [0, pi]
+    /// @param values  function_count() of them
+    void evaluate(double angle, Eigen::Ref<Eigen::VectorXd> values) const;
 
   private:
     struct Panel {
@@ -36,7 +43,7 @@ class AngleTable {
     std::vector<Panel> first_panels() const;
     /// Keeps what has converged, returns the halves of the others.
     std::vector<Panel> refine(const std::vector<Panel>& panels, const Functions& functions,
-                              double narrowest, double tolerance);
+                              double narrowest, const AngleTolerance& tolerance);
     void sort_panels();
 
     int function_count_ = 0;

@@ -1,5 +1,6 @@
 // Every format through a reader that owes nothing to this project, against the BRDF itself at
-// random directions. Bounds are twice what a correct writer of the format reached on this material.
+// random directions. Bounds are twice what a correct writer of the format reached on this material;
+// at the horizon those of rgl are tighter: with zeros below it, the errors are 0.5 at 64.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -68,17 +69,17 @@ const Format kFormats[] = {
      support::scatfun_file},
     {"rgl spectral, 32",
      true,
-     {1.68e-2, 9.8e-2, 1.12},
+     {1.68e-2, 9.8e-2, 0.6},
      [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {.resolution = 32}, out); },
      support::tensor_bsdf_file},
     {"rgl spectral, 64",
      true,
-     {4.4e-3, 3.2e-2, 0.52},
+     {4.4e-3, 3.2e-2, 0.32},
      [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {}, out); },
      support::tensor_bsdf_file},
     {"rgl RGB, 64",
      false,
-     {4.4e-3, 3.2e-2, 0.52},
+     {4.4e-3, 3.2e-2, 0.32},
      [](const auto&, const auto& rgb, auto& out) { write_rgl_rgb(rgb, {}, out); },
      support::tensor_bsdf_file},
     {"merl",

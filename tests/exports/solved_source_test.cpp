@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pipeline/brdf.h"
 #include "pipeline/error.h"
@@ -76,6 +77,21 @@ TEST_CASE("at the horizon itself the BRDF of large spheres is that just above it
     }
 }
 
+TEST_CASE("the number of threads changes no bit of a solved source", "[exports][solved_source]") {
+    Request request = half_space_request();
+    request.scene.coats = {{HenyeyGreensteinMedium{0.6, 0.2}, 0.1}};
+    for (int w = 0; w < 18; ++w) request.wavelength_nm.push_back(610 + 10 * w);  // two tables
+    const std::vector<Direction> directions = random_directions(50, 4);
+    std::vector<std::vector<double>> values;
+    for (const int threads : {1, 2, 7}) {
+        const RunControl control{.threads = threads};
+        const SolvedSource source(request, Component::total, "", control);
+        values.push_back(evaluate_all(source, directions, "test", control));
+    }
+    CHECK(values[0] == values[1]);
+    CHECK(values[0] == values[2]);
+}
+
 TEST_CASE("components add up: total is the surface and what it lets through",
           "[exports][solved_source]") {
     Request request = half_space_request();
@@ -112,6 +128,44 @@ TEST_CASE("what is not converged says where and how widely, and so does the file
     CHECK_THAT(describe(accuracy), Catch::Contains("mu_in 0.05") && Catch::Contains("azimuth 0 ") &&
                                        Catch::Contains("% of the directions"));
     CHECK(source.provenance().accuracy == describe(accuracy));
+}
+
+TEST_CASE("layers that do not show are not computed for an export either",
+          "[exports][solved_source]") {
+    Request request;
+    request.wavelength_nm = {500, 600};
+    request.scene.base = IndexMedium{{1.5, 0.0}};
+    request.scene.particles.sizes.effective_radius_um = 1;
+    std::map<std::string, std::size_t> jobs;
+    RunControl control{.threads = 1};
+    control.progress = [&](const std::string& stage, std::size_t, std::size_t total) {
+        jobs[stage] = total;
+    };
+    SECTION("under a deep coat") {
+        request.scene.coats = {{HenyeyGreensteinMedium{0.3, 0.1}, 60.0}};
+        const SolvedSource source(request, Component::total, "", control);
+        CHECK(jobs["single scattering"] == 2);  // the coat at two wavelengths, no base
+        // What lies below light that is lost after 60 optical depths cannot matter.
+        request.scene.base = IsotropicMedium{0.0};
+        const SolvedSource black(request, Component::total, "", {});
+        CHECK(source.provenance().sources.size() == 2);  // the scene is still what was asked for
+        for (const Direction& d : random_directions(30, 9)) {
+            double values[2][2];
+            source.evaluate({&d, 1}, values[0]);
+            black.evaluate({&d, 1}, values[1]);
+            CHECK(std::abs(values[0][0] / values[1][0] - 1) <= 2e-3);
+        }
+    }
+    SECTION("under the surface alone") {
+        request.scene.surface = rte::SurfaceOptions{};
+        const SolvedSource source(request, Component::surface, "", control);
+        CHECK(jobs.count("single scattering") == 0);
+    }
+    SECTION("but what shows is") {
+        request.scene.coats = {{HenyeyGreensteinMedium{0.3, 0.1}, 0.5}};
+        const SolvedSource source(request, Component::total, "", control);
+        CHECK(jobs["single scattering"] == 4);
+    }
 }
 
 TEST_CASE("a surface that is not there cannot be exported", "[exports][solved_source][errors]") {

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace miebrdf;
     try {
         const auto file =
-            exports::MIEBRDF_READER(std::string_view(reinterpret_cast<const char*>(data), size));
+            exports::MIEBRDF_READER(std::string(reinterpret_cast<const char*>(data), size));
         std::vector<double> values(file->channels().size());
         for (const double mu : {1e-9, 0.3, 1.0}) {
             file->evaluate({mu, 0.7, 200.0}, values);

@@ -2,8 +2,14 @@
 
 #include <sys/stat.h>
 
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
 #include "pipeline/error.h"
 #include "tests/support/catch.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
@@ -75,4 +81,87 @@ TEST_CASE("an abrupt end can remove what is unfinished, and nothing else",
     remove_unfinished_files();
     CHECK(folder.count() == 1);
     CHECK(std::filesystem::exists(folder / "done.csv"));
+}
+
+TEST_CASE("many threads write the same file and others: each is whole, with a new file's mode",
+          "[pipeline][atomic_file]") {
+    const support::TemporaryFolder folder;
+    const mode_t before = ::umask(027);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 8; ++t) {
+        threads.emplace_back([&, t] {
+            for (int i = 0; i < 50; ++i) {
+                AtomicFile common(folder / "common"), own(folder / ("own" + std::to_string(t)));
+                common.stream() << std::string(5000, char('a' + t));
+                own.stream() << std::string(3000, char('a' + t));
+                common.commit();
+                if (i % 2 == 1) own.commit();
+            }
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
+    CHECK(::umask(before) == 027);
+    CHECK(folder.count() == 9);
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        const std::string content = support::read_file(entry.path());
+        CHECK(content.size() == (entry.path().filename() == "common" ? 5000 : 3000));
+        CHECK(content == std::string(content.size(), content[0]));
+        CHECK((int(entry.status().permissions()) & 0777) == 0640);
+    }
+}
+
+TEST_CASE("more files than the list has places: only an abrupt end could leave the rest",
+          "[pipeline][atomic_file]") {
+    const support::TemporaryFolder folder;
+    {
+        std::vector<std::unique_ptr<AtomicFile>> files;
+        for (int i = 0; i < 100; ++i)
+            files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
+        remove_unfinished_files();
+        CHECK(folder.count() == 36);
+    }
+    CHECK(folder.count() == 0);
+    AtomicFile again(folder / "again");  // the places are free again
+    remove_unfinished_files();
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("an abrupt end in the midst of many threads leaves whole files and no temporary ones",
+          "[pipeline][atomic_file]") {
+    for (int round = 0; round < 20; ++round) {
+        const support::TemporaryFolder folder;
+        const pid_t child = support::in_child(
+            [&] {
+                std::atomic<bool> ends = false;
+                std::atomic<int> written = 0;
+                std::vector<std::thread> threads;
+                for (int t = 0; t < 4; ++t) {
+                    threads.emplace_back([&, t] {
+                        while (!ends) {
+                            AtomicFile file(folder / std::to_string(t));
+                            file.stream() << std::string(2000, 'x');
+                            if (ends) break;
+                            try {
+                                file.commit();
+                            } catch (const InputError&) {  // its temporary has been removed
+                            }
+                            ++written;
+                        }
+                    });
+                }
+                while (written < 20) std::this_thread::yield();
+                // The threads go on, as they do under a handler; only new files must not appear
+                // after the last look.
+                remove_unfinished_files();
+                ends = true;
+                for (std::thread& thread : threads) thread.join();
+            },
+            [](const std::exception&) { return 1; });
+        REQUIRE(support::exit_code(child) == 0);
+        CHECK(folder.count() <= 4);
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+            CHECK(entry.path().filename().string().size() == 1);
+            CHECK(std::filesystem::file_size(entry.path()) == 2000);
+        }
+    }
 }

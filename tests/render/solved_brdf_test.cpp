@@ -44,6 +44,22 @@ double disc_mean(const SpectralPicture& picture) { return mean_radiance(picture)
 
 }  // namespace
 
+TEST_CASE("layers that do not show are not computed for a picture either", "[render][solved]") {
+    Request request = request_of("index:1.5,0", {"hg:0.3,0.1@60"});
+    request.scene.particles.sizes.effective_radius_um = 1;
+    std::size_t media = 0;
+    RunControl control{.threads = 1};
+    control.progress = [&](const std::string& stage, std::size_t, std::size_t total) {
+        if (stage == "single scattering") media = std::max(media, total);
+    };
+    const auto brdf = solve_brdf({request}, Component::total, {}, control);
+    CHECK(media == 1);  // the coat
+    CHECK(std::abs(
+              value(*brdf, 0.5, 0.6, 40) /
+                  value(*solve_brdf({request_of("hg:0.3,0.1")}, Component::total), 0.5, 0.6, 40) -
+              1) <= 2e-3);
+}
+
 TEST_CASE("the table agrees with the solver between its nodes", "[render][solved]") {
     const Request request =
         GENERATE(request_of("hg:0.95,0.7"), request_of("isotropic:1"),

@@ -91,7 +91,7 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, 24, true).media;
     const double tolerance = 1e-7;
     const double mu_least = 0.01;
-    rte::NarrowFeatures features(media, mu_least, tolerance);
+    rte::NarrowFeatures features({&media, 1}, mu_least, tolerance);
     if (GENERATE(false, true)) features.tabulate();
     REQUIRE(!features.none());
     double largest = 0.0;

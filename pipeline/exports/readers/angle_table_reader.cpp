@@ -38,13 +38,8 @@ void require(const std::map<std::string, std::string>& entries, const char* name
         throw InputError(fmt::format("ssdd: {} is '{}'; only '{}' is read", name, value, wanted));
 }
 
-std::vector<double> ssdd_values(const std::map<std::string, std::string>& entries, TextLines& lines,
-                                std::size_t count) {
-    if (entries.at("DATA") == "binary") {
-        ByteReader bytes(lines.rest());
-        const std::vector<float> floats = bytes.reals<float>(count);
-        return {floats.begin(), floats.end()};
-    }
+/// As many numbers in text.
+std::vector<double> text_values(TextLines& lines, std::size_t count) {
     std::vector<double> values;
     for (std::string_view line; lines.next(line) && values.size() < count;) {
         if (line.empty() || line[0] == '#') continue;
@@ -63,8 +58,9 @@ bool looks_like_ssdd(std::string_view content) {
            content.substr(0, 1 << 20).find("\nDATA_TYPE ") != content.npos;
 }
 
-std::unique_ptr<BrdfFile> read_ssdd(std::string_view content) {
-    TextLines lines(content, "ssdd");
+std::unique_ptr<BrdfFile> read_ssdd(std::string whole) {
+    const auto content = std::make_shared<const std::string>(std::move(whole));
+    TextLines lines(*content, "ssdd");
     const auto entries = read_ssdd_header(lines);
     require(entries, "DATA_TYPE", "brdf");
     require(entries, "COLOR_MODEL", "spectrum");
@@ -89,20 +85,25 @@ std::unique_ptr<BrdfFile> read_ssdd(std::string_view content) {
     std::uint64_t count = 1;
     for (const std::size_t extent : {w, i, o, a}) {
         count *= extent;
-        if (count > content.size())
+        if (count > content->size())
             throw InputError("ssdd: the lists announce more values than the file has bytes");
     }
-    const std::vector<double> values = ssdd_values(entries, lines, count);
-    table.values.resize(count);
-    std::size_t index = 0;
-    for (std::size_t azimuth = a; azimuth-- > 0;) {
-        for (std::size_t out = 0; out < o; ++out) {
-            for (std::size_t in = 0; in < i; ++in) {
-                for (std::size_t c = 0; c < w; ++c) {
-                    table.values[((c * i + in) * o + out) * a + azimuth] = values[index++];
-                }
-            }
-        }
+    // Stored by azimuth (from the source, ours runs from the mirror side), outgoing and incident
+    // angle, then wavelength.
+    const auto stored = [=](std::size_t index) {
+        const std::size_t azimuth = a - 1 - index % a, out = index / a % o, in = index / a / o % i;
+        return ((azimuth * o + out) * i + in) * w + index / a / o / i;
+    };
+    table.count = count;
+    if (entries.at("DATA") == "binary") {
+        ByteReader bytes(lines.rest());
+        table.value = [content, stored, floats = bytes.view<float>(count)](std::size_t index) {
+            return double(floats[stored(index)]);
+        };
+    } else {
+        table.value = [stored, values = text_values(lines, count)](std::size_t index) {
+            return values[stored(index)];
+        };
     }
     return make_grid_file(std::move(table));
 }
@@ -111,7 +112,7 @@ bool looks_like_astm(std::string_view content) {
     return content.substr(0, 1 << 20).find("VARS theta_i,phi_i,theta_s,phi_s,") != content.npos;
 }
 
-std::unique_ptr<BrdfFile> read_astm(std::string_view content) {
+std::unique_ptr<BrdfFile> read_astm(std::string content) {
     constexpr std::string_view kVariables = "VARS theta_i,phi_i,theta_s,phi_s,";
     TextLines lines(content, "astm");
     std::vector<double> wavelengths;
@@ -126,7 +127,11 @@ std::unique_ptr<BrdfFile> read_astm(std::string_view content) {
             names.remove_prefix(std::min(comma + 1, names.size()));
         }
     }
-    GridCollector rows("astm");
+    // Each number takes two bytes at least, whatever the lists announce.
+    const auto line_count =
+        static_cast<std::size_t>(std::count(content.begin(), content.end(), '\n'));
+    GridCollector rows("astm", wavelengths.size(),
+                       std::min(line_count, content.size() / 2 / (4 + wavelengths.size())));
     // Angles are rounded in the file; a microdegree tells directions apart.
     const auto degrees = [](double radians) {
         return std::round(radians * kDegreesOfRadian * 1e6) / 1e6;
@@ -137,12 +142,12 @@ std::unique_ptr<BrdfFile> read_astm(std::string_view content) {
         if (row.size() != 4 + wavelengths.size()) {
             lines.refuse(fmt::format("{} fields; expected {}", row.size(), 4 + wavelengths.size()));
         }
-        for (std::size_t w = 0; w < wavelengths.size(); ++w) {
-            rows.add(wavelengths[w], degrees(row[0]), degrees(row[2]),
-                     degrees(std::numbers::pi - (row[3] - row[1])), row[4 + w]);
-        }
+        rows.add(0.0, degrees(row[0]), degrees(row[2]),
+                 degrees(std::numbers::pi - (row[3] - row[1])), std::span(row).subspan(4));
     }
-    return make_grid_file(std::move(rows).table(Elevation::angle_deg));
+    GridTable table = std::move(rows).table(Elevation::angle_deg);
+    table.wavelength_nm = wavelengths;
+    return make_grid_file(std::move(table));
 }
 
 }  // namespace miebrdf::exports

@@ -15,7 +15,7 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t{4} << 30;
 
 struct Format {
     bool (*recognises)(std::string_view);
-    std::unique_ptr<BrdfFile> (*read)(std::string_view);
+    std::unique_ptr<BrdfFile> (*read)(std::string);
 };
 
 /// Formats with an unmistakable beginning first.
@@ -41,11 +41,11 @@ std::optional<Direction> BrdfFile::sample(double, double, double) const { return
 
 double BrdfFile::density(const Direction&) const { return 0.0; }
 
-std::unique_ptr<BrdfFile> read_brdf_file(std::string_view content, const std::string& name) {
+std::unique_ptr<BrdfFile> read_brdf_file(std::string content, const std::string& name) {
     for (const Format& format : kFormats) {
         if (!format.recognises(content)) continue;
         try {
-            return format.read(content);
+            return format.read(std::move(content));
         } catch (const InputError& error) {
             throw InputError(fmt::format("'{}': {}", name, printable(error.what())));
         }
@@ -68,7 +68,7 @@ std::unique_ptr<BrdfFile> open_brdf_file(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     file.read(content.data(), static_cast<std::streamsize>(size));
     if (!file) throw InputError(fmt::format("'{}' cannot be read", path));
-    return read_brdf_file(content, path);
+    return read_brdf_file(std::move(content), path);
 }
 
 }  // namespace miebrdf::exports

@@ -41,11 +41,12 @@ class BrdfFile {
     virtual double density(const Direction& direction) const;
 };
 
-/// Reads whatever `content` is, recognised by its first bytes and structure, not by a name. Memory
-/// stays in proportion to the size of the content, whatever its header claims.
+/// Reads whatever `content` is, recognised by its first bytes and structure, not by a name. Binary
+/// formats are read where they are, others into no more than their text takes; memory stays in
+/// proportion to the size of the content, whatever its header claims.
 /// @param name  for messages
 /// @throws InputError  for an unknown, damaged, truncated or inconsistent file
-std::unique_ptr<BrdfFile> read_brdf_file(std::string_view content, const std::string& name);
+std::unique_ptr<BrdfFile> read_brdf_file(std::string content, const std::string& name);
 
 /// The same from disk. @throws InputError
 std::unique_ptr<BrdfFile> open_brdf_file(const std::string& path);
@@ -62,15 +63,15 @@ bool looks_like_ssdd(std::string_view content);
 bool looks_like_astm(std::string_view content);
 bool looks_like_radiance(std::string_view content);
 
-std::unique_ptr<BrdfFile> read_pbrt(std::string_view content);
-std::unique_ptr<BrdfFile> read_rgl(std::string_view content);
-std::unique_ptr<BrdfFile> read_merl(std::string_view content);
-std::unique_ptr<BrdfFile> read_npz(std::string_view content);
-std::unique_ptr<BrdfFile> read_exr(std::string_view content);
-std::unique_ptr<BrdfFile> read_json(std::string_view content);
-std::unique_ptr<BrdfFile> read_csv(std::string_view content);
-std::unique_ptr<BrdfFile> read_ssdd(std::string_view content);
-std::unique_ptr<BrdfFile> read_astm(std::string_view content);
-std::unique_ptr<BrdfFile> read_radiance(std::string_view content);
+std::unique_ptr<BrdfFile> read_pbrt(std::string content);
+std::unique_ptr<BrdfFile> read_rgl(std::string content);
+std::unique_ptr<BrdfFile> read_merl(std::string content);
+std::unique_ptr<BrdfFile> read_npz(std::string content);
+std::unique_ptr<BrdfFile> read_exr(std::string content);
+std::unique_ptr<BrdfFile> read_json(std::string content);
+std::unique_ptr<BrdfFile> read_csv(std::string content);
+std::unique_ptr<BrdfFile> read_ssdd(std::string content);
+std::unique_ptr<BrdfFile> read_astm(std::string content);
+std::unique_ptr<BrdfFile> read_radiance(std::string content);
 
 }  // namespace miebrdf::exports

@@ -14,6 +14,27 @@
 
 namespace miebrdf::exports {
 
+/// Little-endian numbers where they lie in a file, at any alignment.
+template <std::floating_point Real>
+class RealView {
+  public:
+    RealView() = default;
+    explicit RealView(std::string_view bytes) : bytes_(bytes) {}
+    std::size_t size() const { return bytes_.size() / sizeof(Real); }
+    Real operator[](std::size_t i) const {
+        static_assert(std::endian::native == std::endian::little);
+        Real value;
+        std::memcpy(&value, bytes_.data() + i * sizeof(Real), sizeof(Real));
+        return value;
+    }
+    RealView part(std::size_t first, std::size_t count) const {
+        return RealView(bytes_.substr(first * sizeof(Real), count * sizeof(Real)));
+    }
+
+  private:
+    std::string_view bytes_;
+};
+
 class ByteReader {
   public:
     explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
@@ -50,17 +71,22 @@ class ByteReader {
         return value;
     }
 
-    /// `count` floats or doubles; nothing is allocated unless they are all there.
+    /// `count` floats or doubles, where they are. @throws InputError  unless they are all there
     template <std::floating_point Real>
-    std::vector<Real> reals(std::uint64_t count) {
-        static_assert(std::endian::native == std::endian::little);
+    RealView<Real> view(std::uint64_t count) {
         if (count > remaining() / sizeof(Real)) {
             throw InputError(
                 fmt::format("{} numbers announced, {} bytes left", count, remaining()));
         }
-        const std::string_view bytes = take(count * sizeof(Real));
+        return RealView<Real>(take(count * sizeof(Real)));
+    }
+
+    /// A copy of them.
+    template <std::floating_point Real>
+    std::vector<Real> reals(std::uint64_t count) {
+        const RealView<Real> numbers = view<Real>(count);
         std::vector<Real> values(count);
-        if (count > 0) std::memcpy(values.data(), bytes.data(), bytes.size());
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = numbers[i];
         return values;
     }
 

@@ -96,7 +96,8 @@ GridTable read_table(std::string_view content) {
     }
     file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
-    table.values.assign(planes.begin(), planes.end());
+    table.count = planes.size();
+    table.value = [planes = std::move(planes)](std::size_t i) { return double(planes[i]); };
     return table;
 }
 
@@ -104,7 +105,7 @@ GridTable read_table(std::string_view content) {
 
 bool looks_like_exr(std::string_view content) { return content.starts_with("\x76\x2f\x31\x01"); }
 
-std::unique_ptr<BrdfFile> read_exr(std::string_view content) {
+std::unique_ptr<BrdfFile> read_exr(std::string content) {
     Imf::Header::setMaxImageSize(1 << 16, 1 << 20);  // of what the library will allocate for
     try {
         return make_grid_file(read_table(content));

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 
 #include "pipeline/error.h"
 
 namespace miebrdf::exports {
 namespace {
+
+constexpr std::size_t kAxes = 4;  // of a collector's places
 
 struct Position {
     std::size_t low = 0, high = 0;
@@ -42,11 +46,11 @@ class GridFile : public BrdfFile {
         require_ascending(table_, table_.azimuth_deg, "azimuth");
         if (table_.channels.empty()) table_.channels = channel_names(table_.wavelength_nm);
         plane_ = table_.in.size() * table_.out.size() * table_.azimuth_deg.size();
-        if (table_.channels.empty() || table_.values.size() / plane_ != table_.channels.size() ||
-            table_.values.size() % plane_ != 0) {
+        if (table_.channels.empty() || table_.count / plane_ != table_.channels.size() ||
+            table_.count % plane_ != 0) {
             throw InputError(fmt::format("{}: {} values for {} channels of {} directions",
-                                         table_.format, table_.values.size(),
-                                         table_.channels.size(), plane_));
+                                         table_.format, table_.count, table_.channels.size(),
+                                         plane_));
         }
     }
 
@@ -71,8 +75,8 @@ class GridFile : public BrdfFile {
                 if (weight == 0.0) continue;
                 const std::size_t row = ((corner & 1) != 0 ? i.high : i.low) * table_.out.size() +
                                         ((corner & 2) != 0 ? o.high : o.low);
-                sum += weight * table_.values[c * plane_ + row * table_.azimuth_deg.size() +
-                                              ((corner & 4) != 0 ? a.high : a.low)];
+                sum += weight * table_.value(c * plane_ + row * table_.azimuth_deg.size() +
+                                             ((corner & 4) != 0 ? a.high : a.low));
             }
             values[c] = sum;
         }
@@ -100,49 +104,70 @@ std::unique_ptr<BrdfFile> make_grid_file(GridTable table) {
     return std::make_unique<GridFile>(std::move(table));
 }
 
-void GridCollector::add(double channel, double in, double out, double azimuth_deg, double value) {
-    for (const double number : {channel, in, out, azimuth_deg}) {
+void GridTable::set_values(std::vector<double> values) {
+    count = values.size();
+    value = [list = std::move(values)](std::size_t i) { return list[i]; };
+}
+
+GridCollector::GridCollector(std::string format, std::size_t columns, std::size_t rows)
+    : format_(std::move(format)), columns_(columns) {
+    places_.reserve(4 * rows);
+    values_.reserve(columns * rows);
+}
+
+void GridCollector::add(double wavelength_nm, double in, double out, double azimuth_deg,
+                        std::span<const double> values) {
+    for (const double number : {wavelength_nm, in, out, azimuth_deg}) {
         if (!std::isfinite(number))
             throw InputError(fmt::format("{}: {} is no number", format_, number));
+        places_.push_back(number);
     }
-    entries_.push_back({{channel, in, out, azimuth_deg}, value});
+    values_.insert(values_.end(), values.begin(), values.end());
 }
 
 GridTable GridCollector::table(Elevation elevation) && {
-    if (entries_.empty()) throw InputError(fmt::format("{}: no values", format_));
+    const std::size_t rows = places_.size() / kAxes;
+    if (rows == 0 || columns_ == 0) throw InputError(fmt::format("{}: no values", format_));
     GridTable table;
     table.format = format_;
     table.elevation = elevation;
-    std::vector<double>* axes[4] = {&table.wavelength_nm, &table.in, &table.out,
-                                    &table.azimuth_deg};
+    std::vector<double>* axes[kAxes] = {&table.wavelength_nm, &table.in, &table.out,
+                                        &table.azimuth_deg};
     std::size_t expected = 1;
-    for (int d = 0; d < 4; ++d) {
-        for (const Entry& entry : entries_) axes[d]->push_back(entry.place[d]);
+    for (std::size_t d = 0; d < kAxes; ++d) {
+        for (std::size_t r = 0; r < rows; ++r) axes[d]->push_back(places_[kAxes * r + d]);
         std::sort(axes[d]->begin(), axes[d]->end());
         axes[d]->erase(std::unique(axes[d]->begin(), axes[d]->end()), axes[d]->end());
-        if (axes[d]->size() > entries_.size() / expected) {
-            throw InputError(fmt::format("{}: {} rows do not fill a grid of directions", format_,
-                                         entries_.size()));
+        axes[d]->shrink_to_fit();
+        if (axes[d]->size() > rows / expected) {
+            throw InputError(
+                fmt::format("{}: {} rows do not fill a grid of directions", format_, rows));
         }
         expected *= axes[d]->size();
     }
-    if (expected != entries_.size()) {
+    if (expected != rows) {
         throw InputError(fmt::format("{}: {} rows for a grid of {} directions and wavelengths",
-                                     format_, entries_.size(), expected));
+                                     format_, rows, expected));
     }
-    // As many entries as places: each place is filled once, or one is filled twice.
-    std::vector<char> filled(expected, 0);
-    table.values.resize(expected);
-    for (const Entry& entry : entries_) {
+    // As many rows as places: each place is filled once, or one is filled twice.
+    constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> row_at(expected, none);
+    for (std::size_t r = 0; r < rows; ++r) {
         std::size_t index = 0;
-        for (int d = 0; d < 4; ++d) {
-            const auto place = std::lower_bound(axes[d]->begin(), axes[d]->end(), entry.place[d]);
+        for (std::size_t d = 0; d < kAxes; ++d) {
+            const auto place =
+                std::lower_bound(axes[d]->begin(), axes[d]->end(), places_[kAxes * r + d]);
             index = index * axes[d]->size() + static_cast<std::size_t>(place - axes[d]->begin());
         }
-        if (filled[index]++ != 0)
+        if (row_at[index] != none)
             throw InputError(fmt::format("{}: a direction occurs twice", format_));
-        table.values[index] = entry.value;
+        row_at[index] = static_cast<std::uint32_t>(r);
     }
+    table.count = values_.size();
+    table.value = [row_at = std::move(row_at), values = std::move(values_),
+                   columns = columns_](std::size_t i) {
+        return values[row_at[i % row_at.size()] * columns + i / row_at.size()];
+    };
     return table;
 }
 

@@ -18,30 +18,37 @@ struct GridTable {
     std::vector<double> azimuth_deg;  ///< ascending, 0 = mirror side
     std::vector<double> wavelength_nm;
     std::vector<std::string> channels;  ///< empty: from the wavelengths
-    std::vector<double> values;         ///< [channel][in][out][azimuth]
+    /// Value number ((channel * in + i) * out + o) * azimuths + a, and how many there are: formats
+    /// keep them as they are stored.
+    std::function<double(std::size_t)> value;
+    std::size_t count = 0;
+
+    void set_values(std::vector<double> values);
 };
 
 /// Clamps to the ends of each list. Azimuths that cover only half a turn are mirrored.
 /// @throws InputError  when the lists are not ascending or do not fit the values
 std::unique_ptr<BrdfFile> make_grid_file(GridTable table);
 
-/// Values in any order, each with its place: put in order and checked for completeness.
+/// Rows in any order, each with its place and one or more values: found by their places and checked
+/// for completeness.
 class GridCollector {
   public:
-    /// @param format  for messages
-    explicit GridCollector(std::string format) : format_(std::move(format)) {}
-    void add(double channel, double in, double out, double azimuth_deg, double value);
-    /// Channels are wavelengths in nm unless renamed by the caller.
+    /// @param format   for messages
+    /// @param columns  values of each row
+    /// @param rows     about how many there will be
+    GridCollector(std::string format, std::size_t columns, std::size_t rows);
+    /// @param wavelength_nm  the same in all rows where the values are of several wavelengths
+    void add(double wavelength_nm, double in, double out, double azimuth_deg,
+             std::span<const double> values);
     /// @throws InputError  for a place that is missing or given twice
     GridTable table(Elevation elevation) &&;
 
   private:
-    struct Entry {
-        double place[4];
-        double value;
-    };
     std::string format_;
-    std::vector<Entry> entries_;
+    std::size_t columns_;
+    std::vector<double> places_;  ///< of each row wavelength, in, out, azimuth
+    std::vector<double> values_;  ///< of each row all columns
 };
 
 }  // namespace miebrdf::exports

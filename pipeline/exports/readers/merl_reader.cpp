@@ -44,10 +44,10 @@ HalfDifference half_difference(const Direction& d) {
 
 class MerlFile : public BrdfFile {
   public:
-    explicit MerlFile(std::string_view content) {
-        ByteReader bytes(content);
+    explicit MerlFile(std::string content) : content_(std::move(content)) {
+        ByteReader bytes(content_);
         bytes.take(12);
-        values_ = bytes.reals<double>(3 * kBins);
+        values_ = bytes.view<double>(3 * kBins);
         if (bytes.remaining() > 0) {
             throw InputError(fmt::format("merl: {} bytes after the last bin", bytes.remaining()));
         }
@@ -107,7 +107,8 @@ class MerlFile : public BrdfFile {
         return {bin.low, bin.high, std::clamp((degrees - low) / width, 0.0, 1.0)};
     }
 
-    std::vector<double> values_;
+    std::string content_;
+    RealView<double> values_;  ///< of the content
     std::vector<std::string> channels_ = {"R", "G", "B"};
     std::vector<double> no_wavelengths_;
 };
@@ -122,8 +123,8 @@ bool looks_like_merl(std::string_view content) {
     return half == kHalf && difference == kDifference && bytes.number<std::uint32_t>() == kAzimuth;
 }
 
-std::unique_ptr<BrdfFile> read_merl(std::string_view content) {
-    return std::make_unique<MerlFile>(content);
+std::unique_ptr<BrdfFile> read_merl(std::string content) {
+    return std::make_unique<MerlFile>(std::move(content));
 }
 
 }  // namespace miebrdf::exports

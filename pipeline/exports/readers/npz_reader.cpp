@@ -136,7 +136,7 @@ std::map<std::string, NpyArray> read_npz_arrays(std::string_view content) {
 
 bool looks_like_npz(std::string_view content) { return content.starts_with("PK\x03\x04"); }
 
-std::unique_ptr<BrdfFile> read_npz(std::string_view content) {
+std::unique_ptr<BrdfFile> read_npz(std::string content) {
     auto arrays = read_npz_arrays(content);
     NpyArray brdf = take(arrays, "brdf");
     GridTable table;
@@ -148,7 +148,7 @@ std::unique_ptr<BrdfFile> read_npz(std::string_view content) {
     const std::vector<std::size_t> expected = {table.wavelength_nm.size(), table.in.size(),
                                                table.out.size(), table.azimuth_deg.size()};
     if (brdf.shape != expected) throw InputError("npz: the shape of 'brdf' does not fit its axes");
-    table.values = std::move(brdf.values);
+    table.set_values(std::move(brdf.values));
     return make_grid_file(std::move(table));
 }
 

@@ -22,9 +22,9 @@ struct Series {
 
 struct Tables {
     std::vector<float> nodes;
-    std::vector<float> cdf;
+    RealView<float> cdf;  ///< these two where they are in the file
+    RealView<float> coefficients;
     std::vector<Series> series;
-    std::vector<float> coefficients;
     std::uint32_t longest = 0;
     std::uint32_t channels = 0;
 };
@@ -76,14 +76,14 @@ Tables parse(std::string_view content) {
     expect(bytes, "parameter values", 0, 0);
     bytes.take(20);  // eta (of transmission), two roughnesses, two unused
     tables.nodes = bytes.reals<float>(n);
-    tables.cdf = bytes.reals<float>(n * n);
+    tables.cdf = bytes.view<float>(n * n);
     if (bytes.remaining() / 8 < n * n) refuse("the file ends in the table of series");
     tables.series.resize(n * n);
     for (Series& series : tables.series) {
         series.offset = bytes.number<std::uint32_t>();
         series.length = bytes.number<std::uint32_t>();
     }
-    tables.coefficients = bytes.reals<float>(coefficients);
+    tables.coefficients = bytes.view<float>(coefficients);
     if (bytes.remaining() != metadata) {  // layerlab refuses such files too
         refuse(fmt::format("{} bytes of metadata announced, {} left", metadata, bytes.remaining()));
     }
@@ -93,7 +93,8 @@ Tables parse(std::string_view content) {
 
 class PbrtFile : public BrdfFile {
   public:
-    explicit PbrtFile(std::string_view content) : tables_(parse(content)) {
+    explicit PbrtFile(std::string content)
+        : content_(std::move(content)), tables_(parse(content_)) {
         channels_ = tables_.channels == 3 ? std::vector<std::string>{"R", "G", "B"}
                                           : std::vector<std::string>{"Y"};
     }
@@ -185,8 +186,8 @@ class PbrtFile : public BrdfFile {
                 const auto r = static_cast<std::size_t>(row.offset + i);
                 const auto c = static_cast<std::size_t>(column.offset + j);
                 const Series& series = tables_.series[r * tables_.nodes.size() + c];
-                const float* a = tables_.coefficients.data() + series.offset +
-                                 std::size_t{channel} * series.length;
+                const RealView<float> a = tables_.coefficients.part(
+                    series.offset + std::size_t{channel} * series.length, series.length);
                 if (mixed.size() < series.length) mixed.resize(series.length, 0.0);
                 for (std::uint32_t k = 0; k < series.length; ++k) mixed[k] += weight * a[k];
             }
@@ -233,6 +234,7 @@ class PbrtFile : public BrdfFile {
                (static_cast<double>(j) + (width > 0 ? (target - integral[j]) / width : 0.0));
     }
 
+    std::string content_;
     Tables tables_;
     std::vector<std::string> channels_;
     std::vector<double> no_wavelengths_;
@@ -242,8 +244,8 @@ class PbrtFile : public BrdfFile {
 
 bool looks_like_pbrt(std::string_view content) { return content.starts_with(kMagic); }
 
-std::unique_ptr<BrdfFile> read_pbrt(std::string_view content) {
-    return std::make_unique<PbrtFile>(content);
+std::unique_ptr<BrdfFile> read_pbrt(std::string content) {
+    return std::make_unique<PbrtFile>(std::move(content));
 }
 
 }  // namespace miebrdf::exports

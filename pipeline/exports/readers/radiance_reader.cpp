@@ -17,16 +17,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Numbers of a matrix or a full tree, whatever stands between them.
-std::vector<double> parse_values(const char* text, std::size_t largest) {
-    std::vector<double> values;
+/// Numbers of a matrix or a full tree, whatever stands between them; seven digits, as Radiance has
+/// them.
+std::vector<float> parse_values(const char* text, std::size_t largest) {
+    std::vector<float> values;
     const char* const end = text + std::char_traits<char>::length(text);
+    values.reserve(std::min(largest, static_cast<std::size_t>(end - text) / 8));
     while (text < end) {
         if (std::string_view(" \t\r\n,{}").find(*text) != std::string_view::npos) {
             ++text;
             continue;
         }
-        double value = 0.0;
+        float value = 0.0F;
         const auto [after, error] = std::from_chars(text, end, value);
         if (error != std::errc() || !std::isfinite(value))
             throw InputError("radiance: ScatteringData has no number");
@@ -44,8 +46,8 @@ std::array<double, 3> srgb_of(double X, double Y, double Z) {
 }
 
 /// The blocks of front reflection ("Reflection Back" in WINDOW's words), by wavelength name.
-std::vector<double> block(const pugi::xml_node& layer, std::string_view wavelength,
-                          std::size_t largest) {
+std::vector<float> block(const pugi::xml_node& layer, std::string_view wavelength,
+                         std::size_t largest) {
     for (const pugi::xml_node data : layer.children("WavelengthData")) {
         const pugi::xml_node part = data.child("WavelengthDataBlock");
         if (data.child_value("Wavelength") != wavelength) continue;
@@ -134,7 +136,7 @@ class KlemsFile : public RadianceFile {
 
     std::vector<Ring> rings_;
     std::size_t patches_ = 0;
-    std::vector<double> x_, y_, z_;
+    std::vector<float> x_, y_, z_;
 };
 
 /// Shirley and Chiu's map from the unit disk to the unit square.
@@ -197,7 +199,7 @@ class TreeFile : public RadianceFile {
     }
 
     std::size_t side_ = 1;
-    std::vector<double> y_, u_, v_;
+    std::vector<float> y_, u_, v_;
 };
 
 }  // namespace
@@ -206,9 +208,10 @@ bool looks_like_radiance(std::string_view content) {
     return content.substr(0, 1 << 16).find("<WindowElement") != content.npos;
 }
 
-std::unique_ptr<BrdfFile> read_radiance(std::string_view content) {
+std::unique_ptr<BrdfFile> read_radiance(std::string content) {
     pugi::xml_document document;
-    const auto result = document.load_buffer(content.data(), content.size());
+    const std::size_t size = content.size();  // parsing in place writes into the content
+    const auto result = document.load_buffer_inplace(content.data(), size);
     if (!result)
         throw InputError(
             fmt::format("radiance: {} at byte {}", result.description(), result.offset));
@@ -216,7 +219,7 @@ std::unique_ptr<BrdfFile> read_radiance(std::string_view content) {
     const std::string_view structure =
         layer.child("DataDefinition").child_value("IncidentDataStructure");
     if (structure == "Columns") return std::make_unique<KlemsFile>(layer);
-    if (structure == "TensorTree3") return std::make_unique<TreeFile>(layer, content.size());
+    if (structure == "TensorTree3") return std::make_unique<TreeFile>(layer, size);
     throw InputError(fmt::format(
         "radiance: incident data structure '{}'; known: Columns, TensorTree3", structure));
 }

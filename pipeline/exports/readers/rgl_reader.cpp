@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A stack of equal tables, one for each incident angle (and channel).
+/// A stack of equal tables, one for each incident angle (and channel), where they are in the file.
 struct Slices {
-    std::vector<float> values;
+    RealView<float> values;
     std::size_t nx = 0, ny = 0;
 
     double at(std::size_t slice, std::size_t x, std::size_t y) const {
@@ -35,6 +35,12 @@ struct Slices {
     }
 };
 
+std::vector<float> all_of(const RealView<float>& numbers) {
+    std::vector<float> list(numbers.size());
+    for (std::size_t i = 0; i < list.size(); ++i) list[i] = numbers[i];
+    return list;
+}
+
 /// theta = u^2 pi / 2, phi = (2 u - 1) pi.
 Point2 square_of(const Eigen::Vector3d& m) {
     const double theta = std::atan2(std::hypot(m.x(), m.y()), m.z());
@@ -48,12 +54,12 @@ Eigen::Vector3d on_sphere(double theta, double phi) {
 
 class RglFile : public BrdfFile {
   public:
-    explicit RglFile(std::string_view content) {
-        const auto fields = read_tensor_file(content);
+    explicit RglFile(std::string content) : content_(std::move(content)) {
+        const auto fields = read_tensor_file(content_);
         if (tensor(fields, "phi_i", 1).shape[0] > 2) {
             throw InputError("rgl: the material is anisotropic; only isotropic ones are read here");
         }
-        theta_ = tensor_floats(fields, "theta_i");
+        theta_ = all_of(tensor_floats(fields, "theta_i"));
         for (std::size_t t = 0; t < theta_.size(); ++t) {
             if (!(theta_[t] >= (t == 0 ? 0.0f : theta_[t - 1]) && theta_[t] < 1.6f)) {
                 throw InputError("rgl: theta_i is not ascending in [0, pi/2]");
@@ -184,8 +190,8 @@ class RglFile : public BrdfFile {
                 name, result.values.size() / std::max<std::size_t>(1, result.nx * result.ny),
                 result.nx, result.ny, count));
         }
-        for (const float value : result.values) {
-            if (!std::isfinite(value))
+        for (std::size_t i = 0; i < result.values.size(); ++i) {
+            if (!std::isfinite(result.values[i]))
                 throw InputError(fmt::format("rgl: field '{}' is not finite", name));
         }
         return result;
@@ -199,12 +205,13 @@ class RglFile : public BrdfFile {
             channels_ = {"R", "G", "B"};
             return;
         }
-        const std::vector<float> wavelengths = tensor_floats(fields, "wavelengths");
+        const std::vector<float> wavelengths = all_of(tensor_floats(fields, "wavelengths"));
         wavelength_nm_.assign(wavelengths.begin(), wavelengths.end());
         channels_ = channel_names(wavelength_nm_);
         if (channels_.empty()) throw InputError("rgl: no wavelengths");
     }
 
+    std::string content_;
     std::vector<float> theta_;
     Slices ndf_, sigma_, vndf_, luminance_, spectra_;
     std::vector<double> wavelength_nm_;
@@ -218,8 +225,8 @@ bool looks_like_rgl(std::string_view content) {
     return content.starts_with(std::string_view("tensor_file\0", 12));
 }
 
-std::unique_ptr<BrdfFile> read_rgl(std::string_view content) {
-    return std::make_unique<RglFile>(content);
+std::unique_ptr<BrdfFile> read_rgl(std::string content) {
+    return std::make_unique<RglFile>(std::move(content));
 }
 
 }  // namespace miebrdf::exports

@@ -65,15 +65,14 @@ const Tensor& tensor(const std::map<std::string, Tensor>& fields, const std::str
     return found->second;
 }
 
-std::vector<float> tensor_floats(const std::map<std::string, Tensor>& fields,
-                                 const std::string& name) {
+RealView<float> tensor_floats(const std::map<std::string, Tensor>& fields,
+                              const std::string& name) {
     const auto found = fields.find(name);
     if (found == fields.end()) throw InputError(fmt::format("tensor_file: no field '{}'", name));
     if (found->second.type != kTensorFloat) {
         throw InputError(fmt::format("tensor_file: field '{}' is not of 32-bit floats", name));
     }
-    ByteReader data(found->second.bytes);
-    return data.reals<float>(found->second.bytes.size() / sizeof(float));
+    return RealView<float>(found->second.bytes);
 }
 
 }  // namespace miebrdf::exports

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pipeline/exports/readers/byte_reader.h"
+
 namespace miebrdf::exports {
 
 struct Tensor {
@@ -20,9 +22,9 @@ inline constexpr std::uint8_t kTensorByte = 1, kTensorFloat = 10;
 /// The fields by name. @throws InputError
 std::map<std::string, Tensor> read_tensor_file(std::string_view content);
 
-/// The values of a field of 32-bit floats. @throws InputError  when missing or of another type
-std::vector<float> tensor_floats(const std::map<std::string, Tensor>& fields,
-                                 const std::string& name);
+/// The values of a field of 32-bit floats, where they are in the content.
+/// @throws InputError  when missing or of another type
+RealView<float> tensor_floats(const std::map<std::string, Tensor>& fields, const std::string& name);
 
 /// @throws InputError  when the field is missing or its shape has another number of dimensions
 const Tensor& tensor(const std::map<std::string, Tensor>& fields, const std::string& name,

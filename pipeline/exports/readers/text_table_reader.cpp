@@ -49,9 +49,9 @@ bool looks_like_csv(std::string_view content) {
     return content.substr(0, 65536).find(kHeader) != content.npos;
 }
 
-std::unique_ptr<BrdfFile> read_csv(std::string_view content) {
+std::unique_ptr<BrdfFile> read_csv(std::string content) {
     TextLines lines(content, "csv");
-    GridCollector rows("csv");
+    GridCollector rows("csv", 1, content.size() / 64);  // a line of ours has about 60 bytes
     bool header_seen = false;
     for (std::string_view line; lines.next(line);) {
         if (line.empty() || line[0] == '#') continue;
@@ -62,7 +62,7 @@ std::unique_ptr<BrdfFile> read_csv(std::string_view content) {
         }
         const std::vector<double> row = lines.numbers(line, ",");
         if (row.size() != 5) lines.refuse(fmt::format("{} fields; expected 5", row.size()));
-        rows.add(row[0], row[1], row[2], row[3], row[4]);
+        rows.add(row[0], row[1], row[2], row[3], {&row[4], 1});
     }
     return make_grid_file(std::move(rows).table(Elevation::cosine));
 }
@@ -72,7 +72,7 @@ bool looks_like_json(std::string_view content) {
     return first != content.npos && content[first] == '{';
 }
 
-std::unique_ptr<BrdfFile> read_json(std::string_view content) {
+std::unique_ptr<BrdfFile> read_json(std::string content) {
     if (content.size() > kLargestJson) {
         throw InputError(
             fmt::format("json: {} bytes; allowed: at most {}", content.size(), kLargestJson));
@@ -89,7 +89,9 @@ std::unique_ptr<BrdfFile> read_json(std::string_view content) {
     const std::size_t shape[] = {table.wavelength_nm.size(), table.in.size(), table.out.size(),
                                  table.azimuth_deg.size()};
     if (!json.contains("brdf")) throw InputError("json: no list 'brdf'");
-    flatten(json["brdf"], shape, table.values);
+    std::vector<double> values;
+    flatten(json["brdf"], shape, values);
+    table.set_values(std::move(values));
     return make_grid_file(std::move(table));
 }
 

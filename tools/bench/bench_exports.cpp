@@ -1,0 +1,125 @@
+// Every export format of two scenes: size, what reading back finds, CPU time and memory beyond the
+// solution. Prints the tables of docs/formats/README.md.
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "pipeline/exports/brdf_export.h"
+#include "pipeline/exports/file_check.h"
+#include "pipeline/exports/rgb_weights.h"
+#include "pipeline/exports/solved_source.h"
+#include "pipeline/number_list.h"
+
+namespace {
+
+using namespace miebrdf;
+using namespace miebrdf::exports;
+namespace fs = std::filesystem;
+
+// One thread: what a child inherits has no threads, and CPU time is that of the work alone.
+const RunControl kControl{.threads = 1};
+
+double cpu_seconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+double resident_bytes() {
+    long size = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> size >> resident;
+    return double(resident) * double(sysconf(_SC_PAGESIZE));
+}
+
+double peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * double(usage.ru_maxrss);
+}
+
+struct Case {
+    const BrdfSource& spectral;
+    const RgbSource& rgb;
+};
+
+std::string albedo_columns(const ExportedFile& file, const Case& scene) {
+    const auto read = open_brdf_file(file.path.string());
+    const bool colours = read->wavelength_nm().empty();
+    const BrdfSource& truth = colours ? static_cast<const BrdfSource&>(scene.rgb) : scene.spectral;
+    const FileCheck check = check_file(*read);
+    return fmt::format(
+        "{:.1e} | {}", albedo_error(*read, truth),
+        check.sampled_albedo_error ? fmt::format("{:.1e}", *check.sampled_albedo_error) : "");
+}
+
+void print_row(const std::string& format, const fs::path& folder, const Case& scene) {
+    ExportOptions options;
+    options.format = format;
+    options.rgb = scene.rgb.weights();
+    const double seconds = cpu_seconds(), resident = resident_bytes();
+    std::vector<ExportedFile> files;
+    try {
+        files = export_brdf(scene.spectral, options, folder / ("a." + format), kControl);
+    } catch (const TooCoarse& refusal) {
+        fmt::print("| {} | refused: {} |\n", format, refusal.what());
+        return;
+    }
+    const double took = cpu_seconds() - seconds;
+    const double memory = peak_bytes() - resident;
+    for (const ExportedFile& file : files) {
+        std::string errors = "exact | exact | exact | exact";
+        if (const auto& d = file.deviation) {
+            errors = fmt::format("{:.1e} | {:.1e} | {:.1e} | {:.1e}", d->rms[0], d->rms[1],
+                                 d->rms[2], d->lobe);
+        }
+        const std::string name =
+            files.size() > 1 ? format + file.path.stem().string().substr(1) : format;
+        fmt::print("| {} | {} | {} | {} | {:.2f} | {:.0f} |\n", name, file.bytes, errors,
+                   albedo_columns(file, scene), took, 1e-6 * memory);
+    }
+}
+
+/// Each format in a process of its own, whose peak of memory is that of the format.
+void print_table(const char* title, const Request& request, const fs::path& folder) {
+    const double start = cpu_seconds();
+    const SolvedSource source(request, Component::total, "bench_exports", kControl);
+    const RgbSource rgb(source, rgb_weights("auto", request.wavelength_nm));
+    fmt::print("{} (the solution takes {:.1f} s of CPU time):\n\n", title, cpu_seconds() - start);
+    fmt::print(
+        "| format | bytes | mu > 0.2 | mu 0.05-0.2 | mu < 0.05 | near mirror | albedo | "
+        "sampling | s | MB |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    malloc_trim(0);  // else children begin with free memory that no count shows
+    for (const std::string& format : export_formats()) {
+        std::fflush(stdout);
+        const pid_t child = fork();
+        if (child == 0) {
+            print_row(format, folder, {source, rgb});
+            std::fflush(stdout);
+            _exit(0);
+        }
+        waitpid(child, nullptr, 0);
+    }
+    fmt::print("\n");
+}
+
+}  // namespace
+
+int main() {
+    const fs::path folder = fs::temp_directory_path() / fmt::format("bench_exports.{}", getpid());
+    fs::create_directory(folder);
+    Request request;
+    request.wavelength_nm = parse_wavelengths_nm("400:700:10");
+    request.scene.base = HenyeyGreensteinMedium{0.9, 0.4};
+    print_table("A Henyey-Greenstein half-space of albedo 0.9, g = 0.4", request, folder);
+    request.scene.base = parse_medium("TiO2");
+    request.scene.coats = {{parse_medium("AlGaAs7"), 0.1}};
+    print_table("AlGaAs7 of optical depth 0.1 on TiO2 (50 um spheres)", request, folder);
+    fs::remove_all(folder);
+}
