@@ -146,7 +146,9 @@ std::string report_page(const Results& results, const std::vector<Change>& chang
     html +=
         "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
         "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
-        "what no other point beats in both. Click a method to hide it.</p>\n<nav>";
+        "what no other point beats in both. Whiskers: the 95 % confidence interval of methods that "
+        "use "
+        "chance. Click a method to hide it.</p>\n<nav>";
     for (const std::string& suite : suites_of(results))
         html += fmt::format("<a href='#{0}'>{0}</a>", suite);
     html += "</nav>\n" + changes_html(changes);
