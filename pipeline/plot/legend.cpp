@@ -65,8 +65,8 @@ double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries,
     // One line if there is room, else columns.
     const auto count = static_cast<int>(entries.size());
     const bool one_line = total - kBetween <= right - left;
-    const int columns =
-        one_line ? count : std::max(1, static_cast<int>((right - left + kBetween) / widest));
+    int columns = one_line ? count : static_cast<int>((right - left + kBetween) / widest);
+    if (columns < 1) columns = 1;
     double next = left;
     for (int i = 0; drawing != nullptr && i < count; ++i) {
         const LegendEntry& entry = entries[static_cast<std::size_t>(i)];

@@ -48,9 +48,10 @@ Lane SolvedBrdf::multiple(const Place& place, std::size_t lane) const {
 Lane SolvedBrdf::subsurface(const Place& place, std::size_t lane) const {
     const Lane reflection = multiple(place, lane) + first_order_->reflection(place.once, lane);
     // Interpolated values may undershoot where next to nothing is reflected.
-    const Lane brdf = (reflection * float(std::numbers::inv_pi)).max(0.0F);
-    if (!surface_ || component_ == Component::subsurface) return brdf;
-    return brdf * surface_->transmission(place.in, place.out, lane);
+    Lane brdf = (reflection * float(std::numbers::inv_pi)).max(0.0F);
+    if (surface_ && component_ == Component::total)
+        brdf *= surface_->transmission(place.in, place.out, lane);
+    return brdf;
 }
 
 void SolvedBrdf::evaluate(double mu_in, double mu_out, double cos_azimuth,

@@ -15,8 +15,8 @@ double angle_of_share(double y) { return 2.0 * std::atan2(y, 1.0 - y); }
 
 template <typename Node>
 std::vector<double> nodes_at(int count, const Node& node) {
-    std::vector<double> nodes;
-    for (int i = 0; i < count; ++i) nodes.push_back(node(double(i) / (count - 1)));
+    std::vector<double> nodes(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) nodes[std::size_t(i)] = node(double(i) / (count - 1));
     return nodes;
 }
 

@@ -1,6 +1,7 @@
 // What a rough surface reflects of light from one direction: an integral over its lobe.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -52,8 +53,8 @@ Answer by_chance(const rte::SurfaceLobe& lobe, int count) {
 }
 
 std::vector<double> at_all(const Rho& rho) {
-    std::vector<double> values;
-    for (const double mu_in : kMuIn) values.push_back(rho(mu_in));
+    std::vector<double> values(kMuIn.size());
+    std::transform(kMuIn.begin(), kMuIn.end(), values.begin(), rho);
     return values;
 }
 
