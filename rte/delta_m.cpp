@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace miebrdf::rte {
 namespace {
@@ -22,24 +23,35 @@ double forward_fraction(const Optics& optics, std::size_t moments) {
     return std::min(f, 1.0 - 1e-9);
 }
 
-// K: the more light the peak holds, the wider the window of cutoffs.
-int first_cutoff(double f, int moments) {
-    constexpr double widest_share = 0.25;
-    return std::max(1, moments - int(std::lround(widest_share * peak_strength(f) * moments)));
-}
-
-}  // namespace
-
+// How much truncation matters.
 double peak_strength(double f) {
     constexpr double weak = 1e-4;
     constexpr double strong = 0.2;
     return f > weak ? std::min(1.0, std::log(f / weak) / std::log(strong / weak)) : 0.0;
 }
 
+// K: the more light the peak holds, the wider the window of cutoffs.
+int first_cutoff(double f, int moments) {
+    constexpr double widest_share = 0.45;
+    return std::max(1, moments - int(std::lround(widest_share * peak_strength(f) * moments)));
+}
+
+// Weight of one cutoff of the window: zero towards both ends, so that the share that is scaled away
+// sets in and ends without a kink.
+double cutoff_weight(int index, int cutoffs) {
+    return std::sin(std::numbers::pi * (index + 1) / (cutoffs + 1));
+}
+
+}  // namespace
+
 double ScaledOptics::share_scaled_away(int degree) const {
     const int last = int(chi.size());
     if (degree < first_cutoff) return 0.0;
-    return degree >= last ? 1.0 : double(degree - first_cutoff + 1) / (last - first_cutoff + 1);
+    if (degree >= last) return 1.0;
+    // sum_{i=1}^p sin(i h) in closed form, relative to that of all the cutoffs.
+    const double half = 0.5 * std::numbers::pi / (last - first_cutoff + 2);
+    const int p = degree - first_cutoff + 1;
+    return std::sin(p * half) * std::sin((p + 1) * half) / std::cos(half);
 }
 
 Eigen::VectorXd ScaledOptics::strengths() const {
@@ -54,14 +66,17 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     scaled.first_cutoff = first_cutoff(sharp, moments);
     scaled.chi = Eigen::VectorXd::Zero(moments);  // (1 - f) chi' until f is known
     double sum = 0.0;
+    double weights = 0.0;
     const int cutoffs = moments - scaled.first_cutoff + 1;
     for (int cutoff = moments; cutoff >= scaled.first_cutoff; --cutoff) {
         const double f = cutoff == moments ? sharp : chi_at(optics, cutoff);
-        sum += f;
-        for (int l = 0; l < cutoff; ++l) scaled.chi[l] += chi_at(optics, l) - f;
+        const double weight = cutoff_weight(cutoff - scaled.first_cutoff, cutoffs);
+        weights += weight;
+        sum += weight * f;
+        for (int l = 0; l < cutoff; ++l) scaled.chi[l] += weight * (chi_at(optics, l) - f);
     }
-    const double f = scaled.truncated = sum / cutoffs;
-    scaled.chi /= double(scaled.chi[0]);  // = cutoffs (1 - f), and exactly 1 afterwards
+    const double f = scaled.truncated = sum / weights;
+    scaled.chi /= double(scaled.chi[0]);  // = weights (1 - f), and exactly 1 afterwards
     // 1 - alpha f = (1 - f) + (1 - alpha) f: no digits lost when both are close to 1.
     scaled.depth_factor = (1.0 - f) + optics.one_minus_albedo * f;
     scaled.one_minus_albedo = optics.one_minus_albedo / scaled.depth_factor;

@@ -24,17 +24,15 @@ struct ScaledOptics {
     Eigen::VectorXd strengths() const;
 };
 
-/// s(f) for how much truncation matters: 0 up to f = 1e-4, rising with log f to 1 from f = 0.2 on.
-double peak_strength(double f);
-
 /// delta-M (Wiscombe 1977) with L moments: f = chi_L, chi' = (chi - f) / (1 - f),
 /// 1 - alpha' = (1 - alpha) / (1 - alpha f). f is taken as 0 where chi_L is no tail of a forward
 /// peak: negative, or not below its neighbours (a backward peak alternates in sign).
 ///
-/// Where a peak is left, the cutoff is soft: f and (1 - f) chi' are means over the cutoffs K ... L.
+/// Where a peak is left, the cutoff is soft: f and (1 - f) chi' are means over the cutoffs K ... L,
+/// with weights that follow half a wave of a sine.
 /// A sharp one leaves a kink at l = L, which rings in angle with the period 360 / L degrees and
-/// spoils directions near the forward horizon; K = L (1 - s / 4), s the peak's strength
-/// (docs/numerics.md).
+/// spoils directions near the forward horizon; K = L (1 - 0.45 s), s the peak's strength, which
+/// rises with log f from 0 at f = 1e-4 to 1 at f = 0.2 (docs/numerics.md).
 ///
 /// @param moments  L >= 1; degrees at and above L are dropped (no delta-M) or scaled away
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m);

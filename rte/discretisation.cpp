@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "rte/delta_m.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -53,12 +52,9 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. Where the moments
-    // have decayed by l = 2n that does no harm to keep 2n of them; where they have not, 11n/6, of
-    // which the soft cutoff of delta-M lets the last quarter fade (docs/numerics.md).
-    const double kept = streams * (2.0 - peak_strength(largest_moment(stack, 2 * streams)) / 6.0);
-    choice.moments =
-        int(std::min(most_usable_moments(stack), std::size_t(std::max(1L, std::lround(kept)))));
+    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. What is beyond
+    // has decayed by l = 2n, or the soft cutoff of delta-M lets it fade (docs/numerics.md).
+    choice.moments = int(std::min(most_usable_moments(stack), std::size_t(2 * streams)));
     return choice;
 }
 

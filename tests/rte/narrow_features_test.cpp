@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 
 #include "rte/discretisation.h"
 #include "rte/forward_peak.h"
@@ -128,7 +129,7 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
 TEST_CASE("the soft cutoff fades moments without moving energy", "[rte][delta_m]") {
     const rte::Optics optics = rte::henyey_greenstein_optics(0.99, 0.99);
     const rte::ScaledOptics scaled = rte::scale_optics(optics, 64, true);
-    CHECK(scaled.first_cutoff == 48);
+    CHECK(scaled.first_cutoff == 64 - 29);  // 0.45 of 64
     CHECK(std::abs(scaled.chi[0] - 1.0) <= 1e-14);
     // Absorption per length is what it was.
     CHECK(std::abs(scaled.one_minus_albedo * scaled.depth_factor - 0.01) <= 1e-15);
@@ -136,9 +137,17 @@ TEST_CASE("the soft cutoff fades moments without moving energy", "[rte][delta_m]
         const double kept = (1.0 - scaled.truncated) * scaled.chi[l];
         const double chi = optics.chi[std::size_t(l)];
         // Up to the first cutoff it is delta-M; beyond, less and less is kept.
-        if (l <= 48) CHECK(std::abs(kept + scaled.truncated - chi) <= 1e-14);
+        if (l <= scaled.first_cutoff) CHECK(std::abs(kept + scaled.truncated - chi) <= 1e-14);
         CHECK(kept >= 0.0);
         CHECK(kept <= chi - optics.chi[64] + 1e-14);
+    }
+    // The share scaled away is the sum of the weights of the cutoffs up to there.
+    double sum = 0.0;
+    const int cutoffs = 64 - scaled.first_cutoff + 1;
+    for (int c = 0; c < cutoffs; ++c) {
+        const double h = std::numbers::pi / (cutoffs + 1);
+        sum += std::sin((c + 1) * h) * std::tan(0.5 * h);
+        CHECK(std::abs(scaled.share_scaled_away(scaled.first_cutoff + c) - sum) <= 1e-13);
     }
     // Weak peaks keep the sharp cutoff.
     CHECK(rte::scale_optics(rte::henyey_greenstein_optics(0.99, 0.75), 64, true).first_cutoff ==
