@@ -17,6 +17,7 @@ std::vector<double> parameters(const std::string& text, const std::string& value
         throw UsageError(fmt::format("medium '{}': write {}", text, form));
     }
     std::vector<double> numbers;
+    numbers.reserve(parts.size());
     for (const std::string& part : parts) {
         numbers.push_back(parse_number(part, fmt::format("medium '{}'", text)));
     }

@@ -63,22 +63,26 @@ void Axis::span(const std::vector<double>& values) {
     }
 }
 
+void Axis::add_multiples(double step) {
+    const double first = std::ceil(lowest_ / step - 1e-9);
+    const double last = std::floor(highest_ / step + 1e-9);
+    for (int i = 0; first + i <= last; ++i) {
+        const double value = first + i == 0 ? 0.0 : (first + i) * step;  // no "-0"
+        ticks_.push_back({value, fmt::format("{:g}", value)});
+    }
+}
+
 void Axis::add_linear_ticks() {
     const double step = options_.step.value_or(round_step(highest_ - lowest_, 5));
     // Rounding of a quotient must not add a whole step.
     if (!options_.lowest) lowest_ = step * std::floor(lowest_ / step + 1e-9);
     if (!options_.highest) highest_ = step * std::ceil(highest_ / step - 1e-9);
-    for (double i = std::ceil(lowest_ / step - 1e-9); i <= highest_ / step + 1e-9; ++i) {
-        ticks_.push_back({i * step, fmt::format("{:g}", i == 0 ? 0.0 : i * step)});
-    }
+    add_multiples(step);
 }
 
 void Axis::add_log_ticks() {
     if (highest_ / lowest_ < 10) {  // too short for powers of ten: numbers as on a linear axis
-        const double step = round_step(highest_ - lowest_, 8);
-        for (double i = std::ceil(lowest_ / step - 1e-9); i <= highest_ / step + 1e-9; ++i) {
-            ticks_.push_back({i * step, fmt::format("{:g}", i * step)});
-        }
+        add_multiples(round_step(highest_ - lowest_, 8));
         return;
     }
     if (!options_.lowest) lowest_ = std::pow(10.0, std::floor(std::log10(lowest_) + 1e-9));

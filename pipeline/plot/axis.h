@@ -43,6 +43,7 @@ class Axis {
 
   private:
     void span(const std::vector<double>& values);
+    void add_multiples(double step);
     void add_linear_ticks();
     void add_log_ticks();
 

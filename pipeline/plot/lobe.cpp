@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/plot/chart.h"
+#include "pipeline/plot/legend.h"
 #include "pipeline/plot/palette.h"
 #include "pipeline/plot/polar.h"
 #include "pipeline/plot/svg.h"

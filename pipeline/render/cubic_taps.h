@@ -11,7 +11,7 @@ namespace miebrdf::render {
 /// one-sided at the ends.
 struct CubicTaps {
     std::size_t first = 0;
-    std::array<double, 4> weight{};
+    std::array<float, 4> weight{};
 };
 
 /// Nodes 0, 1, ..., count - 1 (at least 4); x is kept within them.
@@ -21,7 +21,8 @@ inline CubicTaps uniform_taps(double x, std::size_t count) {
     taps.first = std::clamp<std::size_t>(std::size_t(at), 1, count - 3) - 1;
     const double t = at - double(taps.first);  // nodes at 0, 1, 2, 3
     const double a = t, b = t - 1, c = t - 2, d = t - 3;
-    taps.weight = {b * c * d / -6, a * c * d / 2, a * b * d / -2, a * b * c / 6};
+    taps.weight = {float(b * c * d / -6), float(a * c * d / 2), float(a * b * d / -2),
+                   float(a * b * c / 6)};
     return taps;
 }
 

@@ -136,6 +136,10 @@ double Environment::density(const Eigen::Vector3d& direction) const {
 }
 
 void Environment::radiance(const Eigen::Vector3d& direction, std::span<double> values) const {
+    if (map_.values.size() == 3) {  // the same from everywhere
+        std::copy(basis_[0].begin(), basis_[0].end(), values.begin());
+        return;
+    }
     std::array<double, 3> weight{};
     const MapPoint p = to_map(direction, map_);
     const double fx = p.x - 0.5, fy = p.y - 0.5;

@@ -10,8 +10,8 @@
 namespace miebrdf::render {
 
 /// rte::single_scattering and rte::NarrowFeatures with functions of the scattering angle read from
-/// tables: 1024 intervals that are 0.0004 degrees wide at 0 and 180, 0.03 within half a degree of
-/// them, 0.28 in the middle. Glories, rainbows and forward peaks live here: what is scattered more
+/// tables: 1024 intervals that are 0.0004 degrees wide at 0 and 180, 0.03 half a degree away from
+/// them, 0.32 in the middle. Glories, rainbows and forward peaks live here: what is scattered more
 /// than once is smooth.
 class FirstOrderTable {
   public:
@@ -27,12 +27,13 @@ class FirstOrderTable {
     };
     Place place(double mu_in, double mu_out, double cos_azimuth) const;
 
-    /// R at the eight wavelengths of a lane.
+    /// R at the wavelengths of a lane.
     Lane reflection(const Place& place, std::size_t lane) const;
 
   private:
     void add_layers(const std::vector<std::vector<rte::ScaledMedium>>& stacks, bool exact);
     void add_narrow(const std::vector<std::vector<rte::ScaledMedium>>& stacks);
+    Lane narrow(const Place& place, std::size_t lane) const;
     const float* row(const std::vector<float>& table, std::size_t index, std::size_t lane) const {
         return &table[index * stride_ + lane * kLaneWidth];
     }
@@ -44,7 +45,7 @@ class FirstOrderTable {
     std::vector<float> depth_;
     /// [(layer * angles + a) * stride + w]: alpha / (1 - alpha f) P
     std::vector<float> phase_;
-    /// [(node * angles + a) * stride + w]: C of rte::NarrowFeatures
+    /// [(a * nodes + node) * stride + w]: C of rte::NarrowFeatures
     std::vector<float> narrow_;
 };
 

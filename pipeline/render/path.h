@@ -24,7 +24,8 @@ class PathTracer {
     void add_area(const Vertex& vertex, Sampler& sampler, std::span<double> radiance);
     void add_environment(const Vertex& vertex, Sampler& sampler, std::span<double> radiance);
     void add_escaped(const Eigen::Vector3d& direction, double weight, std::span<double> radiance);
-    double evaluate(const Vertex& vertex, const Eigen::Vector3d& towards_light);
+    void evaluate(const Vertex& vertex, const Eigen::Vector3d& towards_light, double mu_in);
+    void reflect(const Vertex& vertex, const Eigen::Vector3d& towards_light, double density);
 
     const RenderScene& scene_;
     const RenderOptions& options_;

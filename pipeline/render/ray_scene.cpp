@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "pipeline/render/sphere_object.h"
+
 namespace miebrdf::render {
 namespace {
 
@@ -37,13 +39,14 @@ struct SceneRelease {
 }  // namespace
 
 struct RayScene::Data {
+    std::optional<SphereObject> sphere;  ///< else the mesh that Embree keeps
     std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
     std::unique_ptr<RTCSceneTy, SceneRelease> scene;
     Bounds bounds;
-    bool is_sphere = false;
     bool has_uv = false;
 
-    Data() : device(rtcNewDevice("threads=1")) {
+    void start_embree() {
+        device.reset(rtcNewDevice("threads=1"));
         if (!device) throw std::runtime_error("Embree cannot start on this machine");
         scene.reset(rtcNewScene(device.get()));
         // Rays must not slip through the edge between two triangles.
@@ -68,6 +71,8 @@ struct RayScene::Data {
                         RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, value, 3);
         return Eigen::Vector3f(value[0], value[1], value[2]).cast<double>();
     }
+
+    std::optional<Hit> intersect_mesh(const Ray& ray) const;
 };
 
 RayScene::RayScene(std::unique_ptr<Data> data) : data_(std::move(data)) {}
@@ -83,21 +88,16 @@ RayScene RayScene::sphere(const Eigen::Vector3d& centre, double radius) {
         throw std::invalid_argument(fmt::format("sphere radius {}; allowed: above 0", radius));
     }
     auto data = std::make_unique<Data>();
-    data->is_sphere = true;
     const Eigen::Vector3d half = Eigen::Vector3d::Constant(radius);
     data->bounds = {centre - half, centre + half, radius};
-    RTCGeometry geometry = rtcNewGeometry(data->device.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    auto* point = static_cast<float*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), 1));
-    for (int axis = 0; axis < 3; ++axis) point[axis] = float(centre[axis]);
-    point[3] = float(radius);
-    data->finish(geometry);
+    data->sphere = SphereObject{centre, radius};
     return RayScene(std::move(data));
 }
 
 RayScene RayScene::mesh(const TriangleMesh& mesh, const std::string& name) {
     validate(mesh, name);
     auto data = std::make_unique<Data>();
+    data->start_embree();
     data->bounds = bounds_of(mesh);
     data->has_uv = !mesh.uv.empty();
     RTCGeometry geometry = rtcNewGeometry(data->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -130,31 +130,30 @@ RayScene RayScene::mesh(const TriangleMesh& mesh, const std::string& name) {
     return RayScene(std::move(data));
 }
 
-std::optional<Hit> RayScene::intersect(const Ray& ray) const {
+std::optional<Hit> RayScene::Data::intersect_mesh(const Ray& ray) const {
     RTCRayHit query{};
     query.ray = to_embree(ray, std::numeric_limits<double>::infinity());
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcIntersect1(data_->scene.get(), &context, &query);
+    rtcIntersect1(scene.get(), &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
     Hit hit;
     hit.position = ray.origin + double(query.ray.tfar) * ray.direction;
+    hit.facet_normal = Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized();
+    hit.normal = interpolate(query.hit, 0).normalized();
+    // Some files list corners clockwise while their normals point outwards.
+    if (hit.normal.dot(hit.facet_normal) < 0.0) hit.normal = -hit.normal;
     hit.uv.setZero();
-    if (data_->is_sphere) {
-        // Back onto the sphere in double precision.
-        const Eigen::Vector3d centre = data_->bounds.centre();
-        hit.normal = hit.facet_normal = (hit.position - centre).normalized();
-        hit.position = centre + data_->bounds.radius * hit.normal;
-    } else {
-        hit.facet_normal =
-            Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized();
-        hit.normal = data_->interpolate(query.hit, 0).normalized();
-        // Some files list corners clockwise while their normals point outwards.
-        if (hit.normal.dot(hit.facet_normal) < 0.0) hit.normal = -hit.normal;
-        if (data_->has_uv) hit.uv = data_->interpolate(query.hit, 1).head<2>();
-    }
+    if (has_uv) hit.uv = interpolate(query.hit, 1).head<2>();
+    return hit;
+}
+
+std::optional<Hit> RayScene::intersect(const Ray& ray) const {
+    auto met = data_->sphere ? data_->sphere->intersect(ray) : data_->intersect_mesh(ray);
+    if (!met) return std::nullopt;
+    Hit& hit = *met;
     // Open meshes are seen from both sides. A shading normal that the ray sees from behind while
     // it sees the facet from the front is an artefact of smoothing: there the facet counts.
     if (hit.facet_normal.dot(ray.direction) > 0.0) {
@@ -162,10 +161,11 @@ std::optional<Hit> RayScene::intersect(const Ray& ray) const {
         hit.normal = -hit.normal;
     }
     if (!(hit.normal.dot(ray.direction) < 0.0)) hit.normal = hit.facet_normal;
-    return hit;
+    return met;
 }
 
 bool RayScene::occluded(const Ray& ray, double distance) const {
+    if (data_->sphere) return data_->sphere->distance_along(ray) < distance;
     RTCRay query = to_embree(ray, distance);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

@@ -1,4 +1,4 @@
-// The object that rays meet: a sphere or a mesh, through Embree.
+// The object that rays meet: a sphere, or a mesh through Embree.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,20 +7,9 @@
 #include <string>
 
 #include "pipeline/render/mesh.h"
+#include "pipeline/render/ray.h"
 
 namespace miebrdf::render {
-
-struct Ray {
-    Eigen::Vector3d origin;
-    Eigen::Vector3d direction;  ///< unit
-};
-
-struct Hit {
-    Eigen::Vector3d position;      ///< on the surface
-    Eigen::Vector3d normal;        ///< of the surface as it is shaded, unit, on the side of the ray
-    Eigen::Vector3d facet_normal;  ///< of the triangle (or sphere), unit, on the side of the ray
-    Eigen::Vector2d uv;            ///< texture coordinates; 0 for objects without
-};
 
 /// One object. All members are thread-safe once it is made.
 class RayScene {

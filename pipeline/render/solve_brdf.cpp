@@ -116,7 +116,8 @@ class SolvedBrdfBuilder {
 
     void add_surface(const Scene& scene) {
         if (!scene.surface) return;
-        brdf_->surface_.emplace(surface_index_, *scene.surface, scene.coupling);
+        brdf_->surface_.emplace(surface_index_, *scene.surface, scene.coupling,
+                                int(brdf_->cosines_));
     }
 
     const RunControl& control_;

@@ -1,7 +1,7 @@
 #include "pipeline/render/solved_brdf.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <numbers>
 
 #include "pipeline/render/table_nodes.h"
@@ -14,45 +14,57 @@ double SolvedBrdf::lobe_alpha() const {
 
 struct SolvedBrdf::Place {
     CubicTaps in, out, azimuth;
-    double scale;  ///< from the table to R
+    std::array<float, 16> pair;  ///< weight[i] weight[o] / (mu_in + mu_out), o fastest
+    FirstOrderTable::Place once;
 };
 
 SolvedBrdf::Place SolvedBrdf::place(double mu_in, double mu_out, double cos_azimuth) const {
-    return {cosine_taps(mu_in, cosines_), cosine_taps(mu_out, cosines_),
-            azimuth_taps(cos_azimuth, azimuths_), 1.0 / (mu_in + mu_out)};
+    Place place{cosine_taps(mu_in, cosines_),
+                cosine_taps(mu_out, cosines_),
+                azimuth_taps(cos_azimuth, azimuths_),
+                {},
+                first_order_->place(mu_in, mu_out, cos_azimuth)};
+    const auto scale = float(1.0 / (mu_in + mu_out));
+    for (std::size_t k = 0; k < 16; ++k)
+        place.pair[k] = scale * place.in.weight[k / 4] * place.out.weight[k % 4];
+    return place;
 }
 
 Lane SolvedBrdf::multiple(const Place& place, std::size_t lane) const {
-    Lane sum = Lane::Zero();
-    for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t o = 0; o < 4; ++o) {
-            const auto pair = float(place.scale * place.in.weight[i] * place.out.weight[o]);
-            const std::size_t row = (place.in.first + i) * cosines_ + place.out.first + o;
-            const float* values =
-                &table_[(row * azimuths_ + place.azimuth.first) * stride_ + lane * kLaneWidth];
-            for (std::size_t a = 0; a < 4; ++a)
-                sum += pair * float(place.azimuth.weight[a]) * lane_at(values + a * stride_);
-        }
+    std::array<Lane, 4> at_azimuth;
+    at_azimuth.fill(Lane::Zero());
+    for (std::size_t k = 0; k < 16; ++k) {
+        const std::size_t row = (place.in.first + k / 4) * cosines_ + place.out.first + k % 4;
+        const float* values =
+            &table_[(row * azimuths_ + place.azimuth.first) * stride_ + lane * kLaneWidth];
+        for (std::size_t a = 0; a < 4; ++a)
+            at_azimuth[a] += place.pair[k] * lane_at(values + a * stride_);
     }
-    return sum;
+    const auto& weight = place.azimuth.weight;
+    return weight[0] * at_azimuth[0] + weight[1] * at_azimuth[1] + weight[2] * at_azimuth[2] +
+           weight[3] * at_azimuth[3];
+}
+
+Lane SolvedBrdf::subsurface(const Place& place, std::size_t lane) const {
+    const Lane reflection = multiple(place, lane) + first_order_->reflection(place.once, lane);
+    // Interpolated values may undershoot where next to nothing is reflected.
+    Lane brdf = (reflection * float(std::numbers::inv_pi)).max(0.0F);
+    if (surface_ && component_ == Component::total)
+        brdf *= surface_->transmission(place.in, place.out, lane);
+    return brdf;
 }
 
 void SolvedBrdf::evaluate(double mu_in, double mu_out, double cos_azimuth,
                           std::span<double> brdf) const {
-    std::fill(brdf.begin(), brdf.end(), 0.0);
-    if (component_ != Component::surface) {
-        const Place many = place(mu_in, mu_out, cos_azimuth);
-        const FirstOrderTable::Place once = first_order_->place(mu_in, mu_out, cos_azimuth);
+    if (component_ == Component::surface) {
+        std::fill(brdf.begin(), brdf.end(), 0.0);
+    } else {
+        const Place here = place(mu_in, mu_out, cos_azimuth);
         for (std::size_t first = 0; first < brdf.size(); first += kLaneWidth) {
-            const std::size_t lane = first / kLaneWidth;
-            // Interpolated values may undershoot where next to nothing is reflected.
-            const Lane values = ((multiple(many, lane) + first_order_->reflection(once, lane)) *
-                                 float(std::numbers::inv_pi))
-                                    .max(0.0F);
+            const Lane values = subsurface(here, first / kLaneWidth);
             std::copy_n(values.data(), std::min(kLaneWidth, brdf.size() - first),
                         brdf.begin() + std::ptrdiff_t(first));
         }
-        if (surface_ && component_ == Component::total) surface_->weaken(mu_in, mu_out, brdf);
     }
     if (surface_ && component_ != Component::subsurface) {
         surface_->add(mu_in, mu_out, cos_azimuth, brdf);

@@ -45,6 +45,7 @@ class SolvedBrdf : public RenderBrdf {
     struct Place;
     Place place(double mu_in, double mu_out, double cos_azimuth) const;
     Lane multiple(const Place& place, std::size_t lane) const;
+    Lane subsurface(const Place& place, std::size_t lane) const;
 
     std::vector<double> wavelength_nm_;
     Component component_ = Component::total;

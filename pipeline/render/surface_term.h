@@ -6,36 +6,44 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/render/cubic_taps.h"
+#include "pipeline/render/lanes.h"
 #include "rte/fresnel.h"
 #include "rte/layered_brdf.h"
 #include "rte/microfacet.h"
 
 namespace miebrdf::render {
 
-/// The lobe is evaluated exactly: D and G, which do not depend on wavelength, once, and Fresnel's
-/// equations, in real arithmetic, side by side for all wavelengths. What the surface lets through
-/// is an integral for each cosine and is interpolated cubically in sqrt(mu) between 64 nodes.
+/// The lobe is evaluated at the very directions: D and G, which do not depend on wavelength, once,
+/// and Fresnel's equations, in real arithmetic, side by side for all wavelengths. What the surface
+/// lets through is an integral for each cosine and is interpolated cubically between the nodes of
+/// table_nodes.h.
 class SurfaceTerm {
   public:
     /// @param refractive_index  of the top material at each wavelength
+    /// @param cosines           number of nodes
     SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
-                const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling);
+                const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling, int cosines);
 
     double beckmann_alpha() const { return options_.beckmann_alpha; }
 
-    /// Multiplies each value by the share of light that enters and leaves.
-    void weaken(double mu_in, double mu_out, std::span<double> brdf) const;
+    /// Share of light that enters and leaves, for cosine_taps of the two directions.
+    Lane transmission(const CubicTaps& in, const CubicTaps& out, std::size_t lane) const;
     /// Adds the lobe R_s [1/sr].
     void add(double mu_in, double mu_out, double cos_azimuth, std::span<double> brdf) const;
 
   private:
+    double in_over_masking(double mu_in) const;
+
     rte::SurfaceOptions options_;
+    std::vector<float> beckmann_masking_;  ///< h(a); empty for another distribution
     rte::ShadowingOverCosines shadowing_;
     Eigen::ArrayXd square_;   ///< n^2 - k^2, filled up to whole lanes
     Eigen::ArrayXd product_;  ///< (2 n k)^2, likewise
     Eigen::ArrayXd normal_;   ///< reflectance at normal incidence
-    Eigen::ArrayXXd in_;      ///< row = wavelength, column = node
-    Eigen::ArrayXXd out_;     ///< likewise
+    std::size_t stride_;      ///< wavelengths, filled up to whole lanes
+    std::vector<float> in_;   ///< [node * stride + w]
+    std::vector<float> out_;  ///< likewise
 };
 
 }  // namespace miebrdf::render

@@ -40,6 +40,22 @@ TEST_CASE("more work takes more time, and errors are those of the answers", "[be
     CHECK(points[0].spread >= 0);
 }
 
+TEST_CASE("a method of chance says how sure it is, in the measure of the error",
+          "[bench][measure]") {
+    bench::BenchCase c{"suite", "case", "q", "t", {2.0, 4.0}, {}, {}};
+    c.contenders.push_back({"sure", "-", [] { return std::vector{2.2, 4.0}; }});
+    c.contenders.push_back({"chance", "-", [] {
+                                bench::Answer answer;
+                                answer.add(2.2, 0.05);
+                                answer.add(4.0, 0.4);
+                                return answer;
+                            }});
+    const auto points = bench::measure(c, {.repeats = 1, .longest_total = 0.01});
+    CHECK(std::isnan(points[0].half_width));
+    CHECK(points[1].error == Approx(0.1));
+    CHECK(points[1].half_width == Approx(1.96 * 0.1));  // 0.4 of 4
+}
+
 TEST_CASE("peak memory sees a large vector come and go", "[bench][measure]") {
     bench::BenchCase c{"suite", "case", "q", "t", {1.0}, {}, {}};
     c.contenders.push_back({"large", "64 MiB", [] {

@@ -57,6 +57,18 @@ TEST_CASE("a plot labels every point with its knob and lists methods without an 
     CHECK_THAT(svg, Catch::Contains("rough &amp; &lt;ready&gt;"));
 }
 
+TEST_CASE("whiskers stand on points of chance alone, open where they hold 0", "[bench][page]") {
+    auto points = some_results().measurements;
+    CHECK(count(bench::curve_plot_svg("t", points, bench::MethodStyles(points)),
+                "class='whisker'") == 0);
+    points[1].half_width = 0.3 * points[1].error;
+    points[3].half_width = 3 * points[3].error;
+    const auto svg = bench::curve_plot_svg("t", points, bench::MethodStyles(points));
+    CHECK(count(svg, "class='whisker'") == 2);
+    CHECK(count(svg, "m-3 0h6' stroke") == 1);  // the lower end of the first
+    CHECK(count(svg, "(95 %)") == 2);
+}
+
 TEST_CASE("axes are labelled in decades", "[bench][page]") {
     const bench::LogAxis axis(1e-5, 1e-2, 0, 100);
     CHECK(axis.decades() == std::vector<int>{-5, -4, -3, -2});

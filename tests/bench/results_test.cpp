@@ -34,6 +34,7 @@ TEST_CASE("results come back from their file", "[bench][results]") {
     bench::Results results;
     results.facts = {{"version", "x"}, {"case suite/case, with comma", "what: where"}};
     results.measurements = {point("a", 1e-2, 0.123456789012345678), point("b", std::nan(""), 2)};
+    results.measurements[0].half_width = 0.25;
     const support::TemporaryFolder folder;
     std::ostringstream text;
     bench::write_results(results, text);
@@ -44,6 +45,14 @@ TEST_CASE("results come back from their file", "[bench][results]") {
     CHECK(back.measurements[0].test_case == "case, with comma");
     CHECK(back.measurements[0].seconds == results.measurements[0].seconds);
     CHECK(std::isnan(back.measurements[1].error));
+    CHECK(back.measurements[0].half_width == 0.25);
+    CHECK(std::isnan(back.measurements[1].half_width));
+    const auto earlier = bench::read_results(
+        folder.write("earlier.csv",
+                     "suite,case,method,parameter,error,seconds,memory,spread\ns,c,m,-,1,2,3,4\n"));
+    REQUIRE(earlier.measurements.size() == 1);
+    CHECK(earlier.measurements[0].spread == 4);
+    CHECK(std::isnan(earlier.measurements[0].half_width));
     CHECK_THROWS_AS(bench::read_results(folder.write("other.csv", "a,b\n1,2\n")), InputError);
     CHECK_THROWS_AS(bench::read_results(folder / "missing.csv"), InputError);
 }

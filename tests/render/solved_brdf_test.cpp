@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "pipeline/brdf.h"
 #include "pipeline/error.h"
+#include "pipeline/render/table_nodes.h"
 #include "rte/math/quadrature.h"
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
@@ -78,19 +80,24 @@ TEST_CASE("the glory of spheres is as narrow and high as the solver says", "[ren
     // 2 um, 550 nm: some 2 degrees wide, far narrower than the table's cosines and azimuths.
     Request request = request_of("index:1.5,0.001", {"index:1.8,0.01@0.2"});
     request.scene.particles.sizes.effective_radius_um = 2.0;
-    const auto brdf = solve_brdf({request}, Component::subsurface);
-    request.directions = {{0.33, 0.5, 0.77}, {0.33, 0.5, 0.77}, {178.0, 179.0, 180.0}};
+    // What the narrow features leave in the table changes within some degrees of azimuth. With the
+    // usual table its 33 azimuths are the largest error, 8e-4; with twice as many it is 1.3e-4, the
+    // scattering angles' table (the number of cosines does not matter). The solver's tolerance
+    // comes on top, because the two solutions choose their streams at different directions.
+    const auto [tolerance, azimuths, bound] =
+        GENERATE(std::tuple{1e-3, 33, 1e-3 + 1e-3}, std::tuple{1e-4, 33, 1e-3 + 1e-4},
+                 std::tuple{1e-4, 65, 1.5e-4 + 1e-4});
+    request.solver.tolerance = tolerance;
+    const auto brdf = solve_brdf({request}, Component::subsurface, {49, azimuths});
+    request.directions = {{0.33, 0.5, 0.77}, {0.33, 0.5, 0.77}, {0, 90, 150, 176, 178, 179, 180}};
     const auto exact = compute_brdf(request).slices.front().total;
     const double largest = *std::max_element(exact.begin(), exact.end());
     std::size_t index = 0;
     for (const double in : request.directions.mu_in) {
         for (const double out : request.directions.mu_out) {
             for (const double azimuth : request.directions.azimuth_deg) {
-                CAPTURE(in, out, azimuth, exact[index]);
-                // 7e-3 measured, two degrees beside exact retro-reflection at the lowest cosine.
-                // Both solutions may err by the tolerance there, 1e-3, with streams chosen at
-                // different directions; the rest is what the narrow features leave in the table.
-                CHECK(std::abs(value(*brdf, in, out, azimuth) - exact[index]) <= 1e-2 * largest);
+                CAPTURE(tolerance, azimuths, in, out, azimuth, exact[index], largest);
+                CHECK(std::abs(value(*brdf, in, out, azimuth) - exact[index]) <= bound * largest);
                 ++index;
             }
         }
@@ -151,13 +158,38 @@ TEST_CASE("solved materials are reciprocal with the reciprocal coupling", "[rend
 }
 
 TEST_CASE("the surface lobe is the solver's to rounding", "[render][solved]") {
-    const Request request = with_surface(request_of("isotropic:0.5"), 0.3, 2.4);
+    // Beckmann's masking of the light is interpolated in single precision, GGX's is not.
+    const auto [distribution, bound] =
+        GENERATE(std::pair{rte::MicrofacetDistribution::beckmann, 2e-7},
+                 std::pair{rte::MicrofacetDistribution::ggx, 1e-10});
+    const double roughness = GENERATE(0.03, 0.3, 1.5);
+    Request request = with_surface(request_of("isotropic:0.5"), roughness, 2.4);
+    request.scene.surface->distribution = distribution;
     const auto brdf = solve_brdf({request}, Component::surface);
     const rte::SurfaceLobe lobe({2.4, 0.0}, *request.scene.surface);
-    for (const double azimuth : {0.0, 33.0, 180.0}) {
-        CHECK(value(*brdf, 0.4, 0.6, azimuth) ==
-              Approx(lobe.brdf(0.4, 0.6, azimuth)).epsilon(1e-10));
+    for (const double mu_in : {1e-4, 0.03, 0.4, 0.9, 1.0}) {
+        for (const double azimuth : {0.0, 33.0, 180.0}) {
+            CAPTURE(roughness, mu_in, azimuth);
+            CHECK(value(*brdf, mu_in, 0.6, azimuth) ==
+                  Approx(lobe.brdf(mu_in, 0.6, azimuth)).epsilon(bound));
+        }
     }
+}
+
+TEST_CASE("nodes are where their taps are looked for", "[render][solved]") {
+    const auto is_at = [](const CubicTaps& taps, std::size_t node) {
+        const std::size_t k = node - taps.first;
+        // Single precision, and next to an end the root of a rounding error.
+        return k < 4 && std::abs(double(taps.weight[k]) - 1.0) <= 1e-5;
+    };
+    const auto mu = cosine_nodes(49), azimuth = azimuth_nodes_deg(33),
+               angle = scattering_angle_nodes(1025);
+    // The first cosine only stands for the horizon.
+    for (std::size_t i = 1; i < mu.size(); ++i) CHECK(is_at(cosine_taps(mu[i], 49), i));
+    for (std::size_t i = 0; i < azimuth.size(); ++i)
+        CHECK(is_at(azimuth_taps(std::cos(azimuth[i] * kPi / 180), 33), i));
+    for (std::size_t i = 0; i < angle.size(); ++i)
+        CHECK(is_at(scattering_angle_taps(std::cos(angle[i]), 1025), i));
 }
 
 TEST_CASE("requests of different wavelengths join in order", "[render][solved]") {

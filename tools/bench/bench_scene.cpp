@@ -67,18 +67,19 @@ std::vector<double> two_stream(const SimpleStack& s, const Wanted& w) {
     return values;
 }
 
-std::vector<double> photons(const TracedStack& stack, const Wanted& w, int number) {
+Answer photons(const TracedStack& stack, const Wanted& w, int number) {
     std::vector<Detector> detectors;
     for (const double mu : w.mu_out) {
         for (const double azimuth : w.azimuth_deg) detectors.push_back({mu, azimuth});
     }
-    std::vector<double> values;
+    Answer answer;
     for (const double mu : w.mu_in) {
         const auto traced = trace_photons(stack, mu, detectors, {.photons = number});
-        if (w.is_albedo()) values.push_back(traced.plane_albedo.value);
-        for (const Estimate& e : traced.reflection) values.push_back(e.value);
+        if (w.is_albedo())
+            answer.add(traced.plane_albedo.value, traced.plane_albedo.standard_error);
+        for (const Estimate& e : traced.reflection) answer.add(e.value, e.standard_error);
     }
-    return values;
+    return answer;
 }
 
 std::vector<double> textbook(const MomentStack& stack, const Wanted& w, int n,

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "pipeline/plot/palette.h"
 #include "pipeline/plot/svg.h"
+#include "tools/bench/label_placer.h"
 #include "tools/bench/log_axis.h"
 #include "tools/bench/results.h"
 
@@ -23,68 +22,10 @@ constexpr double kLowestError = 1e-17, kHighestError = 10, kShortestTime = 1e-6;
 double drawn_error(const Measurement& m) {
     return std::clamp(m.error, kLowestError, kHighestError);
 }
-double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
-
-std::string marker_path(int marker, double x, double y, double r) {
-    switch (marker) {
-        case 1:
-            return fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h-{:.1f}z", x - r, y - r, 2 * r, 2 * r,
-                               2 * r);
-        case 2:
-            return fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h-{:.1f}z", x, y - 1.2 * r, 1.2 * r,
-                               2.1 * r, 2.4 * r);
-        case 3:
-            return fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l-{:.1f} {:.1f}l-{:.1f} -{:.1f}z", x,
-                               y - 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r);
-        default:
-            return fmt::format(
-                "M{:.1f} {:.1f}a{:.1f} {:.1f} 0 1 0 {:.1f} 0a{:.1f} {:.1f} 0 1 0 -{:.1f} 0z", x - r,
-                y, r, r, 2 * r, r, r, 2 * r);
-    }
+double upper_end(const Measurement& m) {
+    return std::clamp(m.error + m.half_width, kLowestError, kHighestError);
 }
-
-struct Box {
-    double left, top, right, bottom;
-    double overlap(const Box& o) const {
-        const double w = std::min(right, o.right) - std::max(left, o.left);
-        const double h = std::min(bottom, o.bottom) - std::max(top, o.top);
-        return w > 0 && h > 0 ? w * h : 0.0;
-    }
-};
-
-// Puts labels where they cover least of what is there already, near their point.
-class LabelPlacer {
-  public:
-    void block(double x, double y) { taken_.push_back({x - 4, y - 4, x + 4, y + 4}); }
-
-    Box place(double x, double y, std::size_t characters) {
-        const double w = 4.7 * static_cast<double>(characters) + 2, h = 9;
-        const std::array<std::pair<double, double>, 8> corners = {{{5, -h - 2},
-                                                                   {5, 2},
-                                                                   {-w - 5, -h - 2},
-                                                                   {-w - 5, 2},
-                                                                   {-w / 2, -h - 6},
-                                                                   {-w / 2, 6},
-                                                                   {7, -h / 2},
-                                                                   {-w - 7, -h / 2}}};
-        Box best{};
-        double least = INFINITY;
-        for (const auto& [dx, dy] : corners) {
-            const Box box{x + dx, y + dy, x + dx + w, y + dy + h};
-            double cost = box.right > kRight || box.left < kLeft || box.bottom > kBottom ? 50 : 0;
-            for (const Box& other : taken_) cost += box.overlap(other);
-            if (cost < least) {
-                least = cost;
-                best = box;
-            }
-        }
-        taken_.push_back(best);
-        return best;
-    }
-
-  private:
-    std::vector<Box> taken_;
-};
+double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
 
 struct Frame {
     LogAxis x, y;
@@ -99,7 +40,7 @@ Frame make_frame(const std::vector<Measurement>& drawn) {
         t0 = std::min(t0, drawn_time(m));
         t1 = std::max(t1, drawn_time(m));
         e0 = std::min(e0, drawn_error(m));
-        e1 = std::max(e1, drawn_error(m));
+        e1 = std::max({e1, drawn_error(m), std::isnan(m.half_width) ? 0.0 : upper_end(m)});
     }
     return {LogAxis(t0, t1, kLeft, kRight), LogAxis(e0, e1, kBottom, kTop)};
 }
@@ -141,10 +82,24 @@ std::string front_line(const std::vector<Measurement>& drawn, const Frame& f) {
     return fmt::format("<path class='front' d='{}'/>\n{}", path, rings);
 }
 
+// What the error would be at either end of the confidence interval; down to the axis if it holds 0.
+std::string whisker(const Measurement& m, const Frame& f, const std::string& colour) {
+    if (std::isnan(m.half_width)) return {};
+    const double x = f.x.position(drawn_time(m)), top = f.y.position(upper_end(m));
+    const double lower = m.error - m.half_width;
+    const bool is_open = !(lower > kLowestError);
+    const double bottom = is_open ? kBottom : std::min(kBottom, f.y.position(lower));
+    return fmt::format(
+        "<path class='whisker' d='M{0:.1f} {1:.1f}h6m-3 0V{2:.1f}{3}' stroke='{4}'/>\n", x - 3, top,
+        bottom, is_open ? "" : "m-3 0h6", colour);
+}
+
 std::string tooltip(const Measurement& m) {
-    return escape_markup(
-        fmt::format("{} {}: error {:.2e}, {:.3g} s (spread {:.0f} %), memory {:.3g} MiB", m.method,
-                    m.parameter, m.error, m.seconds, 100 * m.spread, m.memory / 1048576));
+    const std::string sure =
+        std::isnan(m.half_width) ? "" : fmt::format(" +- {:.1e} (95 %)", m.half_width);
+    return escape_markup(fmt::format(
+        "{} {}: error {:.2e}{}, {:.3g} s (spread {:.0f} %), memory {:.3g} MiB", m.method,
+        m.parameter, m.error, sure, m.seconds, 100 * m.spread, m.memory / 1048576));
 }
 
 std::string legend_entry(const std::string& method, const MethodStyles::Style& style,
@@ -166,6 +121,7 @@ std::string one_series(const std::string& method, const std::vector<Measurement>
         line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", x, y);
         const std::string& knob = m.parameter == "-" ? m.method : m.parameter;  // "-": it has none
         const Box box = labels.place(x, y, knob.size());
+        points += whisker(m, f, style.colour);
         points += fmt::format(
             "<path class='point' d='{}' fill='{}'><title>{}</title></path><text class='knob' "
             "x='{:.1f}' y='{:.1f}' style='fill:{}'>{}</text>\n",
@@ -180,24 +136,11 @@ std::string one_series(const std::string& method, const std::vector<Measurement>
 constexpr char kStyleSheet[] =
     "text{font-family:Helvetica,Arial,sans-serif;font-size:12px;fill:#222}.tick{font-size:11px}"
     ".knob{font-size:8.5px}.title{font-size:15px;font-weight:bold}.grid{stroke:#e4e4e4;fill:none}"
-    ".curve{fill:none;stroke-width:1.4}.point{stroke:#fff;stroke-width:.6}"
+    ".curve{fill:none;stroke-width:1.4}.whisker{fill:none;stroke-width:1;opacity:.7}.point{stroke:#"
+    "fff;stroke-width:.6}"
     ".front{fill:none;stroke:#222;stroke-width:1}path.front{stroke-dasharray:2 3}";
 
 }  // namespace
-
-MethodStyles::MethodStyles(const std::vector<Measurement>& all) {
-    for (const Measurement& m : all) {
-        if (std::find(methods_.begin(), methods_.end(), m.method) == methods_.end()) {
-            methods_.push_back(m.method);
-        }
-    }
-}
-
-MethodStyles::Style MethodStyles::of(const std::string& method) const {
-    const auto found = std::find(methods_.begin(), methods_.end(), method);
-    const auto i = static_cast<std::size_t>(found - methods_.begin());
-    return {plot::curve_colour(static_cast<int>(i)), static_cast<int>(i) / plot::kCurveColours % 4};
-}
 
 std::string curve_plot_svg(const std::string& title, const std::vector<Measurement>& points,
                            const MethodStyles& styles) {
@@ -221,7 +164,7 @@ std::string curve_plot_svg(const std::string& title, const std::vector<Measureme
     if (!drawn.empty()) {
         const Frame frame = make_frame(drawn);
         svg += axes(frame) + front_line(drawn, frame);
-        LabelPlacer labels;
+        LabelPlacer labels({kLeft, kTop, kRight, kBottom});
         for (const Measurement& m : drawn) labels.block(frame.at(m).first, frame.at(m).second);
         for (const std::string& method : methods) {
             svg += one_series(method, drawn, frame, styles.of(method), labels);

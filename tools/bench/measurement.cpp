@@ -48,6 +48,12 @@ double memory_of(const Contender& contender) {
     return growth < 0 ? 0.0 : growth;
 }
 
+std::vector<double> at_ends(std::vector<double> values, const std::vector<double>& half_widths) {
+    for (std::size_t i = 0; i < std::min(values.size(), half_widths.size()); ++i)
+        values[i] += half_widths[i];
+    return values;
+}
+
 }  // namespace
 
 double cpu_seconds() {
@@ -84,8 +90,13 @@ std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptio
     for (const Contender& contender : bench_case.contenders) {
         Measurement m{bench_case.suite, bench_case.name, contender.method, contender.parameter};
         const double start = cpu_seconds();
-        m.error = judge(contender.run(), bench_case.true_values);
+        const Answer answer = contender.run();
         const double once = std::max(cpu_seconds() - start, 1e-9);
+        m.error = judge(answer.values, bench_case.true_values);
+        if (!answer.half_widths.empty()) {
+            m.half_width =
+                judge(at_ends(bench_case.true_values, answer.half_widths), bench_case.true_values);
+        }
         const double again = cpu_seconds();
         m.memory = memory_of(contender);
         Running r{&contender};

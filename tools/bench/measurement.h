@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace miebrdf::bench {
@@ -17,13 +19,33 @@ struct Measurement {
     double seconds = 0.0;   ///< median CPU time of one run
     double memory = 0.0;    ///< growth of the peak resident memory in bytes; NaN: not known
     double spread = 0.0;    ///< (slowest - fastest) / median of the repeats
+    /// Largest 95 % confidence half-width of the quantities, measured like `error`; NaN for methods
+    /// without chance.
+    double half_width = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// What a method says.
+struct Answer {
+    std::vector<double> values;
+    std::vector<double>
+        half_widths;  ///< of their 95 % confidence intervals; empty: no chance in it
+
+    Answer() = default;
+    // Most methods have nothing but values.
+    Answer(std::vector<double> v) : values(std::move(v)) {}  // NOLINT(google-explicit-constructor)
+
+    /// Adds an estimate whose standard error is known.
+    void add(double value, double standard_error) {
+        values.push_back(value);
+        half_widths.push_back(1.96 * standard_error);
+    }
 };
 
 /// A method at one setting. `run` computes the case and returns its numbers; it is what is timed.
 struct Contender {
     std::string method;
     std::string parameter;
-    std::function<std::vector<double>()> run;
+    std::function<Answer()> run;
 };
 
 /// How far an answer is from the truth: largest |value / truth - 1|; absolute where truth is 0.

@@ -64,7 +64,7 @@ ScatteringLaw law_of(const rte::Optics& optics) {
 }
 
 // From the names on: Mie is part of the run.
-std::vector<double> by_photons(int photons) {
+Answer by_photons(int photons) {
     MediumResolver resolver;
     OpticsDemand demand;
     demand.whole_phase_function = true;
@@ -78,15 +78,15 @@ std::vector<double> by_photons(int photons) {
     for (const double mu : kMuOut) {
         for (const double azimuth : kAzimuth) detectors.push_back({mu, azimuth});
     }
-    std::vector<double> values;
+    Answer answer;
     for (const double mu : kMuIn) {
         for (const Estimate& e :
              trace_photons(stack, mu, detectors, {.photons = photons, .most_collisions = 2000})
                  .reflection) {
-            values.push_back(e.value);
+            answer.add(e.value, e.standard_error);
         }
     }
-    return values;
+    return answer;
 }
 
 BenchCase painted_sample() {

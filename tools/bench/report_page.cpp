@@ -135,8 +135,9 @@ const std::vector<double>& wanted_errors() {
 
 std::string description_of(const Results& results, const std::string& suite,
                            const std::string& name) {
+    const std::string wanted = fmt::format("case {}/{}", suite, name);
     for (const auto& [fact, value] : results.facts) {
-        if (fact == "case " + suite + "/" + name) return value;
+        if (fact == wanted) return value;
     }
     return {};
 }
@@ -146,7 +147,9 @@ std::string report_page(const Results& results, const std::vector<Change>& chang
     html +=
         "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
         "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
-        "what no other point beats in both. Click a method to hide it.</p>\n<nav>";
+        "what no other point beats in both. Whiskers: the 95 % confidence interval of methods that "
+        "use "
+        "chance. Click a method to hide it.</p>\n<nav>";
     for (const std::string& suite : suites_of(results))
         html += fmt::format("<a href='#{0}'>{0}</a>", suite);
     html += "</nav>\n" + changes_html(changes);
@@ -160,9 +163,10 @@ std::string report_page(const Results& results, const std::vector<Change>& chang
                             choice_table_html(results, suite));
         for (const auto& [s, name] : cases_of(results)) {
             if (s != suite) continue;
-            html += fmt::format("<h3>{}</h3>\n<p class='faint'>{}</p>\n{}", escape_markup(name),
-                                escape_markup(description_of(results, s, name)),
-                                curve_plot_svg(s + ": " + name, of_case(results, s, name), styles));
+            html += fmt::format(
+                "<h3>{}</h3>\n<p class='faint'>{}</p>\n{}", escape_markup(name),
+                escape_markup(description_of(results, s, name)),
+                curve_plot_svg(fmt::format("{}: {}", s, name), of_case(results, s, name), styles));
         }
     }
     return html + facts_html(results) + kScript + "</body></html>\n";

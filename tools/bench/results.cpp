@@ -18,8 +18,8 @@
 namespace miebrdf::bench {
 namespace {
 
-const std::vector<std::string> kColumns = {"suite", "case",    "method", "parameter",
-                                           "error", "seconds", "memory", "spread"};
+const std::vector<std::string> kColumns = {"suite",   "case",   "method", "parameter", "error",
+                                           "seconds", "memory", "spread", "half_width"};
 // Smaller changes than this are not worth a line, whatever the spread says.
 constexpr double kNotable = 0.10;
 constexpr double kRounding = 1e-13;
@@ -77,8 +77,8 @@ void write_results(const Results& results, std::ostream& out) {
     table.facts = results.facts;
     table.columns = kColumns;
     for (const Measurement& m : results.measurements) {
-        table.rows.push_back(
-            {m.suite, m.test_case, m.method, m.parameter, m.error, m.seconds, m.memory, m.spread});
+        table.rows.push_back({m.suite, m.test_case, m.method, m.parameter, m.error, m.seconds,
+                              m.memory, m.spread, m.half_width});
     }
     write_csv(table, out);
 }
@@ -87,7 +87,7 @@ Results read_results(const std::filesystem::path& path) {
     std::ifstream file(path);
     if (!file) throw InputError(fmt::format("cannot read {}", path.string()));
     Results results;
-    bool header_seen = false;
+    std::size_t columns = 0;  // 0: header not seen yet
     for (std::string line; std::getline(file, line);) {
         if (line.rfind("# ", 0) == 0) {
             const auto colon = line.find(": ");
@@ -97,22 +97,24 @@ Results read_results(const std::filesystem::path& path) {
             continue;
         }
         const auto fields = split(line);
-        if (!header_seen) {
-            if (fields != kColumns) {
+        if (columns == 0) {
+            const bool is_earlier =
+                fields == std::vector<std::string>(kColumns.begin(), kColumns.end() - 1);
+            if (!is_earlier && fields != kColumns) {
                 throw InputError(fmt::format("{}: columns '{}' are not those of a results.csv",
                                              path.string(), line));
             }
-            header_seen = true;
-        } else if (fields.size() == kColumns.size()) {
-            results.measurements.push_back({fields[0], fields[1], fields[2], fields[3],
-                                            number(fields[4]), number(fields[5]), number(fields[6]),
-                                            number(fields[7])});
+            columns = fields.size();
+        } else if (fields.size() == columns) {
+            results.measurements.push_back(
+                {fields[0], fields[1], fields[2], fields[3], number(fields[4]), number(fields[5]),
+                 number(fields[6]), number(fields[7]), number(columns > 8 ? fields[8] : "")});
         } else {
             throw InputError(
                 fmt::format("{}: {} fields in '{}'", path.string(), fields.size(), line));
         }
     }
-    if (!header_seen) throw InputError(fmt::format("{}: no table in it", path.string()));
+    if (columns == 0) throw InputError(fmt::format("{}: no table in it", path.string()));
     return results;
 }
 
@@ -132,7 +134,9 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
                                       std::thread::hardware_concurrency())},
             {"compiler", fmt::format("{}, {} build, {}", __VERSION__, build, vectors)},
             {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))},
-            {"units", "error: largest relative error; seconds: CPU time; memory: bytes"}};
+            {"units",
+             "error: largest relative error; seconds: CPU time; memory: bytes; half_width: of the "
+             "95 % confidence interval of methods that use chance, measured like error"}};
 }
 
 std::vector<std::size_t> pareto_front(const std::vector<Measurement>& points) {

@@ -16,10 +16,10 @@ struct Results {
     std::vector<Measurement> measurements;
 };
 
-/// `# fact: value` lines, then suite,case,method,parameter,error,seconds,memory,spread.
+/// `# fact: value` lines, then suite,case,method,parameter,error,seconds,memory,spread,half_width.
 void write_results(const Results& results, std::ostream& out);
 
-/// Reads what write_results wrote.
+/// Reads what write_results wrote; half_width may be missing, as in files of earlier versions.
 /// @throws miebrdf::InputError  for a file that is missing or has other columns
 Results read_results(const std::filesystem::path& path);
 
