@@ -138,21 +138,16 @@ PhaseTabulation::Halves PhaseTabulation::sum_level(int level,
         const int chunk = chunks.count() - 1 - job;  // large spheres first
         Halves& part = parts[chunk];
         part.intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
-        SphereBlock block;
+        SphereBlockOf<float> block;
         block.make_room(number_of_terms(sizes.parameters.back()), most_sizes_per_block);
         for (const auto [first, count] : chunks.blocks(chunk)) {
             const std::size_t here = count;
-            compute_spheres(relative_index_, {sizes.parameters.data() + first, here},
-                            {sizes.weights.data() + first, here}, &block);
+            const SphereSums sums =
+                compute_spheres(relative_index_, {sizes.parameters.data() + first, here},
+                                {sizes.weights.data() + first, here}, &block);
             angular.add_intensity(block, part.intensity);
-            // As the intensities: by the place of the sphere, which is that of the column.
-            Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(2 * block.size);
-            for (int n = 1; n <= block.terms; ++n) {
-                squares += (2 * n + 1) * (block.U.row(n).cwiseAbs2() + block.V.row(n).cwiseAbs2());
-            }
-            for (int column = 0; column < 2 * block.size; ++column) {
-                part.scattered[column % 2] += squares[column];
-            }
+            part.scattered[0] += 2 * (sums.scattered - sums.scattered_at_odd);
+            part.scattered[1] += 2 * sums.scattered_at_odd;
         }
     });
     Halves total = std::move(parts[0]);

@@ -11,15 +11,18 @@ void SphereSums::add(const SphereSums& other) {
     scattered += other.scattered;
     absorbed += other.absorbed;
     asymmetric += other.asymmetric;
+    scattered_at_odd += other.scattered_at_odd;
 }
 
 void SphereSums::scale(double factor) {
     scattered *= factor;
     absorbed *= factor;
     asymmetric *= factor;
+    scattered_at_odd *= factor;
 }
 
-void SphereBlock::make_room(int new_terms, int new_size) {
+template <typename Scalar>
+void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
     terms = new_terms;
     size = new_size;
     if (U.rows() >= terms + 1 && U.cols() == 2 * size) return;
@@ -27,9 +30,10 @@ void SphereBlock::make_room(int new_terms, int new_size) {
     V.resize(terms + 1, 2 * size);
 }
 
+template <typename Scalar>
 SphereSums compute_spheres(std::complex<double> relative_index,
                            std::span<const double> size_parameters, std::span<const double> weights,
-                           SphereBlock* block) {
+                           SphereBlockOf<Scalar>* block) {
     const int count = static_cast<int>(size_parameters.size());
     SphereSums total;
     if (block) {
@@ -43,12 +47,29 @@ SphereSums compute_spheres(std::complex<double> relative_index,
             x[lane] = size_parameters[i];
             weight[lane] = first + lane < count ? weights[i] : 0.0;
         }
-        const LaneSums sums = compute_eight(relative_index, x, {block, first, weight.sqrt()});
-        total.scattered += (weight * sums.scattered).sum();
+        const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
+        const LaneSums sums = compute_eight(relative_index, x, columns);
+        const Lanes scattered = weight * sums.scattered;
+        total.scattered += scattered.sum();
+        total.scattered_at_odd += (scattered[1] + scattered[3]) + (scattered[5] + scattered[7]);
         total.absorbed += (weight * sums.absorbed).sum();
         total.asymmetric += (weight * sums.asymmetric).sum();
     }
     return total;
 }
+
+SphereSums compute_spheres(std::complex<double> relative_index,
+                           std::span<const double> size_parameters, std::span<const double> weights,
+                           std::nullptr_t) {
+    SphereBlock* nowhere = nullptr;
+    return compute_spheres(relative_index, size_parameters, weights, nowhere);
+}
+
+template struct SphereBlockOf<float>;
+template struct SphereBlockOf<double>;
+template SphereSums compute_spheres(std::complex<double>, std::span<const double>,
+                                    std::span<const double>, SphereBlockOf<float>*);
+template SphereSums compute_spheres(std::complex<double>, std::span<const double>,
+                                    std::span<const double>, SphereBlockOf<double>*);
 
 }  // namespace miebrdf::mie

@@ -20,9 +20,10 @@ using Complex = std::complex<double>;
 Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
 ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
 
-void store(const Lanes& values, double* to) {
-    Eigen::Map<Lanes> target(to);
-    target = values;
+template <typename Scalar>
+void store(const Lanes& values, Scalar* to) {
+    Eigen::Map<Eigen::Array<Scalar, lane_count, 1>> target(to);
+    target = values.cast<Scalar>();
 }
 
 Lanes dot(const ComplexLanes& u, const ComplexLanes& v) { return u.re * v.re + u.im * v.im; }
@@ -47,8 +48,8 @@ void silence(Response& response, const Lanes& alive) {
     response.inverse_norm *= alive;
 }
 
-template <typename Number>
-LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns& to) {
+template <typename Number, typename Scalar>
+LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns<Scalar>& to) {
     Lanes last_order;
     for (int lane = 0; lane < lane_count; ++lane) last_order[lane] = number_of_terms(x[lane]);
     const int shortest = static_cast<int>(last_order.minCoeff());
@@ -97,7 +98,8 @@ LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns& to) {
 }
 
 // The path of single spheres, for sizes where the vector formulas lose digits.
-LaneSums one_by_one(Complex m, const Lanes& x, const BlockColumns& to) {
+template <typename Scalar>
+LaneSums one_by_one(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
     Coefficients spheres[lane_count];
     std::size_t terms = 0;
     for (int lane = 0; lane < lane_count; ++lane) {
@@ -129,16 +131,18 @@ LaneSums one_by_one(Complex m, const Lanes& x, const BlockColumns& to) {
 
 }  // namespace
 
-void BlockColumns::put(int order, const ComplexLanes& a, const ComplexLanes& b) const {
-    double* u = block->U.row(order).data() + first;
-    double* v = block->V.row(order).data() + first;
+template <typename Scalar>
+void BlockColumns<Scalar>::put(int order, const ComplexLanes& a, const ComplexLanes& b) const {
+    Scalar* u = block->U.row(order).data() + first;
+    Scalar* v = block->V.row(order).data() + first;
     store(root_weight * (a.re + b.re), u);
     store(root_weight * (a.im + b.im), u + block->size);
     store(root_weight * (a.re - b.re), v);
     store(root_weight * (a.im - b.im), v + block->size);
 }
 
-void BlockColumns::clear_beyond(int order) const {
+template <typename Scalar>
+void BlockColumns<Scalar>::clear_beyond(int order) const {
     for (int n = order + 1; n <= block->terms; ++n) {
         for (auto* wave : {&block->U, &block->V}) {
             wave->row(n).segment(first, lane_count).setZero();
@@ -147,11 +151,15 @@ void BlockColumns::clear_beyond(int order) const {
     }
 }
 
-LaneSums compute_eight(Complex m, const Lanes& x, const BlockColumns& to) {
+template <typename Scalar>
+LaneSums compute_eight(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
     if (to.block) to.clear_beyond(number_of_terms(x[0]));
     if (x[0] < 2) return one_by_one(m, x, to);
     if (m.imag() == 0) return by_vectors(m.real(), x, to);
     return by_vectors(m, x, to);
 }
+
+template LaneSums compute_eight(Complex, const Lanes&, const BlockColumns<float>&);
+template LaneSums compute_eight(Complex, const Lanes&, const BlockColumns<double>&);
 
 }  // namespace miebrdf::mie

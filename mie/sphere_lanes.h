@@ -14,17 +14,19 @@ struct LaneSums {
 };
 
 /// The eight columns of a block that the eight spheres fill, or none.
+template <typename Scalar>
 struct BlockColumns {
     void put(int order, const ComplexLanes& a, const ComplexLanes& b) const;
     /// Rows that these eight do not reach, but others of the block do.
     void clear_beyond(int order) const;
 
-    SphereBlock* block;  // null: nowhere
+    SphereBlockOf<Scalar>* block;  // null: nowhere
     int first;
     Lanes root_weight;
 };
 
 /// @param x  size parameters, ascending; from 2 on eight at once, below by mie_coefficients
-LaneSums compute_eight(std::complex<double> m, const Lanes& x, const BlockColumns& to);
+template <typename Scalar>
+LaneSums compute_eight(std::complex<double> m, const Lanes& x, const BlockColumns<Scalar>& to);
 
 }  // namespace miebrdf::mie
