@@ -24,6 +24,7 @@ constexpr double default_tolerance = 1e-2;
 // agree by that: they are believed only this far.
 constexpr double coarse_share = 0.3;
 constexpr int first_resolved_level = 2;
+constexpr double resolved_spacing = 0.8;  // in x, without ripple: exp(2i x) remains
 
 }  // namespace
 
@@ -49,8 +50,12 @@ void PhaseTabulation::plan_levels() {
     rippled_ =
         !(relative_index_.imag() * wave_number_per_um_ * effective_radius_of(distribution_) > 1);
     first_count_ = smooth_first_count;
+    resolved_level_ = first_resolved_level;
     if (rippled_) {
         first_count_ = std::max(first_count_, coarsest_even_count(relative_index_.real(), width));
+    } else {
+        const double levels = std::log2(width / (resolved_spacing * first_count_));
+        resolved_level_ = std::max(0, static_cast<int>(std::ceil(levels)));
     }
     const double finer =
         std::min(1.0, std::pow(options_.size_tolerance / default_tolerance, 1 / 1.5));
@@ -130,8 +135,7 @@ HalvedIntensity PhaseTabulation::sum_level(int level,
 
 bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
     if (panel.level() >= last_level_) return false;
-    const bool coarse = rippled_ && panel.level() < first_resolved_level;
-    const double believed = coarse ? coarse_share : 1.0;
+    const double believed = panel.level() < resolved_level_ ? coarse_share : 1.0;
     return panel.noise() > believed * options_.size_tolerance ||
            panel.moment_error(options_.first_moment) > believed * options_.moment_tolerance;
 }

@@ -59,7 +59,7 @@ class PhaseTabulation {
     const Executor& run_;
     double narrowest_;  // panel, in radians
     bool rippled_ = false;
-    int first_count_ = 1, last_level_ = 0;
+    int first_count_ = 1, last_level_ = 0, resolved_level_ = 0;
     std::vector<PhasePanel> active_, done_;
 };
 
