@@ -1,6 +1,5 @@
 // Plane and spherical albedo of a scene: azimuthal order 0 alone, no phase function.
 #include "pipeline/brdf.h"
-#include "pipeline/error.h"
 #include "pipeline/layers.h"
 #include "pipeline/slice_report.h"
 #include "rte/math/quadrature.h"
@@ -12,7 +11,8 @@ namespace {
 // rho and A are smooth in mu but for mu ln mu at grazing: 32 Gauss nodes integrate both to 1e-7.
 constexpr int kSphericalNodes = 32;
 
-/// Surface and layers together, as eq. 5 adds them: rho + (1 - rho) A.
+/// Surface and layers together, as eq. 5 adds them: rho + (1 - rho) A. With the reciprocal coupling
+/// A counts the light that the surface lets out again (LayerQuantity::albedo_through_surface).
 double with_surface(const rte::SurfaceLobe& lobe, double mu, double layers) {
     const double rho = lobe.directional_reflectance(mu);
     return rho + (1.0 - rho) * layers;
@@ -39,10 +39,6 @@ void add_surface(AlbedoSlice& slice, const rte::SurfaceLobe& lobe, const std::ve
 
 AlbedoResult compute_albedo(const Request& request, const RunControl& control) {
     validate(request);
-    if (request.scene.surface && request.scene.coupling != rte::SurfaceCoupling::paper) {
-        throw UsageError("albedo with a surface is known for the paper's coupling only; leave out "
-                         "--coupling, or --roughness");
-    }
     const SceneMedia media(request);
     Request layer_request = request;
     layer_request.directions.mu_out.clear();
@@ -62,8 +58,8 @@ AlbedoResult compute_albedo(const Request& request, const RunControl& control) {
                     request.directions.mu_in, rule);
     };
     return assemble<AlbedoResult>(
-        compute_layers(layer_request, media, LayerQuantity::albedo, control), request, media,
-        control, finish);
+        compute_layers(layer_request, media, albedo_quantity(request.scene), control), request,
+        media, control, finish);
 }
 
 }  // namespace miebrdf

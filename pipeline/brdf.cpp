@@ -16,8 +16,10 @@ namespace {
 SurfacePart surface_at(std::complex<double> index, const Request& request,
                        const RunControl& control) {
     const DistinctDirections distinct(request.directions);
-    SurfacePart part = surface_part(index, request.scene, distinct.directions(), control);
+    const auto demand = request.parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
+    SurfacePart part = surface_part(index, request.scene, distinct.directions(), demand, control);
     part.lobe = distinct.spread(part.lobe);
+    if (demand == SurfaceDemand::lobe) return part;
     part.in = distinct.spread_incident(part.in);
     part.out = distinct.spread_outgoing(part.out);
     return part;
@@ -48,7 +50,7 @@ void add_energy(SpectralSlice& slice, const std::vector<double>& plane_albedo,
                 const SurfacePart* surface, rte::SurfaceCoupling coupling) {
     for (std::size_t i = 0; i < plane_albedo.size(); ++i) {
         raise(slice.layers_physics.largest_albedo, plane_albedo[i]);
-        if (surface != nullptr && coupling == rte::SurfaceCoupling::paper) {
+        if (surface != nullptr && !surface->in.empty() && coupling == rte::SurfaceCoupling::paper) {
             raise(slice.physics.largest_albedo,
                   1.0 - surface->in[i] + surface->in[i] * plane_albedo[i]);
         }

@@ -5,29 +5,19 @@
 #include <optional>
 
 #include "pipeline/distinct_directions.h"
-#include "pipeline/packed_numbers.h"
+#include "pipeline/packed_layers.h"
 #include "pipeline/parallel.h"
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
 #include "pipeline/visible_layers.h"
+#include "rte/layered_brdf.h"
 
 namespace miebrdf {
 
-std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
-                       double wavelength_nm) {
-    const rte::SolverOptions& solver = request.solver;
-    JobKey key("layers");
-    key.add(static_cast<int>(quantity));
-    media.add_to(key, wavelength_nm);
-    key.add(request.scene.particles.tolerance).add(solver.tolerance);
-    key.add(static_cast<int>(solver.grid)).add(solver.streams);
-    key.add(static_cast<int>(solver.half_space_method)).add(static_cast<int>(solver.coat_method));
-    key.add(solver.coat_substeps).add(solver.delta_m ? 1 : 0);
-    key.add(solver.single_scattering_correction ? 1 : 0);
-    key.add(std::span<const double>(request.directions.mu_in));
-    key.add(std::span<const double>(request.directions.mu_out));
-    key.add(std::span<const double>(request.directions.azimuth_deg));
-    return key.hash();
+LayerQuantity albedo_quantity(const Scene& scene) {
+    return scene.surface && scene.coupling == rte::SurfaceCoupling::reciprocal
+               ? LayerQuantity::albedo_through_surface
+               : LayerQuantity::albedo;
 }
 
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
@@ -39,42 +29,6 @@ bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wav
 }
 
 namespace {
-
-std::vector<double> packed(const LayerSlice& slice) {
-    const rte::SolverReport& report = slice.report;
-    NumberPacker packer;
-    packer.add(slice.values)
-        .add(slice.plane_albedo)
-        .add(slice.mie_error_estimate)
-        .add(slice.error_estimate);
-    packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
-    packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
-    packer.add(report.converged ? 1 : 0).add(report.method).add(report.share_within_tolerance);
-    packer.add(report.worst_mu_in).add(report.worst_mu_out).add(report.worst_azimuth_deg);
-    return packer.numbers();
-}
-
-LayerSlice unpacked(const std::vector<double>& numbers) {
-    NumberUnpacker unpacker(numbers);
-    LayerSlice slice;
-    slice.values = unpacker.list();
-    slice.plane_albedo = unpacker.list();
-    slice.mie_error_estimate = unpacker.number();
-    slice.error_estimate = unpacker.number();
-    slice.converged = unpacker.number() == 1;
-    slice.report.streams = static_cast<int>(unpacker.number());
-    slice.report.moments = static_cast<int>(unpacker.number());
-    slice.report.azimuthal_orders = static_cast<int>(unpacker.number());
-    slice.report.iterations = static_cast<int>(unpacker.number());
-    slice.report.error_estimate = unpacker.number();
-    slice.report.converged = unpacker.number() == 1;
-    slice.report.method = unpacker.text();
-    slice.report.share_within_tolerance = unpacker.number();
-    slice.report.worst_mu_in = unpacker.number();
-    slice.report.worst_mu_out = unpacker.number();
-    slice.report.worst_azimuth_deg = unpacker.number();
-    return slice;
-}
 
 /// What every direction of a half-space that absorbs nothing returns: everything.
 LayerSlice lossless(std::size_t incidences) {
@@ -88,7 +42,7 @@ LayerSlice lossless(std::size_t incidences) {
 /// What layers return of which none scatters.
 LayerSlice black(const Request& request, LayerQuantity quantity) {
     const rte::Directions& d = request.directions;
-    const bool albedo = quantity == LayerQuantity::albedo;
+    const bool albedo = quantity != LayerQuantity::reflection;
     LayerSlice slice;
     slice.values.assign(
         albedo ? d.mu_in.size() + 1 : d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
@@ -98,19 +52,42 @@ LayerSlice black(const Request& request, LayerQuantity quantity) {
     return slice;
 }
 
-LayerSlice solve(const Request& request, const SceneOptics& optics, LayerQuantity quantity) {
+/// Plane and spherical albedos, with light weighted by what the surface lets out if that is asked.
+rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
+                              const rte::SolverOptions& solver, const SceneMedia& media,
+                              LayerQuantity quantity, double wavelength_nm) {
+    const std::vector<double>& mu_in = request.directions.mu_in;
+    if (quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, solver);
+    const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
+    const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
+    return rte::albedo(stack, mu_in, solver,
+                       [&transmission](double mu) { return transmission.out(mu); });
+}
+
+/// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
+/// --mie-tolerance that leaves nothing was the user's choice: half is for the streams all the same.
+rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_error_estimate) {
+    solver.tolerance = std::max(solver.tolerance - mie_error_estimate, 0.5 * solver.tolerance);
+    return solver;
+}
+
+LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
+                 LayerQuantity quantity, double wavelength_nm) {
+    const rte::SolverOptions solver =
+        with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
     const rte::Stack stack = with_black_ground(optics.stack);
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
         return black(request, quantity);
     }
     LayerSlice slice;
     if (quantity == LayerQuantity::reflection) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, request.solver);
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver);
         slice.values = std::move(table.reflection);
         slice.report = table.report;
         slice.plane_albedo = std::move(table.plane_albedo);
     } else {
-        rte::AlbedoTable table = rte::albedo(stack, request.directions.mu_in, request.solver);
+        rte::AlbedoTable table =
+            solve_albedo(stack, request, solver, media, quantity, wavelength_nm);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         slice.report = table.report;
@@ -172,7 +149,7 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
         if (has_closed_form(media, quantity, jobs.wavelength_nm[j])) {
             solved[j] = lossless(reduced.directions.mu_in.size());
         } else if (control.cache != nullptr && (known = control.cache->find(jobs.hashes[j]))) {
-            solved[j] = unpacked(*known);
+            solved[j] = unpacked_layers(*known);
         } else {
             missing.push_back(j);
             missing_nm.push_back(jobs.wavelength_nm[j]);
@@ -184,7 +161,7 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
         visible_optics(media, reduced, missing_nm, demand_of(reduced, phase), control);
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t j = missing[i];
-        solved[j] = solve(reduced, optics[i], quantity);
+        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i]);
         if (control.cache != nullptr) control.cache->store(jobs.hashes[j], packed(solved[j]));
     });
     std::vector<LayerSlice> slices;

@@ -14,7 +14,13 @@ namespace miebrdf {
 enum class LayerQuantity {
     reflection,  ///< R at all combinations of the request's directions
     albedo,      ///< plane albedo at the request's mu_in, then the spherical albedo
+    /// The same of what the reciprocal coupling lets out again through the request's surface: the
+    /// light into mu_out counts (1 - rho(mu_out)) / T (rte/layered_brdf.h).
+    albedo_through_surface,
 };
+
+/// What an albedo request needs of the layers: with a reciprocal surface what that lets out.
+LayerQuantity albedo_quantity(const Scene& scene);
 
 struct LayerSlice {
     std::vector<double> values;  ///< laid out as in rte::ReflectionTable, or as said above
@@ -31,11 +37,6 @@ struct LayerSlice {
 /// @throws UsageError, InputError, Cancelled
 std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
                                        LayerQuantity quantity, const RunControl& control);
-
-/// Names the job of one wavelength: everything its slice depends on.
-/// @param request  its directions as the solver gets them (distinct_directions.h)
-std::string layer_hash(const Request& request, const SceneMedia& media, LayerQuantity quantity,
-                       double wavelength_nm);
 
 /// Whether the answer is known without solving anything: albedos of layers that absorb nothing.
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm);

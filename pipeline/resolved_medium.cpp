@@ -10,11 +10,8 @@
 namespace miebrdf {
 namespace {
 
-/// The user's own materials over the embedded ones. A file that was named must be there.
+/// The user's own materials over the embedded ones.
 materials::Database open_database(const std::string& file) {
-    if (!file.empty() && !std::filesystem::exists(file)) {
-        throw InputError(fmt::format("materials database '{}' does not exist", file));
-    }
     try {
         return materials::Database::layered(file.empty() ? materials::default_user_database()
                                                          : std::filesystem::path(file));
@@ -63,14 +60,19 @@ void ResolvedMedium::add_to(JobKey& key, double wavelength_nm,
     }
 }
 
-MediumResolver::MediumResolver(const std::string& file) : database_(open_database(file)) {}
+MediumResolver::MediumResolver(const std::string& file) : file_(file) {
+    if (!file.empty() && !std::filesystem::exists(file)) {
+        throw InputError(fmt::format("materials database '{}' does not exist", file));
+    }
+}
 
-ResolvedMedium MediumResolver::resolve(const Medium& medium) const {
+ResolvedMedium MediumResolver::resolve(const Medium& medium) {
     const auto* named = std::get_if<DatabaseMedium>(&medium);
     if (named == nullptr) return {medium, std::nullopt, describe(medium)};
+    if (!database_) database_.emplace(open_database(file_));
     try {
-        return {medium, database_.refractive_index(named->name),
-                source_line(database_.info(named->name))};
+        return {medium, database_->refractive_index(named->name),
+                source_line(database_->info(named->name))};
     } catch (const std::runtime_error& error) {
         throw InputError(error.what());
     }

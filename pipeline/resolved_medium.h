@@ -27,17 +27,20 @@ struct ResolvedMedium {
 };
 
 /// Looks names up in a user's database file laid over the embedded database; an empty `file` is
-/// the default one (materials::default_user_database), which need not exist.
+/// the default one (materials::default_user_database), which need not exist. The databases are
+/// opened for the first medium that has a name: scenes without names need none.
 class MediumResolver {
   public:
-    /// @throws InputError  when the file is no materials database or is damaged
+    /// @throws InputError  when a file is named that does not exist
     explicit MediumResolver(const std::string& file = {});
 
-    /// @throws InputError  for an unknown name, with the nearest known ones
-    ResolvedMedium resolve(const Medium& medium) const;
+    /// @throws InputError  for an unknown name, with the nearest known ones; when the file is no
+    ///         materials database or is damaged
+    ResolvedMedium resolve(const Medium& medium);
 
   private:
-    materials::Database database_;
+    std::string file_;
+    std::optional<materials::Database> database_;
 };
 
 }  // namespace miebrdf

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rte/fourier_reflection.h"
+
 namespace miebrdf {
 namespace {
 
@@ -39,6 +41,10 @@ bool wants_lobe(const Scene& scene, const BrdfParts& parts) {
 
 bool only_zenith(const rte::Directions& directions) {
     return all_one(directions.mu_in) || all_one(directions.mu_out);
+}
+
+bool only_across(const rte::Directions& directions) {
+    return rte::is_invisible(1, directions.azimuth_deg);
 }
 
 bool is_symmetric(const rte::Directions& directions) {

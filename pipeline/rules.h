@@ -21,6 +21,9 @@ bool wants_lobe(const Scene& scene, const BrdfParts& parts);
 /// Light from or to the zenith has no azimuth: order 0 alone.
 bool only_zenith(const rte::Directions& directions);
 
+/// Directions across the plane of incidence (azimuth 90 or 270 degrees) alone: odd orders vanish.
+bool only_across(const rte::Directions& directions);
+
 /// A list of incident cosines that is also that of the outgoing ones: half of the pairs follow from
 /// reciprocity where the quantity is symmetric.
 bool is_symmetric(const rte::Directions& directions);

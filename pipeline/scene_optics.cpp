@@ -95,7 +95,7 @@ OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
 }
 
 SceneMedia::SceneMedia(const Request& request) : scene_(without_empty_coats(request.scene)) {
-    const MediumResolver resolver(request.database);
+    MediumResolver resolver(request.database);
     media_.push_back(resolver.resolve(scene_.base));
     for (const CoatMedium& coat : scene_.coats) media_.push_back(resolver.resolve(coat.medium));
     if (!scene_.surface || scene_.surface_index) return;

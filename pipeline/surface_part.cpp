@@ -10,14 +10,11 @@
 namespace miebrdf {
 namespace {
 
-/// Everything a surface part depends on.
-std::string hash_of(std::complex<double> index, const Scene& scene, const rte::Directions& d) {
-    const rte::SurfaceOptions& surface = *scene.surface;
+std::string hash_of(std::complex<double> index, const Scene& scene, const rte::Directions& d,
+                    SurfaceDemand demand) {
     JobKey key("surface");
-    key.add(index.real()).add(index.imag()).add(surface.beckmann_alpha);
-    key.add(static_cast<int>(surface.distribution)).add(static_cast<int>(surface.shadowing));
-    key.add(surface.shadowing_distribution ? static_cast<int>(*surface.shadowing_distribution) : -1);
-    key.add(static_cast<int>(surface.fresnel)).add(static_cast<int>(scene.coupling));
+    add_surface(key, index, scene);
+    key.add(static_cast<int>(demand));
     key.add(std::span<const double>(d.mu_in)).add(std::span<const double>(d.mu_out));
     key.add(std::span<const double>(d.azimuth_deg));
     return key.hash();
@@ -41,11 +38,13 @@ std::vector<double> lobe_values(const rte::SurfaceLobe& lobe, const rte::Directi
     return values;
 }
 
-SurfacePart compute(std::complex<double> index, const Scene& scene, const rte::Directions& d) {
+SurfacePart compute(std::complex<double> index, const Scene& scene, const rte::Directions& d,
+                    SurfaceDemand demand) {
     const rte::SurfaceLobe lobe(index, *scene.surface);
-    const rte::SurfaceTransmission transmission(lobe, scene.coupling);
     SurfacePart part;
     part.lobe = lobe_values(lobe, d);
+    if (demand == SurfaceDemand::lobe) return part;
+    const rte::SurfaceTransmission transmission(lobe, scene.coupling);
     for (const double mu : d.mu_in) part.in.push_back(transmission.in(mu));
     for (const double mu : d.mu_out) part.out.push_back(transmission.out(mu));
     return part;
@@ -53,10 +52,20 @@ SurfacePart compute(std::complex<double> index, const Scene& scene, const rte::D
 
 }  // namespace
 
+void add_surface(JobKey& key, std::complex<double> index, const Scene& scene) {
+    const rte::SurfaceOptions& surface = *scene.surface;
+    key.add(index.real()).add(index.imag()).add(surface.beckmann_alpha);
+    key.add(static_cast<int>(surface.distribution)).add(static_cast<int>(surface.shadowing));
+    key.add(surface.shadowing_distribution ? static_cast<int>(*surface.shadowing_distribution)
+                                           : -1);
+    key.add(static_cast<int>(surface.fresnel)).add(static_cast<int>(scene.coupling));
+}
+
 SurfacePart surface_part(std::complex<double> index, const Scene& scene,
-                         const rte::Directions& directions, const RunControl& control) {
-    if (control.cache == nullptr) return compute(index, scene, directions);
-    const std::string hash = hash_of(index, scene, directions);
+                         const rte::Directions& directions, SurfaceDemand demand,
+                         const RunControl& control) {
+    if (control.cache == nullptr) return compute(index, scene, directions, demand);
+    const std::string hash = hash_of(index, scene, directions, demand);
     if (const auto known = control.cache->find(hash)) {
         NumberUnpacker unpacker(*known);
         SurfacePart part;
@@ -65,9 +74,8 @@ SurfacePart surface_part(std::complex<double> index, const Scene& scene,
         part.out = unpacker.list();
         return part;
     }
-    const SurfacePart part = compute(index, scene, directions);
-    control.cache->store(hash,
-                         NumberPacker().add(part.lobe).add(part.in).add(part.out).numbers());
+    const SurfacePart part = compute(index, scene, directions, demand);
+    control.cache->store(hash, NumberPacker().add(part.lobe).add(part.in).add(part.out).numbers());
     return part;
 }
 

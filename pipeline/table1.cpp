@@ -57,7 +57,7 @@ std::vector<Cell> list_cells(const std::vector<std::string>& materials, const Ta
 
 Table1Result compute_table1(const Table1Request& request, const RunControl& control) {
     const std::vector<std::string> materials = materials_of(request);
-    const MediumResolver resolver(request.database);
+    MediumResolver resolver(request.database);
     std::vector<ResolvedMedium> media;
     Table1Result result;
     for (const std::string& name : materials) {

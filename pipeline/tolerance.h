@@ -3,11 +3,13 @@
 // by comparing two numbers of nodes, and the only one that costs much to reduce.
 #pragma once
 
+#include "rte/order_tail.h"
+
 namespace miebrdf {
 
 struct ToleranceShares {
-    double mie = 0.1;            ///< of the size average, unless --mie-tolerance says otherwise
-    double orders = 0.1;         ///< azimuthal orders left out (rte/layered_reflection.cpp)
+    double mie = 0.1;  ///< of the size average, unless --mie-tolerance says otherwise
+    double orders = rte::share_of_orders;  ///< azimuthal orders left out
     double iteration = 0.01;     ///< of an iterative half-space (rte/fourier_reflection.cpp)
     double hidden_layers = 0.1;  ///< what lies below a coat that hides it (visible_layers.h)
 };

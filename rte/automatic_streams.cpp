@@ -53,8 +53,7 @@ void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, boo
         for (std::size_t k = start; k < end; ++k) scale = std::max(scale, std::abs(fine.values[k]));
         for (std::size_t k = start; k < end; ++k) {
             const double difference = std::abs(fine.values[k] - coarse.values[k]);
-            const double error =
-                difference > 0.0 ? remaining_error(difference / scale, slow) : 0.0;
+            const double error = difference > 0.0 ? remaining_error(difference / scale, slow) : 0.0;
             if (error <= tolerance) ++within;
             if (error > largest) {
                 largest = error;
@@ -113,7 +112,8 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     for (const int streams : ladder) {
         fine = attempt_at(streams);
         if (fine.physical && coarse.physical) {
-            estimate_error(coarse, fine, block, converges_slowly(stack, streams), options.tolerance);
+            estimate_error(coarse, fine, block, converges_slowly(stack, streams),
+                           options.tolerance);
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
             fine.report.share_within_tolerance = 0.0;

@@ -13,7 +13,7 @@ namespace miebrdf::rte {
 
 /// One solution with one discretisation.
 struct Attempt {
-    std::vector<double> values;  ///< reflection, or plane albedos and the spherical albedo
+    std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
     SolverReport report;
     bool physical = false;

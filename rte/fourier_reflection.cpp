@@ -7,6 +7,7 @@
 #include "rte/coat_steps.h"
 #include "rte/half_space.h"
 #include "rte/layer.h"
+#include "rte/order_tail.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -35,17 +36,20 @@ Reflector solve_base(const ScaledStack& stack, const PhaseMode& mode, const Zeni
 }
 
 Reflector solve_stack(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, const SolverOptions& options) {
+                      const RequestedDirections& requested, const SolverOptions& options,
+                      ReflectorParts parts) {
     Reflector reflector = solve_base(stack, mode, grid, requested, options);
     const std::size_t first_coat = stack.base == BaseKind::half_space ? 1 : 0;
     for (std::size_t c = first_coat; c < stack.media.size() && reflector.physical; ++c) {
         const ScaledMedium& coat = stack.media[c];
         const ScatteringMode medium = scattering_mode(coat, mode);
         if (options.coat_method == CoatMethod::automatic) {
+            const bool is_top = c + 1 == stack.media.size();
+            const ReflectorParts needed = is_top ? parts : ReflectorParts::nodes;
             const LayerOperator layer =
-                solve_layer(coat.optical_depth, medium, mode, grid, requested);
+                solve_layer(coat.optical_depth, medium, mode, grid, requested, needed);
             if (!layer.physical) return {};
-            reflector = put_on(layer, reflector, grid, requested);
+            reflector = put_on(layer, reflector, requested, needed);
         } else {
             const std::vector<ScaledMedium> below(stack.media.begin(),
                                                   stack.media.begin() + std::ptrdiff_t(c));
@@ -88,6 +92,12 @@ bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>&
 
 }  // namespace
 
+bool is_invisible(int m, std::span<const double> azimuth_deg) {
+    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
+        return std::abs(std::remainder(m * azimuth, 180.0)) == 90.0;
+    });
+}
+
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
@@ -100,11 +110,14 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
     const int highest = zeroth_only ? 1 : stack.moments;
 
     PhaseMode mode;
-    double order_zero = 0.0;
-    int small_orders = 0;
-    for (int m = 0; m < highest && small_orders < 2; ++m) {
+    OrderTail tail(tail_tolerance);
+    int m = 0;
+    for (bool ended = false; m < highest && !ended; ++m) {
+        if (m > 0 && is_invisible(m, azimuth_deg)) continue;
         make_phase_mode(m, stack.moments, grid, requested, mode);
-        const Reflector reflector = solve_stack(stack, mode, grid, requested, options);
+        const Reflector reflector =
+            solve_stack(stack, mode, grid, requested, options,
+                        m == 0 ? ReflectorParts::rows : ReflectorParts::pairs);
         if (!reflector.physical) {
             sum.physical = false;
             return sum;
@@ -119,12 +132,9 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
             const Eigen::VectorXd plane = reflector.rows * flux_weights(grid);
             for (const int i : requested.in) sum.plane_albedo.push_back(plane[i]);
         }
-        const double largest = largest_bounded(reflector.multiple, requested);
-        if (m == 0) order_zero = largest;
-        sum.tail = order_zero > 0.0 ? largest / order_zero : 0.0;
-        small_orders = largest <= tail_tolerance * order_zero ? small_orders + 1 : 0;
+        ended = tail.ends_with(largest_bounded(reflector.multiple, requested));
     }
-    if (sum.orders == highest) sum.tail = 0.0;  // every order there is
+    sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     return sum;
 }
 
@@ -132,7 +142,7 @@ Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
                        const RequestedDirections& requested, const SolverOptions& options) {
     PhaseMode mode;
     make_phase_mode(0, stack.moments, grid, requested, mode);
-    return solve_stack(stack, mode, grid, requested, options);
+    return solve_stack(stack, mode, grid, requested, options, ReflectorParts::nodes);
 }
 
 }  // namespace miebrdf::rte

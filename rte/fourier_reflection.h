@@ -26,23 +26,26 @@ struct MultipleScattering {
     std::vector<double> reflection;  ///< [(i * out + o) * azimuths + a]
     /// At the incident cosines, all orders of scattering: what order 0 knows anyway.
     std::vector<double> plane_albedo;
-    int orders = 0;
+    int orders = 0;  ///< the highest one summed, plus 1
     int iterations = 0;
     double residual = 0.0;
-    double tail = 0.0;  ///< last order relative to order 0, largest (mu + mu') R
+    double tail = 0.0;  ///< orders not summed relative to order 0, largest (mu + mu') R
     bool converged = true;
     bool physical = true;
 };
 
 /// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
 ///
-/// Stops after two successive orders whose largest (mu + mu') |R^m| at the requested pairs is below
-/// `tail_tolerance` times that of order 0: one small order may be an accident of parity. Only m = 0
-/// is computed when all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0.
+/// Stops where the orders still to come are below `tail_tolerance` (order_tail.h). Only m = 0
+/// is computed when all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders
+/// whose cosine is zero at every azimuth (the odd ones across the plane of incidence) are left out.
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
                               const SolverOptions& options);
+
+/// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
+bool is_invisible(int m, std::span<const double> azimuth_deg);
 
 /// Order 0 alone, for albedos: 2 R^0(mu, mu_q) D_q at the requested cosines, X at the nodes.
 Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,

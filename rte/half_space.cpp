@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "rte/mode_sources.h"
 #include "rte/transfer_modes.h"
 
 namespace miebrdf::rte {
@@ -43,27 +44,13 @@ void fill_multiple(const ScatteringMode& medium, const PhaseMode& mode,
     }
 }
 
-struct PhaseRows {
-    Eigen::MatrixXd even;  ///< sum_{l-m even} a_l Y_l(mu) y_l^T, requested x n
-    Eigen::MatrixXd odd;
-};
-
-PhaseRows phase_rows(const ScatteringMode& medium, const PhaseMode& mode) {
-    return {even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal() *
-                even_columns(mode.scaled_nodes).transpose(),
-            odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal() *
-                odd_columns(mode.scaled_nodes).transpose()};
-}
-
 // Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
 // decays as exp(-k tau), so its integral is 1 / (1 + mu k).
 void fill_rows_from_modes(const TransferModes& modes, const ScatteringMode& medium,
                           const PhaseMode& mode, const RequestedDirections& requested,
                           Reflector& result) {
-    const auto [even, odd] = phase_rows(medium, mode);
-    const Eigen::MatrixXd even_modes = (even * modes.odd) * modes.vectors;  // F^-T = V F
-    Eigen::MatrixXd weights = odd * modes.vectors * modes.rates.asDiagonal();
-    weights = even_modes - weights;
+    const auto [even, odd] = mode_sources(medium, mode, modes);
+    Eigen::MatrixXd weights = even - odd * modes.rates.asDiagonal();
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
         weights.col(j).array() *= 0.5 / (1.0 + modes.rates[j] * requested.mu.array());
     }

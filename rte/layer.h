@@ -14,7 +14,7 @@ namespace miebrdf::rte {
 /// Normalisations as in Reflector.
 struct LayerOperator {
     Eigen::MatrixXd reflection;         ///< X_c, n x n
-    Eigen::MatrixXd transmission;       ///< T_c with the direct beam, n x n
+    Eigen::MatrixXd transmission;       ///< T_c with the direct beam, n x n; from `rows` on
     Eigen::MatrixXd reflection_rows;    ///< requested x n
     Eigen::MatrixXd transmission_rows;  ///< requested x n, scattered light only
     Eigen::MatrixXd multiple;           ///< R of light scattered more than once, out x in
@@ -31,13 +31,17 @@ struct LayerOperator {
 /// requested cosines is the source function integrated over the layer in closed form.
 ///
 /// @param optical_depth  > 0 and finite, already scaled by delta-M
+/// @param parts          what the layer on its base is needed for
 LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
-                          const ZenithGrid& grid, const RequestedDirections& requested);
+                          const ZenithGrid& grid, const RequestedDirections& requested,
+                          ReflectorParts parts = ReflectorParts::nodes);
 
 /// Reflection of a layer on something: `base` seen through it.
 /// Nodes by impedances, Z = Z_p + B (B + Y)^-1 Y with Y = Z_p + Z_base; requested cosines by the
 /// radiance at the interface. Nothing cancels, whatever the optical depth.
-Reflector put_on(const LayerOperator& layer, const Reflector& base, const ZenithGrid& grid,
-                 const RequestedDirections& requested);
+/// `base` must have its nodes; the result has what `parts` says.
+Reflector put_on(const LayerOperator& layer, const Reflector& base,
+                 const RequestedDirections& requested,
+                 ReflectorParts parts = ReflectorParts::nodes);
 
 }  // namespace miebrdf::rte

@@ -12,6 +12,7 @@
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
 #include "rte/narrow_features.h"
+#include "rte/order_tail.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -89,7 +90,7 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     MultipleScattering multiple = sum_orders(scaled, grid, requested, directions.azimuth_deg,
-                                             0.1 * options.tolerance, options);
+                                             share_of_orders * options.tolerance, options);
     Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
@@ -103,7 +104,8 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
 }
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
-                    const SolverOptions& options, const Discretisation& discretisation) {
+                    const SolverOptions& options, const Discretisation& discretisation,
+                    const std::function<double(double mu_out)>& outgoing_weight) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     const Reflector reflector = zeroth_order(scaled, grid, requested, options);
@@ -112,9 +114,11 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     if (!attempt.physical) return attempt;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
-    const Eigen::VectorXd plane = reflector.rows * D;
+    Eigen::VectorXd counted = D;
+    if (outgoing_weight) counted.array() *= grid.mu.array().unaryExpr(outgoing_weight);
+    const Eigen::VectorXd plane = reflector.rows * counted;
     for (const int i : requested.in) attempt.values.push_back(plane[i]);
-    attempt.values.push_back(D.dot(reflector.nodes * D) / D.squaredNorm());
+    attempt.values.push_back(counted.dot(reflector.nodes * D) / D.squaredNorm());
     attempt.report.azimuthal_orders = 1;
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
@@ -162,14 +166,15 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options) {
+                   const SolverOptions& options,
+                   const std::function<double(double mu_out)>& outgoing_weight) {
     validate(stack);
     require_options(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation);
+            return albedo_with(stack, requested, options, discretisation, outgoing_weight);
         });
     const double spherical_albedo = attempt.values.back();
     attempt.values.pop_back();

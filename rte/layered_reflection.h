@@ -2,6 +2,7 @@
 // functions. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "rte/solver_options.h"
@@ -20,7 +21,8 @@ struct Directions {
 /// azimuth_deg[a]); BRDF = R / pi.
 struct ReflectionTable {
     std::vector<double> reflection;
-    std::vector<double> plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
+    std::vector<double>
+        plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
     SolverReport report;
 };
 
@@ -37,7 +39,10 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {});
 
 /// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
+/// @param outgoing_weight  what light into mu_out in (0, 1] counts; empty: 1. A boundary above the
+///                         layers that lets through what is smooth in mu_out has such a weight.
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options = {});
+                   const SolverOptions& options = {},
+                   const std::function<double(double mu_out)>& outgoing_weight = {});
 
 }  // namespace miebrdf::rte

@@ -8,6 +8,13 @@
 
 namespace miebrdf::rte {
 
+/// How much of a reflector its user needs; each includes those before it.
+enum class ReflectorParts {
+    pairs,  ///< `multiple` alone: a BRDF
+    rows,   ///< and `rows`: plane albedos
+    nodes,  ///< and `nodes`: spherical albedos, and anything that lies under a coat
+};
+
 /// Reflection R^m(mu_out, mu_in) of one azimuthal order on a grid of n nodes and r requested
 /// cosines. Every form is exact for the discrete equation; requested cosines act like nodes of
 /// weight zero.

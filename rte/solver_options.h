@@ -28,14 +28,14 @@ struct SolverReport {
     int azimuthal_orders = 0;     ///< Fourier orders summed, m = 0 included
     int iterations = 0;           ///< most of any order, for iterative methods
     double error_estimate = 0.0;  ///< relative to the largest value at that incidence
-    /// Share of the values whose own estimate meets the tolerance, and where in the result the worst
-    /// one is: a peak on the horizon may be wrong where everything else has long converged.
+    /// Share of the values whose own estimate meets the tolerance, and where in the result the
+    /// worst one is: a peak on the horizon may be wrong where everything else has long converged.
     double share_within_tolerance = 1.0;
     std::size_t worst_value = 0;
-    double worst_mu_in = 0.0;        ///< its directions; 0: none is worse than another
-    double worst_mu_out = 0.0;       ///< 0 for albedos
+    double worst_mu_in = 0.0;   ///< its directions; 0: none is worse than another
+    double worst_mu_out = 0.0;  ///< 0 for albedos
     double worst_azimuth_deg = 0.0;
-    bool converged = false;       ///< error_estimate <= tolerance
+    bool converged = false;  ///< error_estimate <= tolerance
     std::string method;
 };
 

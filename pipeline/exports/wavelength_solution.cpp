@@ -7,6 +7,7 @@
 
 #include "rte/discretisation.h"
 #include "rte/layered_reflection.h"
+#include "rte/order_tail.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -96,8 +97,8 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
     for (std::size_t j = 0; j <= samples; ++j) {
         azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
     }
-    const rte::MultipleScattering multiple =
-        rte::sum_orders(scaled, grid, requested, azimuth_deg, 0.1 * options.tolerance, options);
+    const rte::MultipleScattering multiple = rte::sum_orders(
+        scaled, grid, requested, azimuth_deg, rte::share_of_orders * options.tolerance, options);
     media_ = scaled.media;
     if (exact_first_order_) {
         narrow_ = rte::NarrowFeatures(media_, kLeastCosine, 0.1 * options.tolerance);

@@ -13,6 +13,7 @@
 #include "pipeline/scene_optics.h"
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
+#include "rte/order_tail.h"
 
 namespace miebrdf::render {
 
@@ -87,8 +88,8 @@ class SolvedBrdfBuilder {
         const rte::ScaledStack scaled = rte::scale_stack(stack, report.moments, options.delta_m);
         const rte::ZenithGrid grid = rte::make_zenith_grid(
             rte::choose_discretisation(stack, options, report.streams).grid, report.streams);
-        const rte::MultipleScattering multiple =
-            rte::sum_orders(scaled, grid, nodes_, azimuth_deg_, 0.1 * options.tolerance, options);
+        const rte::MultipleScattering multiple = rte::sum_orders(
+            scaled, grid, nodes_, azimuth_deg_, rte::share_of_orders * options.tolerance, options);
         media = scaled.media;
         fill(w, multiple);
         report.converged = report.converged && multiple.converged;

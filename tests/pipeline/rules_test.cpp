@@ -204,6 +204,23 @@ TEST_CASE("albedo and zenith: order 0 alone", "[pipeline][rules]") {
     }
 }
 
+TEST_CASE("rule across: at 90 and 270 degrees odd orders are left out, and change nothing",
+          "[pipeline][rules]") {
+    Request request = request_of("hg:0.9,0.7");
+    request.directions = {{0.4}, {0.3, 0.8}, {90, 270}};
+    CHECK(only_across(request.directions));
+    CHECK(brdf_leaves_out(request, "across"));
+    const auto even = compute_brdf(request).slices[0].total;
+    request.directions.azimuth_deg.push_back(89);
+    CHECK_FALSE(only_across(request.directions));
+    CHECK_FALSE(brdf_leaves_out(request, "across"));
+    const auto all = compute_brdf(request).slices[0].total;
+    for (std::size_t o = 0; o < 2; ++o) {
+        // Both sums end within a quarter of the tolerance.
+        CHECK(std::abs(even[2 * o] / all[3 * o] - 1) <= 0.5 * request.solver.tolerance);
+    }
+}
+
 TEST_CASE("same spheres: one Mie run for layers and wavelengths that share them",
           "[pipeline][rules]") {
     Request request = request_of("index:1.5,0.01", {"index:1.5,0.01@0.1"});

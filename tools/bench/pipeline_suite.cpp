@@ -65,7 +65,7 @@ ScatteringLaw law_of(const rte::Optics& optics) {
 
 // From the names on: Mie is part of the run.
 std::vector<double> by_photons(int photons) {
-    const MediumResolver resolver;
+    MediumResolver resolver;
     OpticsDemand demand;
     demand.whole_phase_function = true;
     demand.tolerance = 1e-3;

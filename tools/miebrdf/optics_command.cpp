@@ -39,7 +39,7 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
 
     MediumSpectrum spectrum;
     spectrum.wavelength_nm = arguments.materials.wavelengths_nm();
-    const MediumResolver resolver(arguments.materials.database());
+    MediumResolver resolver(arguments.materials.database());
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
     spectrum.source = medium.source;
     spectrum.optics.resize(spectrum.wavelength_nm.size());

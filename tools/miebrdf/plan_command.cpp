@@ -26,8 +26,9 @@ void add_plan(Table& table, const Plan& plan, const std::string& result) {
 
 Table empty_table() {
     Table table;
-    table.facts.emplace_back("units", "seconds: estimate for one thread, of the work or of what "
-                                      "leaving it out saves");
+    table.facts.emplace_back("units",
+                             "seconds: estimate for one thread, of the work or of what "
+                             "leaving it out saves");
     table.columns = {"result", "action", "name", "detail", "jobs", "seconds"};
     return table;
 }
@@ -37,9 +38,11 @@ ResultCache* cache_of(const Shell& shell) { return shell.control().cache; }
 
 template <typename Arguments>
 Plan plan_of(const Arguments& arguments, ResultCache* cache) {
-    const auto quantity = std::is_same_v<Arguments, AlbedoArguments> ? LayerQuantity::albedo
-                                                                     : LayerQuantity::reflection;
-    return make_plan(arguments.parse(), quantity, cache);
+    const Request request = arguments.parse();
+    const auto quantity = std::is_same_v<Arguments, AlbedoArguments>
+                              ? albedo_quantity(request.scene)
+                              : LayerQuantity::reflection;
+    return make_plan(request, quantity, cache);
 }
 
 /// Reads the words of one command line as that command would, and plans it.
@@ -50,7 +53,8 @@ Plan plan_of_line(const std::vector<std::string>& line, ResultCache* cache) {
     Arguments arguments;
     arguments.add_to(command);
     ignored.add_common_options(command);
-    command.parse(std::vector<std::string>(line.rbegin(), line.rend() - 1));  // CLI11: from the back
+    command.parse(
+        std::vector<std::string>(line.rbegin(), line.rend() - 1));  // CLI11: from the back
     return plan_of(arguments, cache);
 }
 
@@ -64,7 +68,8 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
         } else if (line.front() == "albedo") {
             add_plan(table, plan_of_line<AlbedoArguments>(line, cache_of(shell)), result);
         } else {
-            table.facts.emplace_back("not planned", result + ": no radiative transfer to leave out");
+            table.facts.emplace_back("not planned",
+                                     result + ": no radiative transfer to leave out");
         }
     }
     shell.write(std::move(table));
@@ -97,7 +102,8 @@ void add_plan_command(CLI::App& program, Shell& shell) {
     add_kind<AlbedoArguments>(*command, shell, "albedo");
     shell.add_common_options(*command);
     command->footer(
-        "Example:\n  miebrdf plan docs/examples/paint.toml\n  miebrdf plan brdf --base TiO2 --mu-in 1 "
+        "Example:\n  miebrdf plan docs/examples/paint.toml\n  miebrdf plan brdf --base TiO2 "
+        "--mu-in 1 "
         "--mu-out 0.1:1:0.1");
     command->callback([command, path, &shell] {
         if (!command->get_subcommands().empty()) return;

@@ -34,7 +34,7 @@ std::vector<std::vector<MediumOptics>> compute(const MediumPlotArguments& argume
     demand.highest_moment = 1;
     demand.angles_deg = angles_deg;
     demand.tolerance = particles.tolerance > 0.0 ? particles.tolerance : kMieTolerance;
-    const MediumResolver resolver(arguments.materials.database());
+    MediumResolver resolver(arguments.materials.database());
     std::vector<ResolvedMedium> media;
     for (const std::string& name : arguments.media)
         media.push_back(resolver.resolve(parse_medium(name)));
@@ -51,7 +51,7 @@ std::vector<std::vector<MediumOptics>> compute(const MediumPlotArguments& argume
 
 int run_nk(const MediumPlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    const MediumResolver resolver(arguments.materials.database());
+    MediumResolver resolver(arguments.materials.database());
     const std::vector<double> wanted = arguments.materials.wavelengths_nm();
     std::vector<plot::IndexCurve> curves;
     for (const std::string& name : arguments.media) {

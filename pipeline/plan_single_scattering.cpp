@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "pipeline/cost_model.h"
+#include "pipeline/planner.h"
+
+namespace miebrdf {
+
+void Planner::single_scattering() {
+    if (jobs_nm_.empty()) return;
+    std::vector<Medium> layers{visible_.base};
+    for (const CoatMedium& coat : visible_.coats) layers.push_back(coat.medium);
+    std::map<std::tuple<double, double, double>, std::string> done;
+    std::set<std::string> given;
+    std::map<std::string, std::size_t> count;
+    double repeated_s = 0.0;
+    std::size_t repeated = 0;
+    const double tolerance = demand_of(request_, PhaseDemand::moments_only).tolerance;
+    const double k_floor = request_.scene.particles.k_floor;
+    MediumResolver resolver(request_.database);
+    for (const Medium& layer : layers) {
+        const ResolvedMedium medium = resolver.resolve(layer);
+        if (!needs_mie(layer)) {
+            given.insert(describe(layer));
+            continue;
+        }
+        for (const double wavelength_nm : jobs_nm_) {
+            const auto index = *medium.index_at(wavelength_nm, k_floor);
+            const std::tuple key{index.real(), index.imag(), wavelength_nm};
+            if (done.try_emplace(key, describe(layer)).second) {
+                ++count[describe(layer)];
+            } else {
+                ++repeated;
+                repeated_s += mie_cost(layer, wavelength_nm);
+            }
+        }
+    }
+    for (const auto& [name, jobs] : count) {
+        plan_.steps.push_back({"single scattering",
+                               fmt::format("Mie theory for {}, tolerance {:g}{}", name, tolerance,
+                                           whole_phase_ ? ", every angle" : ", moments only"),
+                               jobs, mie_cost(parse_medium(name))});
+    }
+    for (const std::string& name : given) {
+        leave_out("analytic medium", fmt::format("{} is given: no Mie theory", name),
+                  jobs() * mie_seconds(request_.scene.particles, jobs_nm_.front(), whole_phase_));
+    }
+    if (repeated > 0) {
+        leave_out("same spheres",
+                  fmt::format("{} Mie runs have index, wavelength and sizes of others", repeated),
+                  repeated_s);
+    }
+    if (!whole_phase_) leave_out_phase_functions(count.size());
+}
+
+void Planner::leave_out_phase_functions(std::size_t media) {
+    if (media == 0) return;
+    double full = 0.0;
+    for (const double nm : jobs_nm_) {
+        full += mie_seconds(request_.scene.particles, nm, true) -
+                mie_seconds(request_.scene.particles, nm, false);
+    }
+    leave_out("few moments",
+              fmt::format("{} moments serve {} streams; no phase function at every angle",
+                          2 * streams_, streams_),
+              full * static_cast<double>(media));
+}
+
+}  // namespace miebrdf

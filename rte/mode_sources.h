@@ -1,0 +1,28 @@
+// The source function at requested cosines: how much light each mode sends there.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rte/half_space.h"
+#include "rte/phase_mode.h"
+#include "rte/transfer_modes.h"
+
+namespace miebrdf::rte {
+
+/// sum_l a_l Y_l(mu) y_l^T over the degrees of one parity of l - m, requested x n: what scatters
+/// into the requested cosines out of s = i_up + i_down (even) and a = i_down - i_up (odd).
+struct PhaseRows {
+    Eigen::MatrixXd even;
+    Eigen::MatrixXd odd;
+};
+PhaseRows phase_rows(const ScatteringMode& medium, const PhaseMode& mode);
+
+/// The same out of the eigenmodes, requested x K: even F^-T = even V F, and odd F.
+struct ModeSources {
+    Eigen::MatrixXd even;
+    Eigen::MatrixXd odd;
+};
+ModeSources mode_sources(const ScatteringMode& medium, const PhaseMode& mode,
+                         const TransferModes& modes);
+
+}  // namespace miebrdf::rte
