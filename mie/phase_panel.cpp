@@ -11,7 +11,7 @@ namespace {
 
 // Widths grow by this share of the distance from the nearer end, up to the widest.
 constexpr double growth = 0.5;
-constexpr double widest = 12 * std::numbers::pi / 180;
+constexpr double widest = 6 * std::numbers::pi / 180;
 
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
 // before better than that does so by chance.
