@@ -49,23 +49,18 @@ void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& 
 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
-                                             const SphereBlock::Matrix& waves, int terms,
-                                             int columns, Eigen::MatrixXd& intensity) const {
+                                             const typename SphereBlockOf<Scalar>::Matrix& waves,
+                                             int terms, int columns,
+                                             Eigen::MatrixXd& intensity) const {
     Matrix amplitude(functions.rows(), columns);
-    if constexpr (std::is_same_v<Scalar, double>) {
-        amplitude.noalias() = functions.middleCols(1, terms) * waves.block(1, 0, terms, columns);
-    } else {
-        const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> narrow =
-            waves.block(1, 0, terms, columns).template cast<Scalar>();
-        amplitude.noalias() = functions.middleCols(1, terms) * narrow;
-    }
+    amplitude.noalias() = functions.middleCols(1, terms) * waves.block(1, 0, terms, columns);
     for (int column = 0; column < columns; ++column) {
         intensity.col(column % 2) += amplitude.col(column).template cast<double>().cwiseAbs2();
     }
 }
 
 template <typename Scalar>
-void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlock& block,
+void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
                                                Eigen::MatrixXd& intensity) const {
     const int columns = 2 * block.size;  // size is even: imaginary parts keep their sphere's parity
     add_squares(plus_, block.U, block.terms, columns, intensity);

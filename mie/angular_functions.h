@@ -24,15 +24,15 @@ class AngularFunctionsOf {
     /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
     /// weights of SphereSums this is P times 2 * scattered. Spheres at even places are summed in
     /// the first column of `intensity` (angles x 2), at odd places in the second.
-    void add_intensity(const SphereBlock& block, Eigen::MatrixXd& intensity) const;
+    void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::MatrixXd& intensity) const;
 
   private:
     void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
 
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-    void add_squares(const Matrix& functions, const SphereBlock::Matrix& waves, int terms,
-                     int columns, Eigen::MatrixXd& intensity) const;
+    void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
+                     int terms, int columns, Eigen::MatrixXd& intensity) const;
 
     Matrix plus_, minus_;
 };

@@ -30,21 +30,15 @@ void add_band(const Waves& waves, int terms, int columns, BandCovariance::Matrix
 BandCovariance::BandCovariance(int terms, int width)
     : plus_(Matrix::Zero(terms + 1, width + 1)), minus_(plus_) {}
 
-void BandCovariance::add(SphereBlock& block, bool single_precision) {
+template <typename Scalar>
+void BandCovariance::add(const SphereBlockOf<Scalar>& block) {
     const int columns = 2 * block.size;
-    if (!single_precision) {
-        add_band(block.U, block.terms, columns, plus_);
-        add_band(block.V, block.terms, columns, minus_);
-        return;
-    }
-    if (block.single.rows() < block.terms + 1 || block.single.cols() != columns) {
-        block.single.resize(block.U.rows(), columns);
-    }
-    block.single.topRows(block.terms + 1) = block.U.topRows(block.terms + 1).cast<float>();
-    add_band(block.single, block.terms, columns, plus_);
-    block.single.topRows(block.terms + 1) = block.V.topRows(block.terms + 1).cast<float>();
-    add_band(block.single, block.terms, columns, minus_);
+    add_band(block.U, block.terms, columns, plus_);
+    add_band(block.V, block.terms, columns, minus_);
 }
+
+template void BandCovariance::add(const SphereBlockOf<float>&);
+template void BandCovariance::add(const SphereBlockOf<double>&);
 
 void BandCovariance::add(const BandCovariance& other) {
     plus_ += other.plus_;

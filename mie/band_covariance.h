@@ -18,10 +18,10 @@ class BandCovariance {
     BandCovariance() = default;
     BandCovariance(int terms, int width);
 
-    /// 4 * terms * (width + 1) * size multiply-adds, as products of small dense matrices. In single
-    /// precision the sums within one block are: twice as fast, 5e-9 of the moments (measured).
-    /// @param block  `single` is overwritten
-    void add(SphereBlock& block, bool single_precision = false);
+    /// 4 * terms * (width + 1) * size multiply-adds, as products of small dense matrices. A block
+    /// in single precision sums in it: twice as fast, 5e-9 of the moments (measured).
+    template <typename Scalar>
+    void add(const SphereBlockOf<Scalar>& block);
     void add(const BandCovariance& other);
     void scale(double factor);
 

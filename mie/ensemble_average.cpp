@@ -143,7 +143,10 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     optics_.error_estimate = optics_.phase_error_estimate = single ? rounding : 1.0;
     if (single || refinement_->pass() == 0) return;
     const double change = largest_change(before, optics_);
-    if (refinement_->rule() == Rule::smooth) {
+    if (request_.sizes.kind == SizeDistributionKind::tabulated) {
+        // Bends between the rows converge slowly, and there is no exact extinction to compare with.
+        optics_.error_estimate = std::max(2 * change, least);
+    } else if (refinement_->rule() == Rule::smooth) {
         // Gauss rules gain at least what they gained last time.
         const double gain = change_before_ > 0 ? std::min(1.0, change / change_before_) : 1.0;
         optics_.error_estimate = std::max(change * gain, least);

@@ -17,7 +17,8 @@ struct EnsembleRequest {
     int highest_moment = -1;                ///< chi_0 ... chi_L; -1: no moments
     std::vector<double> angles_deg;         ///< scattering angles for the phase function, 0 to 180
     double tolerance = 1e-4;                ///< relative, of albedo, q_ext and moments
-    double phase_tolerance = 1e-2;          ///< relative, of P at each angle; points of P need many
+    double phase_tolerance = 1e-2;          ///< relative, of P at each angle listed, and rms over
+                                            ///< each panel of a phase table; points of P need many
                                             ///< more sizes than moments do
     bool with_phase_table = false;          ///< P at every angle, as a PhaseTable
     double table_tolerance = 1e-3;          ///< of its interpolation, relative within each panel

@@ -62,15 +62,13 @@ void InsideWave<Number>::start_upward(const Values& z) {
         set_lane(here_, lane, std::sin(lane_of(z, lane)));
         set_lane(before_, lane, std::cos(lane_of(z, lane)));
     }
-    first_ = here_;
-    before_first_ = before_;
 }
 
 template <typename Number>
 void InsideWave<Number>::run_downward(const Values& z, int terms) {
     const double modulus = std::sqrt(norm(z).maxCoeff());
     stored_.resize(terms + 1);
-    int start = static_cast<int>(std::max<double>(terms, modulus) + 8 * std::cbrt(modulus) + 15);
+    int start = safe_start(modulus, terms);
     Values above, current;  // psi_{n+1}, psi_n
     for (int lane = 0; lane < lane_count; ++lane) {
         set_lane(above, lane, 0.0);
@@ -83,24 +81,36 @@ void InsideWave<Number>::run_downward(const Values& z, int terms) {
             for (int lane = 0; lane < lane_count; ++lane) set_lane(above, lane, 1.0);
         }
     }
+    constexpr bool absorbing = !std::is_same_v<Number, double>;
+    Lanes slope, T;  // absorption_source.h
+    if constexpr (absorbing) {
+        absorption_.resize(terms + 1);
+        slope = z.im * norm(inverse_z_);
+        T = current.im * above.re - current.re * above.im;
+    }
     for (int n = start; n >= 1; --n) {
         if (n <= terms) stored_[n] = current;
+        if constexpr (absorbing) T -= (2 * n + 1) * slope * norm(current);
         const Values below = minus(times(scaled(inverse_z_, 2 * n + 1), current), above);
         above = current;
         current = below;
         // Eight steps of growth by 2n/|z| each stay far from overflow, also squared twice.
-        if (n % 8 != 0) continue;
-        const Lanes size = modulus_bound(current) + modulus_bound(above);
-        if (!(size.maxCoeff() > 1e12)) continue;
-        const Lanes factor = 1 / size;
-        current = times(current, factor);
-        above = times(above, factor);
-        if (n <= terms) factors_.push_back({n, factor, size});
+        if (n % 8 == 0) {
+            const Lanes size = modulus_bound(current) + modulus_bound(above);
+            if (size.maxCoeff() > 1e12) {
+                const Lanes factor = 1 / size;
+                current = times(current, factor);
+                above = times(above, factor);
+                if constexpr (absorbing) T *= factor.square();
+                if (n <= terms) factors_.push_back({n, factor});
+            }
+        }
+        if constexpr (absorbing) {
+            if (n <= terms) absorption_[n] = T;
+        }
     }
     stored_[0] = current;
     std::reverse(factors_.begin(), factors_.end());
-    first_ = current;
-    before_first_ = minus(times(inverse_z_, current), above);
 }
 
 template class InsideWave<double>;

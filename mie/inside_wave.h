@@ -30,33 +30,27 @@ class InsideWave {
             const Values next = minus(times(scaled(inverse_z_, 2 * order_ - 1), here_), before_);
             before_ = here_;
             here_ = next;
-            rescaled_ = false;
             return;
         }
         before_ = stored_[order_ - 1];
         here_ = stored_[order_];
-        rescaled_ = next_factor_ < factors_.size() && factors_[next_factor_].order == order_;
-        if (rescaled_) here_ = times(here_, factors_[next_factor_++].factor);
+        if (next_factor_ < factors_.size() && factors_[next_factor_].order == order_) {
+            here_ = times(here_, factors_[next_factor_++].factor);
+        }
     }
 
     const Values& here() const { return here_; }      ///< psi_n
     const Values& before() const { return before_; }  ///< psi_{n-1}
 
-    /// From here on (order n + 1) the values are those of another scale: the last `here` times
-    /// this. Empty while the scale stays.
-    const Lanes* change_of_scale() const {
-        return rescaled_ ? &factors_[next_factor_ - 1].inverse : nullptr;
-    }
+    /// Im(psi_{n-1} conj psi_n) of a complex wave that was taken downward, else null.
+    const Lanes* absorption() const { return absorption_.empty() ? nullptr : &absorption_[order_]; }
 
     const Values& inverse_z() const { return inverse_z_; }
-    /// psi_0, and psi_{-1} (cos z) in the same scale.
-    const Values& first() const { return first_; }
-    const Values& before_first() const { return before_first_; }
 
   private:
     struct Factor {
         int order;
-        Lanes factor, inverse;
+        Lanes factor;
     };
 
     static Lanes scaled(const Lanes& z, double factor) { return z * factor; }
@@ -67,11 +61,11 @@ class InsideWave {
     void start_upward(const Values& z);
     void run_downward(const Values& z, int terms);
 
-    Values inverse_z_, here_, before_, first_, before_first_;
+    Values inverse_z_, here_, before_;
     int order_ = 0;
     bool upward_ = false;
-    bool rescaled_ = false;
     std::vector<Values> stored_;
+    std::vector<Lanes> absorption_;
     std::vector<Factor> factors_;
     std::size_t next_factor_ = 0;
 };

@@ -1,5 +1,7 @@
-// a_n and b_n of eight spheres from the parts of their fractions.
+// a_n and b_n from the waves on both sides of the boundary, of eight spheres or eight orders.
 #pragma once
+
+#include <complex>
 
 #include "mie/lanes.h"
 
@@ -37,5 +39,45 @@ inline void respond(const ComplexLanes& pa, const ComplexLanes& qa, const Comple
     b.value = {(pb.re * db.re + pb.im * db.im) * b.inverse_norm,
                (pb.im * db.re - pb.re * db.im) * b.inverse_norm};
 }
+
+/// The boundary of a sphere of relative index m (Number: double or std::complex<double>).
+///
+/// Symbols of mie_coefficients. The inside wave enters by P = psi_n(mx) and Q = psi_{n-1}(mx) up to
+/// a factor: times P, and for a_n times m, with D_n = Q/P - n/(mx),
+///     a_n: A = Q + (n/x) (m - 1/m) P with mP for 1;  b_n: A = m Q with P for 1.
+template <typename Number>
+class Boundary {
+  public:
+    using Values = LanesOf<Number>;
+
+    explicit Boundary(Number m)
+        : m_(m), m_minus_inverse_(m - 1.0 / m), n_(std::real(m)), k_(std::imag(m)) {
+        cross_ = 2 * n_ * k_ / std::norm(m);
+    }
+
+    void scatter(const Values& P, const Values& Q, const Lanes& psi, const Lanes& psi_before,
+                 const Lanes& eta, const Lanes& eta_before, const Lanes& n_over_x, Response& a,
+                 Response& b) const {
+        const Values A = plus(Q, times(times(m_minus_inverse_, P), n_over_x));
+        const Values mP = times(m_, P), B = times(m_, Q);
+        respond(minus(times(A, psi), times(mP, psi_before)),
+                minus(times(A, eta), times(mP, eta_before)),
+                minus(times(B, psi), times(P, psi_before)),
+                minus(times(B, eta), times(P, eta_before)), a, b);
+    }
+
+    /// (Re a - |a|^2) + (Re b - |b|^2) from T = Im(Q conj P), in the scale of P and Q.
+    Lanes absorbed(const ComplexLanes& P, const ComplexLanes& Q, const Lanes& T,
+                   const Lanes& n_over_x, const Response& a, const Response& b) const {
+        const Lanes R = Q.re * P.re + Q.im * P.im;
+        const Lanes electric = n_ * T - k_ * R + cross_ * n_over_x * norm(P);
+        const Lanes magnetic = n_ * T + k_ * R;
+        return -(electric * a.inverse_norm + magnetic * b.inverse_norm);
+    }
+
+  private:
+    Number m_, m_minus_inverse_;
+    double n_, k_, cross_;
+};
 
 }  // namespace miebrdf::mie

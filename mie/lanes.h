@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <type_traits>
 
 namespace miebrdf::mie {
@@ -22,6 +23,10 @@ inline Lanes times(const Lanes& a, const Lanes& b) { return a * b; }
 inline ComplexLanes times(const ComplexLanes& a, const Lanes& b) { return {a.re * b, a.im * b}; }
 inline ComplexLanes times(const ComplexLanes& a, const ComplexLanes& b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline Lanes times(double m, const Lanes& a) { return m * a; }
+inline ComplexLanes times(std::complex<double> m, const ComplexLanes& a) {
+    return {m.real() * a.re - m.imag() * a.im, m.real() * a.im + m.imag() * a.re};
 }
 inline Lanes minus(const Lanes& a, const Lanes& b) { return a - b; }
 inline ComplexLanes minus(const ComplexLanes& a, const ComplexLanes& b) {

@@ -8,13 +8,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// The start value 0 is off by O(1); each step above |z| shrinks that by |psi_{n+1} / psi_n|^2, and
-// 8 |z|^(1/3) + 15 steps shrink it below rounding for every |z| (the turning point is |z|^(1/3)
-// wide). Starting at |z| + 15, as is often seen, leaves two digits at m = 2.6, x = 1500.
-int safe_start(double modulus, int highest_order) {
-    return static_cast<int>(std::max<double>(highest_order, modulus) + 8 * std::cbrt(modulus) + 15);
-}
-
 // The compiler's complex division guards against overflow that cannot occur here, at three times
 // the cost.
 double reciprocal(double z) { return 1 / z; }
@@ -57,6 +50,13 @@ constexpr double most_damping = 100;  // exp(4 Im z), in squares of products, st
 double far_above(int order) { return 1.3 * order + 20; }
 
 }  // namespace
+
+// The start is off by O(1); each step above |z| shrinks that by |psi_{n+1} / psi_n|^2, and
+// 8 |z|^(1/3) + 15 steps shrink it below rounding for every |z| (the turning point is |z|^(1/3)
+// wide). Starting at |z| + 15, as is often seen, leaves two digits at m = 2.6, x = 1500.
+int safe_start(double modulus, int highest_order) {
+    return static_cast<int>(std::max<double>(highest_order, modulus) + 8 * std::cbrt(modulus) + 15);
+}
 
 // WKB solution of the Riccati equation D' = p - 1 - D^2, p = n (n + 1) / z^2, that belongs to the
 // wave exp(-i z): D = S_0 + S_1 + S_2 + S_3, S_0 = -i sqrt(1 - p),

@@ -26,6 +26,10 @@ std::vector<double> logarithmic_derivatives(double z, int highest_order);
 std::optional<std::complex<double>> damped_logarithmic_derivative(std::complex<double> z,
                                                                   int order);
 
+/// The order from which a downward recurrence forgets any start before it comes to highest_order.
+/// @param modulus  |z|
+int safe_start(double modulus, int highest_order);
+
 /// True where psi_n can be taken upward to this order with the loss of a digit of sixteen at most.
 /// Its errors have the part of the wave exp(iz), which grows against psi_n ~ exp(-i phi) by
 /// exp(2 (Im z - Im phi)), phi = integral of sqrt(1 - n^2/z^2) dz: little while n is well below

@@ -60,19 +60,24 @@ std::vector<double> projected(const Samples& samples, std::size_t first_sample, 
 std::vector<double> PhaseTable::nodes_of(double lower, double upper) {
     std::vector<double> nodes;
     for (int i = panel_nodes - 1; i >= 0; --i) {
-        const double t = std::cos(std::numbers::pi * (i + 0.5) / panel_nodes);
+        const double t = std::cos(std::numbers::pi * i / (panel_nodes - 1));
         nodes.push_back(0.5 * (lower + upper) + 0.5 * (upper - lower) * t);
     }
+    nodes.front() = lower;
+    nodes.back() = upper;
     return nodes;
 }
 
+// c_k = 2/N sum'' f_i cos(pi k i / N), N = panel_nodes - 1; first and last terms, and c_0 and c_N,
+// count half.
 Eigen::VectorXd PhaseTable::coefficients_of(const Eigen::VectorXd& values) {
+    constexpr int N = panel_nodes - 1;
     Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(panel_nodes);
-    for (int k = 0; k < panel_nodes; ++k) {
-        for (int i = 0; i < panel_nodes; ++i) {
-            const double angle = std::numbers::pi * (i + 0.5) / panel_nodes;
-            coefficients[k] += (k == 0 ? 1.0 : 2.0) / panel_nodes * std::cos(k * angle) *
-                               values[panel_nodes - 1 - i];
+    for (int k = 0; k <= N; ++k) {
+        for (int i = 0; i <= N; ++i) {
+            const double halves = (i % N == 0 ? 0.5 : 1.0) * (k % N == 0 ? 0.5 : 1.0);
+            coefficients[k] +=
+                halves * 2 / N * std::cos(std::numbers::pi * k * i / N) * values[N - i];
         }
     }
     return coefficients;

@@ -16,7 +16,7 @@ namespace miebrdf::mie {
 /// std::function<double(double)>.
 class PhaseTable {
   public:
-    static constexpr int panel_nodes = 8;  ///< Chebyshev points of the first kind in each panel
+    static constexpr int panel_nodes = 8;  ///< Chebyshev points with both ends, in each panel
 
     /// What a table consists of, to be stored and made into a table again.
     struct Parts {
@@ -31,7 +31,7 @@ class PhaseTable {
     /// @param edges   of the panels, in radians, ascending from 0 to pi
     /// @param values  P at the nodes of each panel (nodes_of), one column per panel
     /// @param interpolation_error  relative to the largest P of the panel, the worst panel
-    /// @param size_error  relative, of P from its finite number of sizes, the worst angle
+    /// @param size_error  relative to P, from its finite number of sizes, the worst node
     PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values, double interpolation_error,
                double size_error);
 
@@ -51,7 +51,7 @@ class PhaseTable {
     /// @param highest_moment  >= 0
     std::vector<double> moments(int highest_moment, const Executor& run = run_in_order) const;
 
-    /// Angles in radians of the Chebyshev nodes of a panel, ascending.
+    /// Angles in radians of the nodes of a panel, ascending from lower to upper.
     static std::vector<double> nodes_of(double lower, double upper);
     /// Chebyshev coefficients from the values at those nodes.
     static Eigen::VectorXd coefficients_of(const Eigen::VectorXd& values);

@@ -6,6 +6,7 @@
 
 #include "mie/angular_functions.h"
 #include "mie/executor.h"
+#include "mie/phase_panel.h"
 #include "mie/phase_table.h"
 #include "mie/size_distribution.h"
 
@@ -13,19 +14,19 @@ namespace miebrdf::mie {
 
 struct PhaseTabulationOptions {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
-    double size_tolerance = 1e-2;           ///< relative to the largest P of each panel, rms
+    double size_tolerance = 1e-2;           ///< relative to P, rms over the nodes of each panel
     int first_moment = 0;                   ///< lowest one that will be asked of the table
-    /// Scattering efficiency of the average times the area share of the range, when known: sizes
-    /// that miss it have missed resonances too narrow for two levels of them to tell. 0: not known.
+    /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };
 
 /// Each panel of scattering angles takes levels of sizes (nested_size_nodes) until what the last
-/// one changed is below the tolerance: a quarter of the spheres will do between 20 and 130 degrees
+/// ones changed is below the tolerance: a quarter of the spheres will do between 20 and 130 degrees
 /// of what a glory wants. Panels whose polynomial has not converged (its last two Chebyshev
 /// coefficients are above the tolerance and above the noise of the sizes) are halved, and the
-/// halves start anew.
+/// halves start anew, together with all others of their generation. Neighbours share the value at
+/// their common edge: that of the panel with more sizes.
 ///
 /// Sizes are spread in equal ratios: equal spacing meets, at some angles, the same phase of an
 /// interference in all its sizes (n = 2.95 at 550 nm: single angles wrong by up to 80 %).
@@ -43,27 +44,12 @@ class PhaseTabulation {
     double moment_error() const;
 
   private:
-    struct Panel {
-        double lower, upper;
-        int level = -1;          // last one that has been summed
-        Eigen::MatrixXd halves;  // intensities of two independent halves of the sizes, nodes x 2
-        double scattered[2] = {0, 0};
-        double noise = 0, tail = 0;  // relative to the largest P: of sizes, of interpolation
-        double light = 0;            // largest P times solid angle over 4 pi
-    };
-    struct Halves {
-        Eigen::MatrixXd intensity;
-        double scattered[2] = {0, 0};
-    };
-
-    void start_panels();
-    std::vector<Panel> take_lowest();
-    Halves sum_level(int level, const AngularFunctionsOf<float>& angular) const;
-    void add_level(Panel& panel, const Eigen::MatrixXd& intensity, const Halves& halves) const;
-    void judge(Panel& panel) const;
-    double moment_share(const Panel& panel) const;
-    bool needs_more_sizes(const Panel& panel) const;
-    void sort_in(Panel panel);
+    void plan_levels();
+    std::vector<PhasePanel> take_next();
+    HalvedIntensity sum_level(int level, const AngularFunctionsOf<float>& angular) const;
+    void add_level(std::vector<PhasePanel> panels);
+    bool needs_more_sizes(const PhasePanel& panel) const;
+    void sort_in(PhasePanel panel);
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;
@@ -72,8 +58,9 @@ class PhaseTabulation {
     PhaseTabulationOptions options_;
     const Executor& run_;
     double narrowest_;  // panel, in radians
+    bool rippled_ = false;
     int first_count_ = 1, last_level_ = 0, resolved_level_ = 0;
-    std::vector<Panel> active_, done_;
+    std::vector<PhasePanel> active_, done_;
 };
 
 }  // namespace miebrdf::mie

@@ -1,6 +1,7 @@
 #include "mie/size_sums.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "mie/lanes.h"
 #include "mie/terms.h"
@@ -22,6 +23,7 @@ int most_chunks(int size_count, const SizeSumOptions& options) {
 // To whole vectors.
 int rounded_up(int size) { return (size + lane_count - 1) / lane_count * lane_count; }
 
+template <typename Scalar>
 SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSizes& sizes,
                          const SizeSumOptions& options,
                          const std::vector<SizeChunks::Block>& blocks) {
@@ -32,7 +34,7 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     if (options.angles) {
         sums.intensity = Eigen::MatrixXd::Zero(options.angles->angle_count(), 2);
     }
-    SphereBlock block;
+    SphereBlockOf<Scalar> block;
     if (with_waves) {
         const auto& last = blocks.back();
         block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
@@ -43,8 +45,10 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
         sums.spheres.add(compute_spheres(relative_index, {sizes.parameters.data() + first, here},
                                          {sizes.weights.data() + first, here},
                                          with_waves ? &block : nullptr));
-        if (with_moments) sums.covariance.add(block, options.single_precision);
-        if (options.angles) options.angles->add_intensity(block, sums.intensity);
+        if (with_moments) sums.covariance.add(block);
+        if constexpr (std::is_same_v<Scalar, double>) {
+            if (options.angles) options.angles->add_intensity(block, sums.intensity);
+        }
     }
     return sums;
 }
@@ -95,7 +99,10 @@ SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes
     run(chunks.count(), [&](int job) {
         const int chunk =
             chunks.count() - 1 - job;  // large spheres first: the last to end are short
-        parts[chunk] = sum_over_blocks(relative_index, sizes, options, chunks.blocks(chunk));
+        const auto blocks = chunks.blocks(chunk);
+        parts[chunk] = options.single_precision && !options.angles
+                           ? sum_over_blocks<float>(relative_index, sizes, options, blocks)
+                           : sum_over_blocks<double>(relative_index, sizes, options, blocks);
     });
     SizeSums total = std::move(parts[0]);
     for (int chunk = 1; chunk < chunks.count(); ++chunk) total.add(parts[chunk]);

@@ -24,10 +24,10 @@ struct SizeSums {
 
 /// What is summed, besides efficiencies and g.
 struct SizeSumOptions {
-    int terms = 0;        ///< partial waves of the largest sphere
-    int band_width = -1;  ///< of the covariance; -1: none
-    bool single_precision = false;
-    const AngularFunctions* angles = nullptr;
+    int terms = 0;                             ///< partial waves of the largest sphere
+    int band_width = -1;                       ///< of the covariance; -1: none
+    bool single_precision = false;             ///< of products; not with angles
+    const AngularFunctions* angles = nullptr;  ///< in double precision
 };
 
 /// Size parameters and weights of nodes, for compute_spheres.
@@ -36,7 +36,7 @@ struct WeightedSizes {
     std::vector<double> parameters, weights;
 };
 
-/// Sizes cut into chunks for an executor, and each chunk into blocks of about 64 (U and V of a
+/// Sizes cut into chunks for an executor, and each chunk into blocks of about 40 (U and V of a
 /// block stay near the cache).
 class SizeChunks {
   public:
@@ -53,7 +53,7 @@ class SizeChunks {
     int size_count_, count_, per_chunk_;
 };
 
-constexpr int most_sizes_per_block = 72;
+constexpr int most_sizes_per_block = 40;
 
 /// Sums over all sizes, in chunks of blocks that do not depend on the executor.
 SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstddef>
 #include <span>
 
 namespace miebrdf::mie {
@@ -10,25 +11,27 @@ namespace miebrdf::mie {
 /// U_n = a_n + b_n and V_n = a_n - b_n of `size` spheres, each times the root of its weight.
 /// Row n = order (row 0 unused), columns [0, size) the real, [size, 2 size) the imaginary parts.
 /// `size` is the number of spheres rounded up to whole vectors; the rest have weight 0.
-struct SphereBlock {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// Scalar: double, or float (half the memory traffic, products twice as fast).
+template <typename Scalar>
+struct SphereBlockOf {
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Matrix U, V;
     int size = 0;
     int terms = 0;
-    /// Kept by those who need U or V in single precision: memory is mapped once per chunk, not per
-    /// block.
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> single;
 
     /// Makes room; memory grows, and is reused while the number of spheres stays. Rows may be more
     /// than terms + 1.
     void make_room(int terms, int size);
 };
 
+using SphereBlock = SphereBlockOf<double>;
+
 /// Sums over spheres s with weights w_s of a block; all terms are positive but for the last.
 struct SphereSums {
     double scattered = 0;   ///< sum w_s sum_n (2n+1) (|a_n|^2 + |b_n|^2) = sum w_s x_s^2 Q_sca / 2
     double absorbed = 0;    ///< the same with Re a_n - |a_n|^2; exactly 0 for a real index
     double asymmetric = 0;  ///< sum w_s x_s^2 Q_sca g / 4
+    double scattered_at_odd = 0;  ///< the part of `scattered` from spheres at odd places
 
     void add(const SphereSums& other);
     void scale(double factor);
@@ -42,8 +45,14 @@ struct SphereSums {
 /// @param size_parameters  ascending, at least one
 /// @param weights  one per size, >= 0
 /// @param block    U and V are filled when not null
+template <typename Scalar>
 SphereSums compute_spheres(std::complex<double> relative_index,
                            std::span<const double> size_parameters, std::span<const double> weights,
-                           SphereBlock* block);
+                           SphereBlockOf<Scalar>* block);
+
+/// The sums alone.
+SphereSums compute_spheres(std::complex<double> relative_index,
+                           std::span<const double> size_parameters, std::span<const double> weights,
+                           std::nullptr_t = nullptr);
 
 }  // namespace miebrdf::mie

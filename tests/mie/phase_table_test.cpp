@@ -80,6 +80,23 @@ TEST_CASE("the phase table agrees with P at listed angles and with the moments",
     for (int l = 0; l <= 40; ++l) CHECK(std::abs(chi[l] - optics.chi[l]) <= 1e-3);
 }
 
+TEST_CASE("neighbouring panels of a phase table meet", "[mie][phase_table]") {
+    // Each has sizes of its own; the glory of 10 um jumped by 3.4 % before edges were shared.
+    mie::EnsembleRequest request;
+    request.refractive_index = 1.5;
+    request.sizes.effective_radius_um = 10;
+    request.tolerance = 1e-3;
+    request.with_phase_table = true;
+    const auto optics = mie::average_over_sizes(request);
+    const auto& parts = optics.phase_table->parts();
+    for (Eigen::Index p = 1; p < parts.coefficients.cols(); ++p) {
+        // T_k(1) = 1 and T_k(-1) = (-1)^k.
+        const double above = parts.coefficients.col(p)(Eigen::seqN(0, 4, 2)).sum() -
+                             parts.coefficients.col(p)(Eigen::seqN(1, 4, 2)).sum();
+        CHECK(std::abs(parts.coefficients.col(p - 1).sum() / above - 1) <= 1e-13);
+    }
+}
+
 TEST_CASE("many moments come from the table when that is cheaper", "[mie][phase_table]") {
     mie::EnsembleRequest request;
     request.refractive_index = {1.5, 0.02};
@@ -170,10 +187,11 @@ TEST_CASE("the phase table errs no more than it says at random angles", "[mie][p
         const double value = table(std::cos(angle * pi / 180));
         CAPTURE(c.radius_um, c.variance, c.index, request.phase_tolerance, angle, value, truth,
                 nearby, table.size_error(), table.interpolation_error(), table.angle_count());
-        // Three times the rms over a panel; single precision 1e-5.
+        // Twice the estimate at the worst node; single precision 1e-5.
         CHECK(std::abs(value - truth) <=
-              (3 * table.size_error() + 2 * table.interpolation_error() + 1e-4) * nearby);
+              (2 * table.size_error() + 2 * table.interpolation_error() + 1e-4) * nearby);
     }
     // Ripple may stop at the finest level, and says so.
-    if (c.index.imag() == 0.1) CHECK(table.size_error() <= request.phase_tolerance);
+    // The tolerance is for the rms over eight nodes, the error for the worst of them.
+    if (c.index.imag() == 0.1) CHECK(table.size_error() <= std::sqrt(8) * request.phase_tolerance);
 }

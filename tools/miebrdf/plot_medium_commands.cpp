@@ -41,9 +41,10 @@ std::vector<std::vector<MediumOptics>> compute(const MediumPlotArguments& argume
 
     const std::size_t count = wavelength_nm.size();
     std::vector<std::vector<MediumOptics>> optics(media.size(), std::vector<MediumOptics>(count));
+    const mie::Executor pieces = pieces_of_job(shell.control());
     run_parallel("single scattering", media.size() * count, shell.control(), [&](std::size_t job) {
-        optics[job / count][job % count] =
-            medium_optics(media[job / count], wavelength_nm[job % count], particles, demand);
+        optics[job / count][job % count] = medium_optics(
+            media[job / count], wavelength_nm[job % count], particles, demand, pieces);
     });
     return optics;
 }

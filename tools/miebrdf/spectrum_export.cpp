@@ -54,9 +54,10 @@ int export_scattering(const Request& request, const Shell& shell) {
     if (request.scene.particles.tolerance > 0.0)
         demand.tolerance = request.scene.particles.tolerance;
     std::vector<MediumOptics> optics(request.wavelength_nm.size());
+    const mie::Executor pieces = pieces_of_job(shell.control());
     run_parallel("single scattering", optics.size(), shell.control(), [&](std::size_t w) {
-        optics[w] =
-            medium_optics(medium, request.wavelength_nm[w], request.scene.particles, demand);
+        optics[w] = medium_optics(medium, request.wavelength_nm[w], request.scene.particles, demand,
+                                  pieces);
     });
     exports::ScatteringTable table;
     table.wavelength_nm = request.wavelength_nm;
