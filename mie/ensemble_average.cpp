@@ -178,6 +178,7 @@ void EnsembleAverage::tabulate_phase() {
     PhaseTabulationOptions options;
     options.interpolation_tolerance = request_.table_tolerance;
     options.size_tolerance = request_.phase_tolerance;
+    options.floor = request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {

@@ -21,6 +21,10 @@ void validate(const EnsembleRequest& r) {
     if (!(r.tolerance > 0 && r.tolerance < 1)) {
         throw std::invalid_argument(fmt::format("tolerance {}; allowed: (0, 1)", r.tolerance));
     }
+    if (!(r.phase_floor >= 0)) {
+        throw std::invalid_argument(
+            fmt::format("phase floor {}; allowed: 0 or above", r.phase_floor));
+    }
     if (!(r.phase_tolerance > 0)) {
         throw std::invalid_argument(
             fmt::format("phase tolerance {}; allowed: above 0", r.phase_tolerance));

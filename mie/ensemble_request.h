@@ -20,8 +20,10 @@ struct EnsembleRequest {
     double phase_tolerance = 1e-2;          ///< relative, of P at each angle listed, and rms over
                                             ///< each panel of a phase table; points of P need many
                                             ///< more sizes than moments do
-    bool with_phase_table = false;          ///< P at every angle, as a PhaseTable
-    double table_tolerance = 1e-3;          ///< of its interpolation, relative within each panel
+    double phase_floor = 0;         ///< a phase table's P below this is resolved relative to
+                                    ///< this: dim angles do not matter to radiative transfer
+    bool with_phase_table = false;  ///< P at every angle, as a PhaseTable
+    double table_tolerance = 1e-3;  ///< of its interpolation, relative within each panel
 };
 
 /// @throws std::invalid_argument  with the value and what is allowed

@@ -49,7 +49,7 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
 // Two halves that err independently: of the first level the spheres at even and at odd places, then
 // all levels before and the new one.
 void PhasePanel::add_level(const Eigen::MatrixXd& intensity, const double (&scattered)[2],
-                           bool rippled, double scattering_efficiency) {
+                           bool rippled, double scattering_efficiency, double floor) {
     HalvedIntensity halves{intensity, {scattered[0], scattered[1]}};
     if (++level_ > 0) {
         halves.intensity.col(0) = 0.5 * halves_.intensity.rowwise().sum();
@@ -58,14 +58,14 @@ void PhasePanel::add_level(const Eigen::MatrixXd& intensity, const double (&scat
         halves.scattered[1] = 0.5 * (scattered[0] + scattered[1]);
     }
     halves_ = std::move(halves);
-    judge(rippled, scattering_efficiency);
+    judge(rippled, scattering_efficiency, floor);
 }
 
 Eigen::VectorXd PhasePanel::values() const {
     return halves_.intensity.rowwise().sum() / (halves_.scattered[0] + halves_.scattered[1]);
 }
 
-void PhasePanel::judge(bool rippled, double scattering_efficiency) {
+void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor) {
     const Eigen::VectorXd P = values();
     const double largest = P.maxCoeff();
     const double worst_before = worst_, relative_before = relative_;
@@ -75,7 +75,7 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency) {
         // The mean of two halves errs by half their difference.
         const Eigen::VectorXd error = 0.5 * (halves_.intensity.col(0) / halves_.scattered[0] -
                                              halves_.intensity.col(1) / halves_.scattered[1]);
-        const Eigen::VectorXd relative = error.cwiseQuotient(P);
+        const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
         const double root = std::sqrt(double(PhaseTable::panel_nodes));
         worst_ = relative.cwiseAbs().maxCoeff();
         relative_ = relative.norm() / root;

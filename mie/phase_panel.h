@@ -28,11 +28,13 @@ class PhasePanel {
     ///                 chance: the noise is not believed to fall by more than half
     /// @param scattering_efficiency  of the average, 0 when not known: sizes that miss it have
     ///                 missed resonances too narrow for two levels to tell
+    /// @param floor  errors are relative to P where that is larger, else to this
     void add_level(const Eigen::MatrixXd& intensity, const double (&scattered)[2], bool rippled,
-                   double scattering_efficiency);
+                   double scattering_efficiency, double floor);
 
     Eigen::VectorXd values() const;
-    /// Relative error of P from its sizes, rms over the nodes, and at the worst of them.
+    /// Error of P from its sizes relative to max(P, floor), rms over the nodes, and at the worst of
+    /// them.
     double noise() const { return noise_; }
     double worst_noise() const { return worst_noise_; }
     /// Interpolation error relative to P: last two Chebyshev coefficients. Noise shows in it too.
@@ -44,7 +46,7 @@ class PhasePanel {
     double moment_error(int first_moment) const;
 
   private:
-    void judge(bool rippled, double scattering_efficiency);
+    void judge(bool rippled, double scattering_efficiency, double floor);
 
     double lower_, upper_;
     int generation_;

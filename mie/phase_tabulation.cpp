@@ -92,7 +92,7 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     Eigen::Index first = 0;
     for (PhasePanel& panel : panels) {
         panel.add_level(sums.intensity.middleRows(first, PhaseTable::panel_nodes), sums.scattered,
-                        rippled_, options_.scattering_efficiency);
+                        rippled_, options_.scattering_efficiency, options_.floor);
         first += PhaseTable::panel_nodes;
         sort_in(std::move(panel));
     }

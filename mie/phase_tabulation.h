@@ -14,8 +14,9 @@ namespace miebrdf::mie {
 
 struct PhaseTabulationOptions {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
-    double size_tolerance = 1e-2;           ///< relative to P, rms over the nodes of each panel
-    int first_moment = 0;                   ///< lowest one that will be asked of the table
+    double size_tolerance = 1e-2;  ///< relative to max(P, floor), rms over the nodes of each panel
+    double floor = 0;
+    int first_moment = 0;  ///< lowest one that will be asked of the table
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment

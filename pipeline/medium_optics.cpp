@@ -39,6 +39,10 @@ rte::Optics analytic_optics(const Medium& medium) {
 /// Of the error that points of P may have, the part that their interpolation may.
 constexpr double kInterpolationShare = 0.3;
 
+/// Where P is below half of its mean over the sphere, noise is judged against that: single scattering
+/// R = P / (4 (mu + mu')) of such angles is small beside the largest value at any incidence.
+constexpr double kPhaseFloor = 0.5;
+
 mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelength_nm,
                                       const ParticleOptions& particles, const OpticsDemand& demand) {
     mie::EnsembleRequest request;
@@ -51,6 +55,7 @@ mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelen
     request.tolerance = demand.tolerance;
     if (demand.whole_phase_function) {
         request.with_phase_table = true;
+        request.phase_floor = kPhaseFloor;
         request.table_tolerance = kInterpolationShare * request.phase_tolerance;
         request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
     }
