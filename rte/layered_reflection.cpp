@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "rte/automatic_streams.h"
+#include "rte/azimuth_probes.h"
 #include "rte/discretisation.h"
 #include "rte/fourier_reflection.h"
 #include "rte/narrow_features.h"
@@ -151,20 +152,24 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                 fmt::format("azimuth {} degrees; allowed: any finite number", azimuth));
         }
     }
-    const RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
-    const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size();
+    const AzimuthProbes probes(stack, directions, options);
+    const Directions& judged = probes.directions();
+    const RequestedDirections requested = collect(judged.mu_in, judged.mu_out);
+    const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
     OrderList orders;  // of the solution before, with fewer nodes
-    Attempt attempt = solve_with_estimate(stack, options, directions.mu_in.size() * block, block,
+    Attempt attempt = solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
                                           [&](const Discretisation& discretisation) {
-                                              return reflect_with(stack, directions, requested,
-                                                                  options, discretisation, orders);
+                                              return reflect_with(stack, judged, requested, options,
+                                                                  discretisation, orders);
                                           });
+    attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {
         attempt.plane_albedo.assign(directions.mu_in.size(),
                                     std::numeric_limits<double>::quiet_NaN());
     }
-    return {std::move(attempt.values), std::move(attempt.plane_albedo), std::move(attempt.report)};
+    return {probes.without(std::move(attempt.values)), std::move(attempt.plane_albedo),
+            std::move(attempt.report)};
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,

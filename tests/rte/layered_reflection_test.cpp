@@ -8,6 +8,22 @@
 
 using namespace miebrdf;
 
+TEST_CASE("two solutions that agree by accident at one azimuth are not believed",
+          "[rte][reflect]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.99, 0.9)};
+    const rte::Directions one{{0.05}, {0.2}, {0}};
+    // 16 and 24 nodes agree there to 1e-5 and are 6e-4 off.
+    const auto result = rte::reflect(stack, one, {.tolerance = 1e-5, .streams = 24});
+    const auto truth = rte::reflect(stack, one, {.tolerance = 1e-8, .streams = 96});
+    REQUIRE(result.reflection.size() == 1);
+    const double error = std::abs(result.reflection[0] / truth.reflection[0] - 1);
+    CHECK(error > 1e-4);
+    CHECK_FALSE(result.report.converged);
+    CHECK(error <= 3 * result.report.error_estimate);
+    CHECK(result.report.worst_value == 0);
+    CHECK(result.report.worst_azimuth_deg == 0.0);
+}
+
 TEST_CASE("reflection is reciprocal to rounding", "[rte][reflect]") {
     const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.99, 0.75),
                            .coats = {{rte::henyey_greenstein_optics(0.6, 0.2), 0.3}}};
