@@ -34,6 +34,9 @@ std::atomic<char*>* enlist(char* name) {
     return nullptr;
 }
 
+/// A name that a signal handler may take, and then keeps until the process ends.
+char* name_for_signal_handlers(const std::string& name) { return ::strdup(name.c_str()); }
+
 /// Frees the name unless a signal handler has taken it; the slot may be another file's by then.
 void strike_off(std::atomic<char*>* slot, char* name) {
     if (slot == nullptr || slot->compare_exchange_strong(name, nullptr)) std::free(name);
@@ -85,7 +88,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
         return;
     }
     temporary_ = make_temporary(target_);
-    listed_name_ = ::strdup(temporary_.c_str());
+    listed_name_ = name_for_signal_handlers(temporary_.string());
     if (listed_name_ != nullptr) slot_ = enlist(listed_name_);
     stream_.open(temporary_, std::ios::binary | std::ios::trunc);
     if (stream_) return;
