@@ -38,8 +38,9 @@ if(MIEBRDF_SANITIZE)
     target_link_options(miebrdf_flags INTERFACE -fsanitize=address,undefined)
 endif()
 if(MIEBRDF_FUZZERS)
-    target_compile_options(miebrdf_flags INTERFACE -fsanitize=fuzzer-no-link,address,undefined
-                           -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    # C++ alone: the embedded database is assembled by the C compiler, which may be another.
+    target_compile_options(miebrdf_flags INTERFACE
+        "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer>")
     target_link_options(miebrdf_flags INTERFACE -fsanitize=address,undefined)
 endif()
 if(MIEBRDF_COVERAGE)
