@@ -38,3 +38,16 @@ TEST_CASE("exr: channels carry the names of the spectral layout and the values a
         }
     }
 }
+
+TEST_CASE("exr: an attribute that claims more than the file has is refused before it is allocated",
+          "[exports][exr]") {
+    using namespace std::string_literals;
+    const std::string start = "\x76\x2f\x31\x01\x02\0\0\0"s;
+    const std::string huge = start + "mu_in\0floatvector\0\xf0\xff\xff\x7f"s + "few bytes";
+    CHECK_THROWS_WITH(read_exr(huge), Catch::Contains("'mu_in' claims 2147483632 bytes of the 9"));
+    const std::string window =
+        start + "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\xff\xff\0\0\xff\xff\x0f\0\0"s;
+    CHECK_THROWS_WITH(read_exr(window), Catch::Contains("a window of 65536 x 1048576 pixels"));
+    CHECK_THROWS_WITH(read_exr(start + "mu_in"), Catch::Contains("header ends early"));
+    CHECK_THROWS_WITH(read_exr("\x76\x2f\x31\x01\x02\x10\0\0"s), Catch::Contains("one flat part"));
+}
