@@ -23,6 +23,7 @@ set(miebrdf_export_sources
     exports/readers/bilinear_warp.cpp
     exports/readers/brdf_file.cpp
     exports/readers/catmull_rom.cpp
+    exports/readers/exr_header.cpp
     exports/readers/exr_reader.cpp
     exports/readers/grid_file.cpp
     exports/readers/merl_reader.cpp
