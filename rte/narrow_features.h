@@ -8,24 +8,11 @@
 #include <vector>
 
 #include "rte/math/angle_table.h"
+#include "rte/math/chebyshev_points.h"
+#include "rte/narrow_strengths.h"
 #include "rte/single_scattering.h"
 
 namespace miebrdf::rte {
-
-/// Chebyshev's points of the first kind on (-1, 1), to interpolate between by the barycentric
-/// formula.
-class ChebyshevPoints {
-  public:
-    explicit ChebyshevPoints(int count = 1);
-    int count() const { return int(points_.size()); }
-    double operator[](int node) const { return points_[node]; }
-    /// Lagrange's weights at t.
-    Eigen::VectorXd weights(double t) const;
-
-  private:
-    Eigen::VectorXd points_;
-    Eigen::VectorXd factors_;
-};
 
 /// What the first order must change because light is diffracted before and after it is scattered:
 /// C(q, Theta) / (4 (mu_in + mu_out)),
@@ -75,13 +62,10 @@ class NarrowFeatures {
     double log_q_middle_ = 0.0;
     double log_q_half_ = 1.0;
     double tolerance_ = 0.0;
-    ChebyshevPoints nodes_;
+    math::ChebyshevPoints nodes_;
     Eigen::MatrixXd at_nodes_;   ///< functions of q (columns) at the nodes (rows)
     Eigen::MatrixXd strengths_;  ///< row = function of q * stacks + stack, column = degree
     std::optional<math::AngleTable> table_;  ///< one function for each row of strengths
 };
-
-/// The coefficients of P_l(cos Theta) in C at one q, l = 0, 1, ...; empty if there are none.
-std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
 
 }  // namespace miebrdf::rte

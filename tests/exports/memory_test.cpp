@@ -1,7 +1,6 @@
 // How much memory an export takes beyond the BRDF itself: at most twice its file, read back and
 // all.
 #include <malloc.h>
-#include <sys/resource.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
+#include "tools/bench/process_memory.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kCountsMemory = false;  // freed memory stays in quarantine
@@ -24,18 +24,6 @@ using namespace miebrdf;
 using namespace miebrdf::exports;
 
 namespace {
-
-double resident_bytes() {
-    long size = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> size >> resident;
-    return double(resident) * double(sysconf(_SC_PAGESIZE));
-}
-
-double peak_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * double(usage.ru_maxrss);
-}
 
 /// A format at a fineness that makes some ten megabytes.
 struct Large {
@@ -70,9 +58,9 @@ TEST_CASE("an export takes at most twice its file in memory", "[exports][memory]
     malloc_trim(0);  // else the child begins with free memory that no count shows
     const pid_t child = support::in_child(
         [&] {
-            const double before = resident_bytes();
+            const double before = bench::resident_bytes();
             export_brdf(material, options, path, {.threads = 1});
-            std::ofstream(folder / "memory") << peak_bytes() - before;
+            std::ofstream(folder / "memory") << bench::peak_bytes() - before;
         },
         [](const std::exception&) { return 1; });
     REQUIRE(support::exit_code(child) == 0);

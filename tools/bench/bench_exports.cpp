@@ -15,6 +15,7 @@
 #include "pipeline/exports/rgb_weights.h"
 #include "pipeline/exports/solved_source.h"
 #include "pipeline/number_list.h"
+#include "tools/bench/process_memory.h"
 
 namespace {
 
@@ -30,18 +31,6 @@ double cpu_seconds() {
     getrusage(RUSAGE_SELF, &usage);
     return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
            1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-double resident_bytes() {
-    long size = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> size >> resident;
-    return double(resident) * double(sysconf(_SC_PAGESIZE));
-}
-
-double peak_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * double(usage.ru_maxrss);
 }
 
 struct Case {
@@ -63,7 +52,7 @@ void print_row(const std::string& format, const fs::path& folder, const Case& sc
     ExportOptions options;
     options.format = format;
     options.rgb = scene.rgb.weights();
-    const double seconds = cpu_seconds(), resident = resident_bytes();
+    const double seconds = cpu_seconds(), resident = bench::resident_bytes();
     std::vector<ExportedFile> files;
     try {
         files = export_brdf(scene.spectral, options, folder / ("a." + format), kControl);
@@ -72,7 +61,7 @@ void print_row(const std::string& format, const fs::path& folder, const Case& sc
         return;
     }
     const double took = cpu_seconds() - seconds;
-    const double memory = peak_bytes() - resident;
+    const double memory = bench::peak_bytes() - resident;
     for (const ExportedFile& file : files) {
         std::string errors = "exact | exact | exact | exact";
         if (const auto& d = file.deviation) {
