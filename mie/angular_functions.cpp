@@ -51,18 +51,18 @@ template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
                                              const typename SphereBlockOf<Scalar>::Matrix& waves,
                                              int terms, int columns,
-                                             Eigen::MatrixXd& intensity) const {
+                                             Eigen::VectorXd& intensity) const {
     Matrix amplitude(functions.rows(), columns);
     amplitude.noalias() = functions.middleCols(1, terms) * waves.block(1, 0, terms, columns);
     for (int column = 0; column < columns; ++column) {
-        intensity.col(column % 2) += amplitude.col(column).template cast<double>().cwiseAbs2();
+        intensity += amplitude.col(column).template cast<double>().cwiseAbs2();
     }
 }
 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
-                                               Eigen::MatrixXd& intensity) const {
-    const int columns = 2 * block.size;  // size is even: imaginary parts keep their sphere's parity
+                                               Eigen::VectorXd& intensity) const {
+    const int columns = 2 * block.size;
     add_squares(plus_, block.U, block.terms, columns, intensity);
     add_squares(minus_, block.V, block.terms, columns, intensity);
 }

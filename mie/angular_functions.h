@@ -22,9 +22,8 @@ class AngularFunctionsOf {
     int angle_count() const { return static_cast<int>(plus_.rows()); }
 
     /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
-    /// weights of SphereSums this is P times 2 * scattered. Spheres at even places are summed in
-    /// the first column of `intensity` (angles x 2), at odd places in the second.
-    void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::MatrixXd& intensity) const;
+    /// weights of SphereSums this is P times 2 * scattered.
+    void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::VectorXd& intensity) const;
 
   private:
     void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
@@ -32,7 +31,7 @@ class AngularFunctionsOf {
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
     void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
-                     int terms, int columns, Eigen::MatrixXd& intensity) const;
+                     int terms, int columns, Eigen::VectorXd& intensity) const;
 
     Matrix plus_, minus_;
 };

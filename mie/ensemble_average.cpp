@@ -131,8 +131,8 @@ EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
         const double whole = o.chi[0];
         for (double& chi : o.chi) chi /= whole;
     }
-    for (Eigen::Index i = 0; i < sums.intensity.rows(); ++i) {
-        o.phase.push_back(sums.intensity.row(i).sum() / (2 * sums.spheres.scattered));
+    for (const double intensity : sums.intensity) {
+        o.phase.push_back(intensity / (2 * sums.spheres.scattered));
     }
     return o;
 }
@@ -195,7 +195,7 @@ void EnsembleAverage::tabulate_phase() {
     const std::vector<double> chi = table->moments(last, run_);
     optics_.chi.insert(optics_.chi.end(), chi.begin() + safe_band_width + 1, chi.end());
     optics_.chi.resize(request_.highest_moment + 1, 0.0);
-    optics_.error_estimate = std::max(optics_.error_estimate, tabulation.moment_error());
+    optics_.error_estimate = std::max(optics_.error_estimate, tabulation.moment_error(last));
 }
 
 }  // namespace miebrdf::mie

@@ -10,7 +10,7 @@ namespace miebrdf::mie {
 namespace {
 
 // Widths grow by this share of the distance from the nearer end, up to the widest.
-constexpr double growth = 0.5;
+constexpr double growth = 1 / 3.0;
 constexpr double widest = 6 * std::numbers::pi / 180;
 
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
@@ -46,23 +46,18 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
     return panels;
 }
 
-// Two halves that err independently: of the first level the spheres at even and at odd places, then
-// all levels before and the new one.
-void PhasePanel::add_level(const Eigen::MatrixXd& intensity, const double (&scattered)[2],
-                           bool rippled, double scattering_efficiency, double floor) {
-    HalvedIntensity halves{intensity, {scattered[0], scattered[1]}};
-    if (++level_ > 0) {
-        halves.intensity.col(0) = 0.5 * halves_.intensity.rowwise().sum();
-        halves.intensity.col(1) = 0.5 * intensity.rowwise().sum();
-        halves.scattered[0] = 0.5 * (halves_.scattered[0] + halves_.scattered[1]);
-        halves.scattered[1] = 0.5 * (scattered[0] + scattered[1]);
-    }
-    halves_ = std::move(halves);
-    judge(rippled, scattering_efficiency, floor);
+void PhasePanel::add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
+                           double scattering_efficiency, double floor) {
+    sums_ = ++level_ == 0 ? level : sizes.with_level(sums_, level);
+    judge(sizes.rippled(), scattering_efficiency, floor);
 }
 
 Eigen::VectorXd PhasePanel::values() const {
-    return halves_.intensity.rowwise().sum() / (halves_.scattered[0] + halves_.scattered[1]);
+    return sums_.intensity.rowwise().sum() / (sums_.scattered[0] + sums_.scattered[1]);
+}
+
+Eigen::VectorXd PhasePanel::values_of(int family) const {
+    return sums_.intensity.col(family) / sums_.scattered[family];
 }
 
 void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor) {
@@ -71,10 +66,9 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
     const double worst_before = worst_, relative_before = relative_;
     worst_ = relative_ = 0;
     double rms = 0;
-    if (halves_.scattered[1] > 0) {
-        // The mean of two halves errs by half their difference.
-        const Eigen::VectorXd error = 0.5 * (halves_.intensity.col(0) / halves_.scattered[0] -
-                                             halves_.intensity.col(1) / halves_.scattered[1]);
+    if (sums_.scattered[1] > 0) {
+        // The mean of two families errs by half their difference.
+        const Eigen::VectorXd error = 0.5 * (values_of(0) - values_of(1));
         const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
         const double root = std::sqrt(double(PhaseTable::panel_nodes));
         worst_ = relative.cwiseAbs().maxCoeff();
@@ -84,21 +78,31 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
     const double doubt = rippled && level_ > 0 ? slowest_gain : 0.0;
     double missed = 0;
     if (scattering_efficiency > 0) {
-        const double sampled = halves_.scattered[0] + halves_.scattered[1];
+        const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
     noise_ = std::max({relative_, doubt * relative_before, missed});
     worst_noise_ = std::max({worst_, doubt * worst_before, missed});
-    moment_noise_ = std::max(rms, missed * largest) * 0.5 * (std::cos(lower_) - std::cos(upper_));
+    rms_ = std::max(rms, missed * largest);
+    largest_ = largest;
     tail_of_noise_ = rms / largest;
     tail_ = last_two(P) / largest;
 }
 
-double PhasePanel::moment_error(int first_moment) const {
+// Share of the sphere, times |P_l| there.
+double PhasePanel::solid_angle_of_moments(int first_moment) const {
     const double sine = std::min(std::sin(lower_), std::sin(upper_));
     const double damping = 2 / (std::numbers::pi * std::max(1, first_moment));
     const double legendre = damping < sine ? std::sqrt(damping / sine) : 1.0;
-    return moment_noise_ * legendre / std::sqrt(double(PhaseTable::panel_nodes));
+    return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
+}
+
+double PhasePanel::moment_noise(int first_moment) const {
+    return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::panel_nodes));
+}
+
+double PhasePanel::moment_tail(int first_moment) const {
+    return 0.5 * tail_ * largest_ * solid_angle_of_moments(first_moment);
 }
 
 }  // namespace miebrdf::mie

@@ -4,13 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace miebrdf::mie {
+#include "mie/size_families.h"
 
-/// Intensities of two independent halves of the sizes, angles x 2, and what they scatter.
-struct HalvedIntensity {
-    Eigen::MatrixXd intensity;
-    double scattered[2] = {0, 0};
-};
+namespace miebrdf::mie {
 
 /// P at the nodes of [lower, upper] from all levels of sizes so far, and how good it is.
 class PhasePanel {
@@ -23,16 +19,17 @@ class PhasePanel {
     int generation() const { return generation_; }  ///< times that it was halved
     int level() const { return level_; }            ///< last one added; -1: none
 
-    /// Adds the next level of sizes: as many as all before, between them.
-    /// @param rippled  levels converge slowly, so that one of them may agree with those before by
-    ///                 chance: the noise is not believed to fall by more than half
+    /// Adds the sums over the next level of sizes at the panel's nodes. With ripple, levels
+    /// converge slowly, so that families may agree by chance: the noise is not believed to fall by
+    /// more than half.
     /// @param scattering_efficiency  of the average, 0 when not known: sizes that miss it have
-    ///                 missed resonances too narrow for two levels to tell
+    ///                 missed resonances too narrow for two families to tell
     /// @param floor  errors are relative to P where that is larger, else to this
-    void add_level(const Eigen::MatrixXd& intensity, const double (&scattered)[2], bool rippled,
+    void add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
                    double scattering_efficiency, double floor);
 
     Eigen::VectorXd values() const;
+    Eigen::VectorXd values_of(int family) const;  ///< 0 or 1, each normalised by what it scatters
     /// Error of P from its sizes relative to max(P, floor), rms over the nodes, and at the worst of
     /// them.
     double noise() const { return noise_; }
@@ -43,18 +40,21 @@ class PhasePanel {
 
     /// What its noise gives to Legendre moments from `first_moment` on, absolute: nodes err
     /// independently, and |P_l| <= sqrt(2 / (pi l sin)) (Bernstein) damps what lies to the sides.
-    double moment_error(int first_moment) const;
+    double moment_noise(int first_moment) const;
+    /// The same from what its polynomial leaves out, about half of the last two coefficients.
+    double moment_tail(int first_moment) const;
 
   private:
+    double solid_angle_of_moments(int first_moment) const;
     void judge(bool rippled, double scattering_efficiency, double floor);
 
     double lower_, upper_;
     int generation_;
     int level_ = -1;
-    HalvedIntensity halves_;
-    double worst_ = 0, relative_ = 0;  // what the last level changed: at one node, rms
+    FamilyIntensity sums_;
+    double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
     double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
-    double moment_noise_ = 0;  // times solid angle over 4 pi
+    double rms_ = 0, largest_ = 0;  // noise, and P
 };
 
 /// Panels that are `narrowest` wide at both ends and grow with the distance from them.

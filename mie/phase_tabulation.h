@@ -4,11 +4,11 @@
 #include <complex>
 #include <vector>
 
-#include "mie/angular_functions.h"
 #include "mie/executor.h"
 #include "mie/phase_panel.h"
 #include "mie/phase_table.h"
 #include "mie/size_distribution.h"
+#include "mie/size_families.h"
 
 namespace miebrdf::mie {
 
@@ -22,15 +22,12 @@ struct PhaseTabulationOptions {
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };
 
-/// Each panel of scattering angles takes levels of sizes (nested_size_nodes) until what the last
-/// ones changed is below the tolerance: a quarter of the spheres will do between 20 and 130 degrees
-/// of what a glory wants. Panels whose polynomial has not converged (its last two Chebyshev
-/// coefficients are above the tolerance and above the noise of the sizes) are halved, and the
-/// halves start anew, together with all others of their generation. Neighbours share the value at
-/// their common edge: that of the panel with more sizes.
-///
-/// Sizes are spread in equal ratios: equal spacing meets, at some angles, the same phase of an
-/// interference in all its sizes (n = 2.95 at 550 nm: single angles wrong by up to 80 %).
+/// Each panel of scattering angles takes levels of sizes (SizeFamilies) until the two families
+/// agree within the tolerance: most panels need the first one only, interferences in step with a
+/// family's spacing and some glories two or three. Panels whose polynomial has not converged (its
+/// last two Chebyshev coefficients are above the tolerance and above the noise of the sizes) are
+/// halved, and the halves start anew, together with all others of their generation. Neighbours
+/// share the value at their common edge: that of the panel with more sizes.
 ///
 /// Amplitudes are summed in single precision: 1e-5 of P at worst, half the time.
 class PhaseTabulation {
@@ -41,26 +38,21 @@ class PhaseTabulation {
                     const PhaseTabulationOptions& options, const Executor& run);
 
     PhaseTable table() const;
-    /// Absolute error of the table's moments from the number of sizes: panels err independently.
-    double moment_error() const;
+    /// Absolute error of the table's moments from options.first_moment to highest_moment.
+    double moment_error(int highest_moment) const;
 
   private:
-    void plan_levels();
+    PhaseTable table_of(int family) const;
     std::vector<PhasePanel> take_next();
-    HalvedIntensity sum_level(int level, const AngularFunctionsOf<float>& angular) const;
     void add_level(std::vector<PhasePanel> panels);
     bool needs_more_sizes(const PhasePanel& panel) const;
     void sort_in(PhasePanel panel);
 
-    std::complex<double> relative_index_;
-    const SizeDistribution& distribution_;
-    RadiusRange range_;
-    double wave_number_per_um_;
+    SizeFamilies sizes_;
     PhaseTabulationOptions options_;
     const Executor& run_;
+    int terms_;
     double narrowest_;  // panel, in radians
-    bool rippled_ = false;
-    int first_count_ = 1, last_level_ = 0, resolved_level_ = 0;
     std::vector<PhasePanel> active_, done_;
 };
 

@@ -17,10 +17,8 @@ struct SizeNodes {
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int count);
 
-/// How the sizes of a power law or a table are spread: equally, or in equal ratios. Equal spacing
-/// averages ripple best (all resonances of one family are met alike). But where two rays interfere
-/// with a period of just the spacing, which happens at some angles, all its sizes meet the same
-/// phase; in equal ratios, few do.
+/// How the sizes of a power law or a table are spread: equally, as ripple wants it (all resonances
+/// of one family are met alike), or in equal ratios, as averages that are smooth in size want it.
 enum class SizeSpacing { equal, geometric };
 
 /// Equally spaced sizes, as the ripple of transparent spheres wants them, shifted by `offset` of

@@ -31,9 +31,7 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     const bool with_waves = with_moments || options.angles != nullptr;
     SizeSums sums;
     if (with_moments) sums.covariance = BandCovariance(options.terms, options.band_width);
-    if (options.angles) {
-        sums.intensity = Eigen::MatrixXd::Zero(options.angles->angle_count(), 2);
-    }
+    if (options.angles) sums.intensity = Eigen::VectorXd::Zero(options.angles->angle_count());
     SphereBlockOf<Scalar> block;
     if (with_waves) {
         const auto& last = blocks.back();

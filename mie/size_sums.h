@@ -16,7 +16,7 @@ namespace miebrdf::mie {
 struct SizeSums {
     SphereSums spheres;
     BandCovariance covariance;  ///< empty without moments
-    Eigen::MatrixXd intensity;  ///< at the angles asked for, by halves of the sizes
+    Eigen::VectorXd intensity;  ///< at the angles asked for
 
     void add(const SizeSums& other);
     void scale(double factor);
@@ -32,6 +32,7 @@ struct SizeSumOptions {
 
 /// Size parameters and weights of nodes, for compute_spheres.
 struct WeightedSizes {
+    WeightedSizes() = default;
     WeightedSizes(const SizeNodes& nodes, double wave_number_per_um);
     std::vector<double> parameters, weights;
 };

@@ -11,14 +11,12 @@ void SphereSums::add(const SphereSums& other) {
     scattered += other.scattered;
     absorbed += other.absorbed;
     asymmetric += other.asymmetric;
-    scattered_at_odd += other.scattered_at_odd;
 }
 
 void SphereSums::scale(double factor) {
     scattered *= factor;
     absorbed *= factor;
     asymmetric *= factor;
-    scattered_at_odd *= factor;
 }
 
 template <typename Scalar>
@@ -49,9 +47,7 @@ SphereSums compute_spheres(std::complex<double> relative_index,
         }
         const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
         const LaneSums sums = compute_eight(relative_index, x, columns);
-        const Lanes scattered = weight * sums.scattered;
-        total.scattered += scattered.sum();
-        total.scattered_at_odd += (scattered[1] + scattered[3]) + (scattered[5] + scattered[7]);
+        total.scattered += (weight * sums.scattered).sum();
         total.absorbed += (weight * sums.absorbed).sum();
         total.asymmetric += (weight * sums.asymmetric).sum();
     }

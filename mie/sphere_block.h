@@ -31,7 +31,6 @@ struct SphereSums {
     double scattered = 0;   ///< sum w_s sum_n (2n+1) (|a_n|^2 + |b_n|^2) = sum w_s x_s^2 Q_sca / 2
     double absorbed = 0;    ///< the same with Re a_n - |a_n|^2; exactly 0 for a real index
     double asymmetric = 0;  ///< sum w_s x_s^2 Q_sca g / 4
-    double scattered_at_odd = 0;  ///< the part of `scattered` from spheres at odd places
 
     void add(const SphereSums& other);
     void scale(double factor);

@@ -37,7 +37,7 @@ rte::Optics analytic_optics(const Medium& medium) {
 }
 
 /// Of the error that points of P may have, the part that their interpolation may.
-constexpr double kInterpolationShare = 0.3;
+constexpr double kInterpolationShare = 0.5;
 
 /// Where P is below half of its mean over the sphere, noise is judged against that: single scattering
 /// R = P / (4 (mu + mu')) of such angles is small beside the largest value at any incidence.
