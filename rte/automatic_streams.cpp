@@ -36,14 +36,19 @@ constexpr double rounding = 1e-13;
 // What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
 // with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
 // unresolved peaks fall more slowly and keep the difference itself (docs/numerics.md).
-double remaining_error(double difference, bool slow) {
-    return slow || difference >= 1.0 ? difference : std::pow(difference, 1.25);
+double claimed_power(bool slow) { return slow ? 1.0 : 1.25; }
+
+double remaining_error(double difference, double power) {
+    return difference >= 1.0 ? difference : std::pow(difference, power);
 }
 
-// Compares two tables, relative to the largest value in each block (one incidence).
+// Compares two tables, relative to the largest value in each block (one incidence). The claimed
+// error rises with the difference, so that differences can be compared in its place.
 void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, bool slow,
                     double tolerance) {
     SolverReport& report = fine.report;
+    const double power = claimed_power(slow);
+    const double allowed = std::pow(tolerance, 1.0 / power);
     double largest = 0.0;
     std::size_t within = 0;
     const std::size_t count = fine.values.size();
@@ -52,17 +57,18 @@ void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, boo
         double scale = 0.0;
         for (std::size_t k = start; k < end; ++k) scale = std::max(scale, std::abs(fine.values[k]));
         for (std::size_t k = start; k < end; ++k) {
-            const double difference = std::abs(fine.values[k] - coarse.values[k]);
-            const double error = difference > 0.0 ? remaining_error(difference / scale, slow) : 0.0;
-            if (error <= tolerance) ++within;
-            if (error > largest) {
-                largest = error;
+            const double change = std::abs(fine.values[k] - coarse.values[k]);
+            const double difference = change > 0.0 ? change / scale : 0.0;
+            if (difference <= allowed) ++within;
+            if (difference > largest) {
+                largest = difference;
                 report.worst_value = k;
             }
         }
     }
     report.share_within_tolerance = count > 0 ? double(within) / double(count) : 1.0;
-    report.error_estimate = std::max({report.error_estimate, rounding, largest});
+    report.error_estimate =
+        std::max({report.error_estimate, rounding, remaining_error(largest, power)});
 }
 
 void require_physical(Attempt& attempt, std::size_t count) {

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "rte/automatic_streams.h"
 #include "rte/azimuth_probes.h"
 #include "rte/discretisation.h"
+#include "rte/first_order_sum.h"
 #include "rte/fourier_reflection.h"
-#include "rte/narrow_features.h"
 #include "rte/order_tail.h"
 
 namespace miebrdf::rte {
@@ -57,40 +57,13 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
-// First order, and what is narrower than the moments kept.
-void add_first_order(const ScaledStack& stack, const Directions& directions,
-                     const SolverOptions& options, std::vector<double>& reflection) {
-    std::vector<double> cos_azimuth;
-    for (const double azimuth : directions.azimuth_deg) {
-        cos_azimuth.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
-    }
-    double mu_least = 1.0;
-    for (const double mu : directions.mu_in) mu_least = std::min(mu_least, mu);
-    for (const double mu : directions.mu_out) mu_least = std::min(mu_least, mu);
-    if (options.single_scattering_correction) {
-        constexpr double share_of_tolerance = 0.1;
-        constexpr std::size_t many_directions = 2000;
-        NarrowFeatures narrow({&stack.media, 1}, mu_least, share_of_tolerance * options.tolerance);
-        if (reflection.size() > many_directions) narrow.tabulate();
-        narrow.add_to(reflection.data(), directions.mu_in, directions.mu_out, cos_azimuth);
-    }
-    double* next = reflection.data();
-    for (const double mu_in : directions.mu_in) {
-        for (const double mu_out : directions.mu_out) {
-            for (const double cosine : cos_azimuth) {
-                *next++ += single_scattering(stack.media, options.single_scattering_correction,
-                                             mu_in, mu_out, cosine);
-            }
-        }
-    }
-}
-
-Attempt reflect_with(const Stack& stack, const Directions& directions,
+Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
                      const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation, OrderList& orders) {
+                     const Discretisation& discretisation, OrderList& orders,
+                     FirstOrderSum& first_order) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-    MultipleScattering multiple = sum_orders(scaled, grid, requested, directions.azimuth_deg,
+    MultipleScattering multiple = sum_orders(scaled, grid, requested, azimuth_deg,
                                              share_of_orders * options.tolerance, options, orders);
     orders = std::move(multiple.by_order);
     Attempt attempt;
@@ -101,7 +74,7 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
-    if (attempt.physical) add_first_order(scaled, directions, options, attempt.values);
+    if (attempt.physical) first_order.add_to(attempt.values, scaled.media);
     return attempt;
 }
 
@@ -157,11 +130,13 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const RequestedDirections requested = collect(judged.mu_in, judged.mu_out);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
     OrderList orders;  // of the solution before, with fewer nodes
-    Attempt attempt = solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
-                                          [&](const Discretisation& discretisation) {
-                                              return reflect_with(stack, judged, requested, options,
-                                                                  discretisation, orders);
-                                          });
+    FirstOrderSum first_order(judged, options);
+    Attempt attempt =
+        solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
+                            [&](const Discretisation& discretisation) {
+                                return reflect_with(stack, judged.azimuth_deg, requested, options,
+                                                    discretisation, orders, first_order);
+                            });
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {

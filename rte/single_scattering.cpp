@@ -26,19 +26,28 @@ double first_order_strength(const ScaledMedium& medium, bool exact, double cos_t
            math::legendre_series({scaled.chi.data(), std::size_t(scaled.chi.size())}, cos_theta);
 }
 
+void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, double mu_out,
+                         std::span<double> weights) {
+    const double q = 1.0 / mu_in + 1.0 / mu_out;
+    double above = 0.25 / (mu_in + mu_out);  // what is left on the way through the media above
+    for (std::size_t i = media.size(); i-- > 0;) {
+        const double slant = media[i].optical_depth * q;
+        weights[i] = above * -std::expm1(-slant);
+        above *= std::exp(-slant);
+    }
+}
+
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,
                          double mu_out, double cos_azimuth) {
     const double cos_theta = cos_scattering_angle(mu_in, mu_out, cos_azimuth);
-    const double q = 1.0 / mu_in + 1.0 / mu_out;
+    std::vector<double> weights(media.size());
+    first_order_weights(media, mu_in, mu_out, weights);
     double sum = 0.0;
-    double above = 1.0;  // what is left of the light on its way through the media above
-    for (auto medium = media.rbegin(); medium != media.rend() && above > 0.0; ++medium) {
-        const double strength = first_order_strength(*medium, exact, cos_theta);
-        const double slant = medium->optical_depth * q;
-        sum += above * strength * -std::expm1(-slant);
-        above *= std::exp(-slant);
+    for (std::size_t i = 0; i < media.size(); ++i) {
+        if (weights[i] == 0.0) continue;
+        sum += weights[i] * first_order_strength(media[i], exact, cos_theta);
     }
-    return sum / (4.0 * (mu_in + mu_out));
+    return sum;
 }
 
 }  // namespace miebrdf::rte

@@ -1,6 +1,7 @@
 // Light scattered exactly once: known in closed form for any phase function and any layers.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "rte/delta_m.h"
@@ -26,6 +27,11 @@ double exact_phase(const Optics& optics, double cos_theta);
 /// alpha P / (1 - alpha f) of one medium: what light that reaches it scatters once.
 /// @param exact  as below
 double first_order_strength(const ScaledMedium& medium, bool exact, double cos_theta);
+
+/// What the strength of each medium counts at a pair of cosines, whatever the azimuth.
+/// @param weights  one for each medium
+void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, double mu_out,
+                         std::span<double> weights);
 
 /// First order of a stack of media, listed from the bottom up (the lowest may be infinitely deep):
 /// sum of alpha P / (1 - alpha f) (1 - exp(-tau' q)) / (4 (mu_in + mu_out)) weakened by what lies
