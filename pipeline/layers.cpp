@@ -15,14 +15,16 @@
 namespace miebrdf {
 
 LayerQuantity albedo_quantity(const Scene& scene) {
-    return scene.surface && scene.coupling == rte::SurfaceCoupling::reciprocal
-               ? LayerQuantity::albedo_through_surface
-               : LayerQuantity::albedo;
+    return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;
 }
 
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
     const double k_floor = media.scene().particles.k_floor;
-    return quantity == LayerQuantity::albedo &&
+    // The reciprocal coupling weighs where light leaves: all of it may count more or less than 1.
+    const bool counts_all = quantity == LayerQuantity::albedo ||
+                            (quantity == LayerQuantity::albedo_through_surface &&
+                             media.scene().coupling == rte::SurfaceCoupling::paper);
+    return counts_all &&
            std::all_of(media.media().begin(), media.media().end(), [&](const ResolvedMedium& m) {
                return absorbs_nothing(m, wavelength_nm, k_floor);
            });
@@ -52,7 +54,7 @@ LayerSlice black(const Request& request, LayerQuantity quantity) {
     return slice;
 }
 
-/// Plane and spherical albedos, with light weighted by what the surface lets out if that is asked.
+/// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
                               const rte::SolverOptions& solver, const SceneMedia& media,
                               LayerQuantity quantity, double wavelength_nm) {
@@ -61,7 +63,7 @@ rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
     const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
     const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
     return rte::albedo(stack, mu_in, solver,
-                       [&transmission](double mu) { return transmission.out(mu); });
+                       [&transmission](double mu) { return transmission.weights(mu); });
 }
 
 /// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
