@@ -1,28 +1,32 @@
 #include "pipeline/layers.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "pipeline/distinct_directions.h"
+#include "pipeline/layer_jobs.h"
 #include "pipeline/packed_layers.h"
 #include "pipeline/parallel.h"
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
+#include "pipeline/shared_work.h"
+#include "pipeline/tolerance.h"
 #include "pipeline/visible_layers.h"
 #include "rte/layered_brdf.h"
 
 namespace miebrdf {
 
 LayerQuantity albedo_quantity(const Scene& scene) {
-    return scene.surface && scene.coupling == rte::SurfaceCoupling::reciprocal
-               ? LayerQuantity::albedo_through_surface
-               : LayerQuantity::albedo;
+    return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;
 }
 
 bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
     const double k_floor = media.scene().particles.k_floor;
-    return quantity == LayerQuantity::albedo &&
+    // The reciprocal coupling weighs where light leaves: all of it may count more or less than 1.
+    const bool counts_all = quantity == LayerQuantity::albedo ||
+                            (quantity == LayerQuantity::albedo_through_surface &&
+                             media.scene().coupling == rte::SurfaceCoupling::paper);
+    return counts_all &&
            std::all_of(media.media().begin(), media.media().end(), [&](const ResolvedMedium& m) {
                return absorbs_nothing(m, wavelength_nm, k_floor);
            });
@@ -52,7 +56,7 @@ LayerSlice black(const Request& request, LayerQuantity quantity) {
     return slice;
 }
 
-/// Plane and spherical albedos, with light weighted by what the surface lets out if that is asked.
+/// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
                               const rte::SolverOptions& solver, const SceneMedia& media,
                               LayerQuantity quantity, double wavelength_nm) {
@@ -61,7 +65,7 @@ rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
     const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
     const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
     return rte::albedo(stack, mu_in, solver,
-                       [&transmission](double mu) { return transmission.out(mu); });
+                       [&transmission](double mu) { return transmission.weights(mu); });
 }
 
 /// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
@@ -72,9 +76,11 @@ rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_
 }
 
 LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
-                 LayerQuantity quantity, double wavelength_nm) {
-    const rte::SolverOptions solver =
-        with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
+                 LayerQuantity quantity, double wavelength_nm,
+                 rte::SolvedHalfSpaces* half_spaces) {
+    rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
+    solver.half_space_tolerance = kToleranceShares.iteration * request.solver.tolerance;
+    solver.half_spaces = half_spaces;
     const rte::Stack stack = with_black_ground(optics.stack);
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
         return black(request, quantity);
@@ -98,27 +104,6 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
     return slice;
 }
 
-/// Jobs that differ, and which of them serves each wavelength.
-struct LayerJobs {
-    std::vector<std::string> hashes;
-    std::vector<double> wavelength_nm;
-    std::vector<std::size_t> serving;  ///< [wavelength]
-};
-
-LayerJobs list_jobs(const Request& request, const SceneMedia& media, LayerQuantity quantity) {
-    LayerJobs jobs;
-    std::map<std::string, std::size_t> known;
-    for (const double wavelength_nm : request.wavelength_nm) {
-        const std::string hash = layer_hash(request, media, quantity, wavelength_nm);
-        const auto [found, is_new] = known.try_emplace(hash, jobs.hashes.size());
-        jobs.serving.push_back(found->second);
-        if (!is_new) continue;
-        jobs.hashes.push_back(hash);
-        jobs.wavelength_nm.push_back(wavelength_nm);
-    }
-    return jobs;
-}
-
 /// A slice at the distinct directions as one at all those that were asked for.
 LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
                   LayerQuantity quantity) {
@@ -140,33 +125,35 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
     const DistinctDirections distinct(request.directions);
     Request reduced = request;
     reduced.directions = distinct.directions();
-    const LayerJobs jobs = list_jobs(reduced, media, quantity);
-    std::vector<LayerSlice> solved(jobs.hashes.size());
+    const LayerJobs list = list_layer_jobs(reduced, media, quantity);
+    const std::vector<LayerJob>& jobs = list.jobs;
+    std::vector<LayerSlice> solved(jobs.size());
     std::vector<std::size_t> missing;
     std::vector<double> missing_nm;
     for (std::size_t j = 0; j < solved.size(); ++j) {
         std::optional<std::vector<double>> known;
-        if (has_closed_form(media, quantity, jobs.wavelength_nm[j])) {
+        if (jobs[j].closed_form) {
             solved[j] = lossless(reduced.directions.mu_in.size());
-        } else if (control.cache != nullptr && (known = control.cache->find(jobs.hashes[j]))) {
+        } else if (control.cache != nullptr && (known = control.cache->find(jobs[j].hash))) {
             solved[j] = unpacked_layers(*known);
         } else {
             missing.push_back(j);
-            missing_nm.push_back(jobs.wavelength_nm[j]);
+            missing_nm.push_back(jobs[j].wavelength_nm);
         }
     }
-    const PhaseDemand phase =
-        quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
-    const auto optics =
-        visible_optics(media, reduced, missing_nm, demand_of(reduced, phase), control);
+    const auto optics = visible_optics(media, reduced, missing_nm,
+                                       demand_of(reduced, phase_demand(quantity)), control);
+    SharedWork own;  // wavelengths may lie on the same half-space, too
+    if (control.shared == nullptr) own.expect(reduced, media, quantity, list);
+    SharedWork* shared = control.shared != nullptr ? control.shared : &own;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t j = missing[i];
-        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i]);
-        if (control.cache != nullptr) control.cache->store(jobs.hashes[j], packed(solved[j]));
+        const SharedBase base(shared, jobs[j].base_hash);
+        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i], base.get());
+        if (control.cache != nullptr) control.cache->store(jobs[j].hash, packed(solved[j]));
     });
     std::vector<LayerSlice> slices;
-    for (const std::size_t j : jobs.serving)
-        slices.push_back(spread(solved[j], distinct, quantity));
+    for (const std::size_t j : list.serving) slices.push_back(spread(solved[j], distinct, quantity));
     return slices;
 }
 

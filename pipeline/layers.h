@@ -14,12 +14,12 @@ namespace miebrdf {
 enum class LayerQuantity {
     reflection,  ///< R at all combinations of the request's directions
     albedo,      ///< plane albedo at the request's mu_in, then the spherical albedo
-    /// The same of what the reciprocal coupling lets out again through the request's surface: the
-    /// light into mu_out counts (1 - rho(mu_out)) / T (rte/layered_brdf.h).
+    /// The same of the light that the request's surface lets in, and of what it lets out again
+    /// (rte::SurfaceTransmission).
     albedo_through_surface,
 };
 
-/// What an albedo request needs of the layers: with a reciprocal surface what that lets out.
+/// What an albedo request needs of the layers.
 LayerQuantity albedo_quantity(const Scene& scene);
 
 struct LayerSlice {

@@ -17,9 +17,11 @@ bool Plan::leaves_out(const std::string& rule) const {
                        [&](const Omission& omission) { return omission.rule == rule; });
 }
 
-Plan make_plan(const Request& request, LayerQuantity quantity, ResultCache* cache) {
+Plan make_plan(const Request& request, LayerQuantity quantity, ResultCache* cache,
+               EarlierWork* earlier) {
     validate(request);
-    return Planner(request, quantity, cache).plan();
+    EarlierWork none;
+    return Planner(request, quantity, cache, earlier != nullptr ? *earlier : none).plan();
 }
 
 }  // namespace miebrdf

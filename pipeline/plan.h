@@ -2,6 +2,7 @@
 // and distinct_directions.h, put to the request before anything is computed.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,17 @@ struct Plan {
     bool leaves_out(const std::string& rule) const;
 };
 
+/// What the results of one run have done before the next one is planned (shared_work.h).
+struct EarlierWork {
+    std::set<std::string> optics;  ///< optics_hash of Mie jobs
+    std::set<std::string> bases;   ///< base_hash of half-spaces
+};
+
 /// @param quantity  reflection: what compute_brdf does; albedo: what compute_albedo does
 /// @param cache  where finished jobs are looked up; may be null
+/// @param earlier  of the same run; this request's own work is added. Null: it is the only one
 /// @throws UsageError, InputError  as the computation would
-Plan make_plan(const Request& request, LayerQuantity quantity, ResultCache* cache = nullptr);
+Plan make_plan(const Request& request, LayerQuantity quantity, ResultCache* cache = nullptr,
+               EarlierWork* earlier = nullptr);
 
 }  // namespace miebrdf

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <set>
-#include <tuple>
 
 #include "pipeline/cost_model.h"
 #include "pipeline/planner.h"
@@ -13,13 +12,11 @@ void Planner::single_scattering() {
     if (jobs_nm_.empty()) return;
     std::vector<Medium> layers{visible_.base};
     for (const CoatMedium& coat : visible_.coats) layers.push_back(coat.medium);
-    std::map<std::tuple<double, double, double>, std::string> done;
     std::set<std::string> given;
     std::map<std::string, std::size_t> count;
     double repeated_s = 0.0;
     std::size_t repeated = 0;
-    const double tolerance = demand_of(request_, PhaseDemand::moments_only).tolerance;
-    const double k_floor = request_.scene.particles.k_floor;
+    const OpticsDemand demand = demand_of(reduced_, phase_demand(quantity_));
     MediumResolver resolver(request_.database);
     for (const Medium& layer : layers) {
         const ResolvedMedium medium = resolver.resolve(layer);
@@ -28,9 +25,9 @@ void Planner::single_scattering() {
             continue;
         }
         for (const double wavelength_nm : jobs_nm_) {
-            const auto index = *medium.index_at(wavelength_nm, k_floor);
-            const std::tuple key{index.real(), index.imag(), wavelength_nm};
-            if (done.try_emplace(key, describe(layer)).second) {
+            const std::string hash =
+                optics_hash(medium, wavelength_nm, request_.scene.particles, demand);
+            if (earlier_.optics.insert(hash).second) {
                 ++count[describe(layer)];
             } else {
                 ++repeated;
@@ -40,7 +37,7 @@ void Planner::single_scattering() {
     }
     for (const auto& [name, jobs] : count) {
         plan_.steps.push_back({"single scattering",
-                               fmt::format("Mie theory for {}, tolerance {:g}{}", name, tolerance,
+                               fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand.tolerance,
                                            whole_phase_ ? ", every angle" : ", moments only"),
                                jobs, mie_cost(parse_medium(name))});
     }
@@ -50,7 +47,8 @@ void Planner::single_scattering() {
     }
     if (repeated > 0) {
         leave_out("same spheres",
-                  fmt::format("{} Mie runs have index, wavelength and sizes of others", repeated),
+                  fmt::format("{} Mie run(s) have index, wavelength and sizes of others before them",
+                              repeated),
                   repeated_s);
     }
     if (!whole_phase_) leave_out_phase_functions(count.size());

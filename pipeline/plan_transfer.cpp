@@ -34,11 +34,14 @@ double Planner::transfer_cost(int orders, std::size_t layers) const {
 
 void Planner::radiative_transfer() {
     if (!needs_layers_ || jobs_nm_.empty()) return;
+    const std::size_t shared = shared_bases();
+    const double shared_s =
+        static_cast<double>(shared) * orders() * order_seconds(streams_, 1, cosines());
     plan_.steps.push_back(
         {"radiative transfer",
          fmt::format("{} order(s) of a half-space and {} coat(s), about {} streams, {} cosines",
                      orders(), visible_.coats.size(), streams_, cosines()),
-         jobs_nm_.size(), jobs() * transfer_cost(orders(), layers())});
+         jobs_nm_.size(), jobs() * transfer_cost(orders(), layers()) - shared_s});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
                                "plane albedo at every mu_in, from order 0 of the same solution",
@@ -58,6 +61,21 @@ void Planner::radiative_transfer() {
                       value_seconds(orders()));
     }
     leave_out_layers();
+    if (shared > 0) {
+        leave_out("one half-space",
+                  fmt::format("{} of {} wavelengths lie on a half-space that another one or an "
+                              "earlier result solves: shared where both take as many streams",
+                              shared, jobs_nm_.size()),
+                  shared_s);
+    }
+}
+
+std::size_t Planner::shared_bases() {
+    // Under a coat that hides it the base is never solved.
+    if (visible_.coats.size() < reduced_.scene.coats.size()) return 0;
+    std::size_t shared = 0;
+    for (const LayerJob& job : jobs_) shared += earlier_.bases.insert(job.base_hash).second ? 0 : 1;
+    return shared;
 }
 
 void Planner::leave_out_orders() {

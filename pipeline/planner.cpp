@@ -7,24 +7,24 @@
 #include <set>
 
 #include "pipeline/cost_model.h"
-#include "pipeline/packed_layers.h"
 #include "pipeline/rules.h"
 #include "pipeline/tolerance.h"
 #include "pipeline/visible_layers.h"
 
 namespace miebrdf {
 
-Planner::Planner(const Request& request, LayerQuantity quantity, ResultCache* cache)
+Planner::Planner(const Request& request, LayerQuantity quantity, ResultCache* cache,
+                 EarlierWork& earlier)
     : request_(request),
       quantity_(quantity),
       cache_(cache),
+      earlier_(earlier),
       media_(request),
       distinct_(request.directions),
       reduced_(request) {
     reduced_.directions = distinct_.directions();
     reduced_.scene = media_.scene();
-    whole_phase_ = demand_of(request, is_albedo() ? PhaseDemand::moments_only : PhaseDemand::whole)
-                       .whole_phase_function;
+    whole_phase_ = demand_of(reduced_, phase_demand(quantity)).whole_phase_function;
     streams_ = expected_streams(reduced_);
     needs_layers_ = is_albedo() || wants_layers(request.parts);
 }
@@ -74,19 +74,18 @@ void Planner::leave_out(const std::string& rule, const std::string& reason, doub
 }
 
 void Planner::list_jobs() {
-    std::set<std::string> known;
-    std::size_t repeated = 0, closed = 0, cached = 0;
-    for (const double wavelength_nm : request_.wavelength_nm) {
-        if (!needs_layers_) continue;
-        const std::string hash = layer_hash(reduced_, media_, quantity_, wavelength_nm);
-        if (!known.insert(hash).second) {
-            ++repeated;
-        } else if (has_closed_form(media_, quantity_, wavelength_nm)) {
+    const LayerJobs list =
+        needs_layers_ ? list_layer_jobs(reduced_, media_, quantity_) : LayerJobs{};
+    const std::size_t repeated = list.serving.size() - list.jobs.size();
+    std::size_t closed = 0, cached = 0;
+    for (const LayerJob& job : list.jobs) {
+        if (job.closed_form) {
             ++closed;
-        } else if (cache_ != nullptr && cache_->find(hash)) {
+        } else if (cache_ != nullptr && cache_->find(job.hash)) {
             ++cached;
         } else {
-            jobs_nm_.push_back(wavelength_nm);
+            jobs_.push_back(job);
+            jobs_nm_.push_back(job.wavelength_nm);
         }
     }
     visible_ = reduced_.scene;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/distinct_directions.h"
+#include "pipeline/layer_jobs.h"
 #include "pipeline/plan.h"
 #include "pipeline/scene_optics.h"
 
@@ -12,7 +13,8 @@ namespace miebrdf {
 
 class Planner {
   public:
-    Planner(const Request& request, LayerQuantity quantity, ResultCache* cache);
+    Planner(const Request& request, LayerQuantity quantity, ResultCache* cache,
+            EarlierWork& earlier);
     Plan plan();
 
   private:
@@ -28,6 +30,8 @@ class Planner {
     void radiative_transfer();  ///< plan_transfer.cpp
     void leave_out_orders();
     void leave_out_layers();
+    /// Jobs whose half-space another wavelength or an earlier result has solved, each counted once.
+    std::size_t shared_bases();
     void surface();
 
     bool is_albedo() const { return quantity_ != LayerQuantity::reflection; }
@@ -49,6 +53,7 @@ class Planner {
     const Request& request_;
     LayerQuantity quantity_;
     ResultCache* cache_;
+    EarlierWork& earlier_;
     SceneMedia media_;
     DistinctDirections distinct_;
     Request reduced_;  ///< without repeated directions and coats of no depth
@@ -56,6 +61,7 @@ class Planner {
     bool needs_layers_ = true;
     int streams_ = 0;
     Scene visible_;
+    std::vector<LayerJob> jobs_;  ///< that need work
     std::vector<double> jobs_nm_;
     Plan plan_;
 };

@@ -16,6 +16,7 @@ class Cancelled : public std::runtime_error {
 };
 
 class ResultCache;
+class SharedWork;
 
 struct RunControl {
     int threads = 0;  ///< most threads to use; 0: one for each processor
@@ -25,6 +26,8 @@ struct RunControl {
     const std::atomic<bool>* cancelled = nullptr;
     /// Where results are looked up and remembered; none: everything is computed.
     ResultCache* cache = nullptr;
+    /// What the requests of one run have in common (shared_work.h); none: each is on its own.
+    SharedWork* shared = nullptr;
 };
 
 }  // namespace miebrdf

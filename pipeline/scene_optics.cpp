@@ -11,6 +11,7 @@
 #include "pipeline/parallel.h"
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
+#include "pipeline/shared_work.h"
 #include "pipeline/tolerance.h"
 
 namespace miebrdf {
@@ -63,8 +64,27 @@ JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
     return list;
 }
 
-/// Everything that the optics of one medium at one wavelength depend on: scenes that share the
-/// medium share the entry.
+/// Optics from where they are known: from an earlier result of the run, or from the cache.
+template <typename Compute>
+MediumOptics remembered(const RunControl& control, const std::string& hash,
+                        const Compute& compute) {
+    if (control.shared != nullptr) {
+        if (const auto known = control.shared->optics(hash)) return *known;
+    }
+    MediumOptics optics;
+    const auto numbers = control.cache != nullptr ? control.cache->find(hash) : std::nullopt;
+    if (numbers) {
+        optics = unpacked_optics(*numbers);
+    } else {
+        optics = compute();
+        if (control.cache != nullptr) control.cache->store(hash, packed(optics));
+    }
+    if (control.shared != nullptr) control.shared->keep(hash, optics);
+    return optics;
+}
+
+}  // namespace
+
 std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
                         const ParticleOptions& particles, const OpticsDemand& demand) {
     JobKey key("single scattering");
@@ -73,16 +93,6 @@ std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
     key.add(std::span<const double>(demand.angles_deg)).add(demand.tolerance);
     return key.hash();
 }
-
-template <typename Compute>
-MediumOptics remembered(ResultCache& cache, const std::string& hash, const Compute& compute) {
-    if (const auto numbers = cache.find(hash)) return unpacked_optics(*numbers);
-    MediumOptics optics = compute();
-    cache.store(hash, packed(optics));
-    return optics;
-}
-
-}  // namespace
 
 OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     const double wanted = request.scene.particles.tolerance;
@@ -162,9 +172,8 @@ std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelengt
         const auto compute = [&] {
             return medium_optics(medium, job.wavelength_nm, scene_.particles, demand, pieces);
         };
-        const bool worth_remembering = control.cache != nullptr && needs_mie(medium.medium);
-        done[j] = worth_remembering
-                      ? remembered(*control.cache,
+        done[j] = needs_mie(medium.medium)
+                      ? remembered(control,
                                    optics_hash(medium, job.wavelength_nm, scene_.particles, demand),
                                    compute)
                       : compute();

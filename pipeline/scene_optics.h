@@ -25,6 +25,11 @@ enum class PhaseDemand { moments_only, whole };
 /// What a request needs of the optics of its media.
 OpticsDemand demand_of(const Request& request, PhaseDemand phase);
 
+/// Everything that the optics of one medium at one wavelength depend on: scenes that share the
+/// medium share the entry.
+std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
+                        const ParticleOptions& particles, const OpticsDemand& demand);
+
 /// The media of a scene with their names looked up.
 class SceneMedia {
   public:

@@ -10,7 +10,7 @@ namespace miebrdf {
 struct ToleranceShares {
     double mie = 0.2;  ///< of the size average, unless --mie-tolerance says otherwise
     double orders = rte::share_of_orders;  ///< azimuthal orders left out
-    double iteration = 0.01;     ///< of an iterative half-space (rte/fourier_reflection.cpp)
+    double iteration = 0.01;     ///< of an iterative half-space, so that coats of one base share it
     double hidden_layers = 0.1;  ///< what lies below a coat that hides it (visible_layers.h)
 };
 

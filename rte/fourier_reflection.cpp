@@ -8,10 +8,13 @@
 #include "rte/half_space.h"
 #include "rte/layer.h"
 #include "rte/order_tail.h"
+#include "rte/solved_half_spaces.h"
 
 namespace miebrdf::rte {
 namespace {
 
+// Of the tolerance, what an iterated half-space may leave.
+constexpr double share_of_half_space = 0.01;
 // Orders of a coarser solution are taken over once they agree to this share of the tolerance.
 constexpr double share_of_coarser_orders = 0.01;
 // Orders of larger tables are not kept: 30 of them would take 10 MB.
@@ -36,8 +39,15 @@ Reflector solve_base(const ScaledStack& stack, const PhaseMode& mode, const Zeni
         case BaseKind::half_space:
             break;
     }
-    return solve_half_space(options.half_space_method, scattering_mode(stack.media.front(), mode),
-                            mode, grid, requested, 0.01 * options.tolerance);
+    const ScatteringMode medium = scattering_mode(stack.media.front(), mode);
+    const double tolerance = options.half_space_tolerance > 0.0
+                                 ? options.half_space_tolerance
+                                 : share_of_half_space * options.tolerance;
+    if (options.half_spaces != nullptr) {
+        return options.half_spaces->solve(
+            {options.half_space_method, medium, mode, grid, requested, tolerance});
+    }
+    return solve_half_space(options.half_space_method, medium, mode, grid, requested, tolerance);
 }
 
 Reflector solve_stack(const ScaledStack& stack, const PhaseMode& mode, const ZenithGrid& grid,

@@ -20,6 +20,11 @@ double SurfaceTransmission::out(double mu) const {
     return coupling_ == SurfaceCoupling::paper ? 1.0 : in(mu) / mean_transmittance_;
 }
 
+BoundaryWeights SurfaceTransmission::weights(double mu) const {
+    const double let_in = in(mu);
+    return {let_in, coupling_ == SurfaceCoupling::paper ? 1.0 : let_in / mean_transmittance_};
+}
+
 double complete_brdf(const SurfaceLobe& lobe, const SurfaceTransmission& transmission, double mu_in,
                      double mu_out, double azimuth_deg, double reflection) {
     return lobe.brdf(mu_in, mu_out, azimuth_deg) +

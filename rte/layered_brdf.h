@@ -1,6 +1,7 @@
 // The complete BRDF: surface lobe plus what it lets through of the layers below.
 #pragma once
 
+#include "rte/boundary.h"
 #include "rte/surface_lobe.h"
 
 namespace miebrdf::rte {
@@ -21,6 +22,7 @@ class SurfaceTransmission {
     /// @param mu  in (0, 1]
     double in(double mu) const;
     double out(double mu) const;
+    BoundaryWeights weights(double mu) const;  ///< both, from one rho
 
   private:
     SurfaceLobe lobe_;

@@ -80,7 +80,7 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
-                    const std::function<double(double mu_out)>& outgoing_weight) {
+                    const Boundary& boundary) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     const Reflector reflector = zeroth_order(scaled, grid, requested, options);
@@ -89,11 +89,18 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     if (!attempt.physical) return attempt;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
-    Eigen::VectorXd counted = D;
-    if (outgoing_weight) counted.array() *= grid.mu.array().unaryExpr(outgoing_weight);
-    const Eigen::VectorXd plane = reflector.rows * counted;
+    Eigen::VectorXd let_in = D;
+    Eigen::VectorXd let_out = D;
+    for (Eigen::Index q = 0; boundary && q < grid.size(); ++q) {
+        const BoundaryWeights weights = boundary(grid.mu[q]);
+        let_in[q] *= weights.in;
+        let_out[q] *= weights.out;
+    }
+    const Eigen::VectorXd plane = reflector.rows * let_out;
     for (const int i : requested.in) attempt.values.push_back(plane[i]);
-    attempt.values.push_back(counted.dot(reflector.nodes * D) / D.squaredNorm());
+    const double entering = let_in.dot(D);  // 0: the boundary is a mirror
+    attempt.values.push_back(
+        entering > 0.0 ? let_in.dot(reflector.nodes * let_out) / entering : 0.0);
     attempt.report.azimuthal_orders = 1;
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
@@ -148,15 +155,14 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options,
-                   const std::function<double(double mu_out)>& outgoing_weight) {
+                   const SolverOptions& options, const Boundary& boundary) {
     validate(stack);
     require_options(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation, outgoing_weight);
+            return albedo_with(stack, requested, options, discretisation, boundary);
         });
     const double spherical_albedo = attempt.values.back();
     attempt.values.pop_back();

@@ -2,9 +2,9 @@
 // functions. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
-#include <functional>
 #include <vector>
 
+#include "rte/boundary.h"
 #include "rte/solver_options.h"
 #include "rte/stack.h"
 
@@ -28,7 +28,7 @@ struct ReflectionTable {
 
 struct AlbedoTable {
     std::vector<double> plane_albedo;  ///< one for each mu_in
-    double spherical_albedo = 0.0;
+    double spherical_albedo = 0.0;     ///< of uniform light from everywhere
     SolverReport report;
 };
 
@@ -39,10 +39,11 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {});
 
 /// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
-/// @param outgoing_weight  what light into mu_out in (0, 1] counts; empty: 1. A boundary above the
-///                         layers that lets through what is smooth in mu_out has such a weight.
+/// @param boundary  above the layers; both albedos are of the light that it lets in, and count what
+///                  it lets out:
+///                      A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
+///                      spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options = {},
-                   const std::function<double(double mu_out)>& outgoing_weight = {});
+                   const SolverOptions& options = {}, const Boundary& boundary = {});
 
 }  // namespace miebrdf::rte

@@ -6,6 +6,8 @@
 
 namespace miebrdf::rte {
 
+class SolvedHalfSpaces;
+
 enum class GridKind { automatic, gauss, mapped_gauss, paper };
 enum class HalfSpaceMethod { automatic, fixed_point, doubling };
 enum class CoatMethod { automatic, first_order, first_order_patched, exponential };
@@ -19,6 +21,12 @@ struct SolverOptions {
     int coat_substeps = 1;  ///< for the stepwise coat methods
     bool delta_m = true;
     bool single_scattering_correction = true;
+    /// Of half-spaces that are iterated; 0: a hundredth of `tolerance`. Stacks that are to share a
+    /// half-space need the same, whatever else their tolerances are.
+    double half_space_tolerance = 0.0;
+    /// Where stacks share half-spaces (solved_half_spaces.h); null: each solves its own. The result
+    /// is the same to the last bit.
+    SolvedHalfSpaces* half_spaces = nullptr;
 };
 
 /// How a result came about; numbers to read, not exceptions.

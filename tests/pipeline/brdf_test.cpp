@@ -241,6 +241,49 @@ TEST_CASE("with the reciprocal coupling albedo is the integral of the BRDF", "[p
     CHECK(albedo.spherical_albedo > albedo.plane_albedo[1]);
 }
 
+TEST_CASE("large spheres under a surface: albedos meet the tolerance at the incidences asked for",
+          "[pipeline][albedo]") {
+    // They once were judged at grazing nodes that only the mean over incidences used.
+    Request request = request_of("index:2.6,1e-4");
+    request.scene.surface = rte::SurfaceOptions{};
+    request.scene.coupling =
+        GENERATE(rte::SurfaceCoupling::paper, rte::SurfaceCoupling::reciprocal);
+    request.directions.mu_in = {0.1, 0.5, 1};
+    const AlbedoSlice albedo = compute_albedo(request).slices[0];
+    CAPTURE(albedo.error_estimate);
+    CHECK(albedo.converged);
+    request.solver.streams = 96;
+    const AlbedoSlice finer = compute_albedo(request).slices[0];
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(std::abs(albedo.plane_albedo[i] / finer.plane_albedo[i] - 1) <= 1e-3);
+    }
+    CHECK(std::abs(albedo.spherical_albedo / finer.spherical_albedo - 1) <= 1e-3);
+}
+
+TEST_CASE("the reciprocal coupling gains or loses no more than the surface's transmittance varies",
+          "[pipeline][albedo]") {
+    // docs/maths-surface.md: for layers that absorb nothing the spherical albedo is
+    // 1 + <v, R v> / T, v = 1 - rho - T, and no eigenvalue of R is beyond -1 and 1.
+    Request request = request_of("index:1.5,0");
+    request.scene.surface = rte::SurfaceOptions{};
+    request.scene.particles.sizes.effective_radius_um = 5;
+    request.scene.coupling = rte::SurfaceCoupling::reciprocal;
+    const AlbedoSlice albedo = compute_albedo(request).slices[0];
+    const rte::SurfaceLobe lobe({1.5, 0}, *request.scene.surface);
+    const math::Quadrature rule = math::gauss_legendre(32, 0.0, 1.0);
+    double mean = 0, square = 0;
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        const double weight = 2 * rule.weights[i] * rule.nodes[i];
+        const double let_in = 1 - lobe.directional_reflectance(rule.nodes[i]);
+        mean += weight * let_in;
+        square += weight * let_in * let_in;
+    }
+    CAPTURE(albedo.spherical_albedo, (square - mean * mean) / mean);
+    // 1e-5: the mean transmittance of the coupling.
+    CHECK(std::abs(albedo.spherical_albedo - 1) <= (square - mean * mean) / mean + 1e-5);
+    REQUIRE(albedo.converged);
+}
+
 TEST_CASE("spherical albedo is the mean of plane albedo also where it is given at once",
           "[pipeline][albedo]") {
     Request request = request_of("hg:0.95,0.7");

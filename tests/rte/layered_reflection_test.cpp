@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "rte/math/quadrature.h"
 #include "rte/zenith_grid.h"
 #include "tests/rte/reference_cases.h"
 #include "tests/support/catch.h"
@@ -131,4 +132,44 @@ TEST_CASE("a reflection comes with the plane albedos of its own solution", "[rte
         // Order 0 of the same equations: rounding only.
         CHECK(std::abs(table.plane_albedo[i] - alone.plane_albedo[i]) <= 1e-13);
     }
+}
+
+TEST_CASE("albedos through a boundary count what it lets in and out", "[rte][albedo]") {
+    rte::Stack stack;
+    stack.base = rte::henyey_greenstein_optics(0.95, 0.6);
+    const auto boundary = [](double mu) {
+        return rte::BoundaryWeights{.in = 0.3 + 0.6 * mu, .out = 1.2 - 0.5 * mu * mu};
+    };
+    const rte::SolverOptions options{.tolerance = 1e-8, .streams = 32};
+    const auto rule = math::gauss_legendre(64, 0.0, 1.0);
+    const auto through = rte::albedo(stack, rule.nodes, options, boundary);
+    double entering = 0, returned = 0;
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        const double weight = rule.weights[i] * rule.nodes[i] * boundary(rule.nodes[i]).in;
+        entering += weight;
+        returned += weight * through.plane_albedo[i];
+    }
+    // mu ln mu at grazing, 64 Gauss nodes: 1e-6.
+    CHECK(std::abs(through.spherical_albedo - returned / entering) <= 1e-6);
+
+    // One incidence from the reflection itself, averaged over azimuths.
+    rte::Directions around{{0.35}, rule.nodes, {}};
+    constexpr int azimuths = 48;  // 0.6^48 = 2e-11 of the orders alias
+    for (int a = 0; a < azimuths; ++a) around.azimuth_deg.push_back(7.5 * a);
+    const auto values = rte::reflect(stack, around, options).reflection;
+    double counted = 0;
+    for (std::size_t o = 0; o < rule.nodes.size(); ++o) {
+        double mean = 0;
+        for (int a = 0; a < azimuths; ++a) mean += values[o * azimuths + std::size_t(a)] / azimuths;
+        counted += 2 * rule.weights[o] * rule.nodes[o] * boundary(rule.nodes[o]).out * mean;
+    }
+    const auto at_one = rte::albedo(stack, {0.35}, options, boundary);
+    CHECK(std::abs(at_one.plane_albedo[0] - counted) <= 1e-6);
+}
+
+TEST_CASE("a boundary that lets nothing in gives albedo 0, not 0 / 0", "[rte][albedo]") {
+    rte::Stack stack;
+    stack.base = rte::isotropic_optics(0.9);
+    const auto mirror = [](double) { return rte::BoundaryWeights{.in = 0, .out = 0}; };
+    CHECK(rte::albedo(stack, {0.5}, {}, mirror).spherical_albedo == 0.0);
 }

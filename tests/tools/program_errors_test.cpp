@@ -158,3 +158,29 @@ TEST_CASE("a scene file's mistakes are named with line and column", "[program][e
         }
     }
 }
+
+TEST_CASE("run finds a mistake in a later result before it computes the first",
+          "[program][errors][scene]") {
+    const support::TemporaryFolder folder;
+    const std::string first = "mu-in = 1\n[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\noutput = \"" +
+                              (folder / "first.csv") + "\"\n[[result]]\ncommand = \"albedo\"\n";
+    struct Case {
+        const char* second;
+        int exit_code;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"base = \"TiO22\"\n", kBadInput, {"result 2 (albedo)", "TiO22"}},
+        {"base = \"TiO2\"\nwavelengths = 50\n", kBadInput, {"result 2 (albedo)", "50"}},
+        {"base = \"hg:2,0.5\"\n", kUsage, {"result 2 (albedo)", "2"}},
+        {"", kUsage, {"result 2 (albedo)", "--base"}},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.second);
+        const std::string file = folder.write("scene.toml", first + c.second);
+        check_one_line(support::run_program("run " + file), c.exit_code, c.words);
+        CHECK_FALSE(std::filesystem::exists(folder / "first.csv"));
+    }
+    const std::string good = folder.write("scene.toml", first + "base = \"hg:0.9,0.5\"\n");
+    check_one_line(support::run_program("run " + good + " -o x.csv"), kUsage, {"output"});
+}

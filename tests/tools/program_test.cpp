@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
@@ -166,4 +167,49 @@ TEST_CASE("results are the same bits for any number of threads", "[program]") {
     const std::string one = body("1");
     CHECK(body("2") == one);
     CHECK(body("7") == one);
+}
+
+TEST_CASE("a scene file gives the bits of its commands run one by one, whatever they share",
+          "[program][scene]") {
+    const support::TemporaryFolder folder;
+    const std::string directions = " --wavelengths 450,550 --mu-in 0.4 --mu-out 0.3,0.9 --azimuth 0,60";
+    const std::string spheres = " --base index:1.5,0.01 --effective-radius 2 --roughness 0.3 --no-cache";
+    const std::vector<std::string> coats = {"hg:0.8,0.5@0.2", "hg:0.8,0.5@1"};
+    std::string text =
+        "base = \"index:1.5,0.01\"\neffective-radius = 2\nroughness = 0.3\n"
+        "surface-index = [1.5, 0.0]\nthreads = 5\n"
+        "wavelengths = [450, 550]\nmu-in = 0.4\nmu-out = [0.3, 0.9]\nazimuth = [0, 60]\n";
+    for (const std::string& coat : coats) {
+        text += "[[result]]\ncommand = \"brdf\"\ncoat = \"" + coat + "\"\n";
+    }
+    const std::string file = folder.write("scene.toml", text);
+    const auto values_of = [](const std::string& csv) {
+        std::string values;
+        std::istringstream lines(csv);
+        for (std::string line; std::getline(lines, line);) {
+            if (!line.empty() && line[0] != '#') values += line + "\n";
+        }
+        return values;
+    };
+    std::string one_by_one;
+    for (const std::string& coat : coats) {
+        const auto run = support::run_program("brdf" + spheres + directions +
+                                              " --surface-index 1.5,0 --coat " + coat);
+        REQUIRE(run.exit_code == 0);
+        one_by_one += values_of(run.out);
+    }
+    for (const char* threads : {"1", "2", "7"}) {
+        const auto run =
+            support::run_program("run " + file + " --no-cache --threads " + std::string(threads));
+        CAPTURE(run.err);
+        CHECK(run.exit_code == 0);
+        CHECK(values_of(run.out) == one_by_one);
+    }
+    const auto plan = csv_of("plan " + file + " --no-cache");
+    std::map<std::string, std::string> omitted;  // rule: result that obeys it last
+    for (std::size_t row = 0; row < plan.size(); ++row) {
+        if (plan.text(row, "action") == "leave out") omitted[plan.text(row, "name")] = plan.text(row, "result");
+    }
+    CHECK(omitted["one half-space"] == "2 brdf");
+    CHECK(omitted["same spheres"] == "2 brdf");
 }

@@ -11,6 +11,7 @@
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
 #include "pipeline/scene_optics.h"
+#include "pipeline/shared_work.h"
 #include "rte/math/quadrature.h"
 #include "tools/bench/suites.h"
 
@@ -188,6 +189,33 @@ BenchCase same_spheres() {
         [other] { return total(other); }, [request] { return total(request); });
 }
 
+/// Three paints on one base, as results of one run or each on its own.
+BenchCase one_half_space() {
+    std::vector<Request> paints(3, matrix_request());
+    paints[1].scene.coats = {parse_coat("hg:0.8,0.5@2")};
+    paints[2].scene.coats = {parse_coat("hg:0.5,0.3@0.2")};
+    const auto all = [paints](SharedWork* shared) {
+        RunControl control{.threads = 1};
+        control.shared = shared;
+        Values values;
+        for (const Request& paint : paints) {
+            if (shared != nullptr) shared->expect(paint, LayerQuantity::reflection);
+        }
+        for (const Request& paint : paints) {
+            const Values one = compute_brdf(paint, control).slices.at(0).total;
+            values.insert(values.end(), one.begin(), one.end());
+        }
+        return values;
+    };
+    return rule_case(
+        "one half-space", "The matrix of three paints on one base, apart and in one run.",
+        [all] { return all(nullptr); },
+        [all] {
+            SharedWork shared;
+            return all(&shared);
+        });
+}
+
 BenchCase same_wavelength() {
     Request request = matrix_request();
     request.wavelength_nm = {450, 550, 650, 750};
@@ -291,6 +319,7 @@ std::vector<BenchCase> rules_suite() {
             nothing_absorbs(),
             few_orders(),
             same_spheres(),
+            one_half_space(),
             same_wavelength(),
             parts("surface alone", {.subsurface = false, .surface = true, .total = false}),
             parts("no surface", {.subsurface = true, .surface = false, .total = false}),

@@ -64,6 +64,7 @@ RunControl Shell::control() const {
     RunControl control;
     control.threads = common_.threads;
     control.cancelled = &watch_for_interrupts();
+    control.shared = shared_;
     if (!common_.no_cache) {
         if (!cache_) cache_ = std::make_unique<ResultCache>(ResultCache::default_file());
         control.cache = cache_.get();

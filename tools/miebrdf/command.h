@@ -29,7 +29,9 @@ struct CommonOptions {
 class Shell {
   public:
     /// @param command_line  as typed, for the header of every file written
-    explicit Shell(std::string command_line) : command_line_(std::move(command_line)) {}
+    /// @param shared  what the results of a scene file have in common; may be null
+    explicit Shell(std::string command_line, SharedWork* shared = nullptr)
+        : command_line_(std::move(command_line)), shared_(shared) {}
 
     /// Adds -o, --json, --threads, --quiet and --version to a command.
     void add_common_options(CLI::App& command);
@@ -59,6 +61,7 @@ class Shell {
 
   private:
     std::string command_line_;
+    SharedWork* shared_;
     CommonOptions common_;
     mutable std::unique_ptr<ResultCache> cache_;  ///< opened when first wanted
     std::function<int()> action_;

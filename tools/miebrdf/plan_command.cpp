@@ -6,6 +6,7 @@
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/run_command.h"
+#include "tools/miebrdf/scene_requests.h"
 
 namespace miebrdf::program {
 namespace {
@@ -36,37 +37,16 @@ Table empty_table() {
 /// The cache as it is; nothing is stored.
 ResultCache* cache_of(const Shell& shell) { return shell.control().cache; }
 
-template <typename Arguments>
-Plan plan_of(const Arguments& arguments, ResultCache* cache) {
-    const Request request = arguments.parse();
-    const auto quantity = std::is_same_v<Arguments, AlbedoArguments>
-                              ? albedo_quantity(request.scene)
-                              : LayerQuantity::reflection;
-    return make_plan(request, quantity, cache);
-}
-
-/// Reads the words of one command line as that command would, and plans it.
-template <typename Arguments>
-Plan plan_of_line(const std::vector<std::string>& line, ResultCache* cache) {
-    CLI::App command;
-    Shell ignored("");
-    Arguments arguments;
-    arguments.add_to(command);
-    ignored.add_common_options(command);
-    command.parse(
-        std::vector<std::string>(line.rbegin(), line.rend() - 1));  // CLI11: from the back
-    return plan_of(arguments, cache);
-}
-
 int plan_scene_file(const std::string& path, const Shell& shell) {
     Table table = empty_table();
+    EarlierWork earlier;
     std::size_t number = 0;
     for (const std::vector<std::string>& line : scene_command_lines(path)) {
         const std::string result = fmt::format("{} {}", ++number, line.front());
-        if (line.front() == "brdf") {
-            add_plan(table, plan_of_line<BrdfArguments>(line, cache_of(shell)), result);
-        } else if (line.front() == "albedo") {
-            add_plan(table, plan_of_line<AlbedoArguments>(line, cache_of(shell)), result);
+        if (const auto layers = layer_request(line)) {
+            add_plan(table,
+                     make_plan(layers->request, layers->quantity, cache_of(shell), &earlier),
+                     result);
         } else {
             table.facts.emplace_back("not planned",
                                      result + ": no radiative transfer to leave out");
@@ -84,7 +64,11 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name) {
     shell.add_common_options(*command);
     shell.on_run(*command, [arguments, name, &shell] {
         Table table = empty_table();
-        add_plan(table, plan_of(*arguments, cache_of(shell)), name);
+        const Request request = arguments->parse();
+        const auto quantity = std::is_same_v<Arguments, AlbedoArguments>
+                                  ? albedo_quantity(request.scene)
+                                  : LayerQuantity::reflection;
+        add_plan(table, make_plan(request, quantity, cache_of(shell)), name);
         shell.write(std::move(table));
         return kGood;
     });

@@ -23,12 +23,12 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-int parse_and_run(const std::vector<std::string>& arguments) {
+int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
     program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
-    Shell shell(command_line_of(arguments));
+    Shell shell(command_line_of(arguments), shared);
     add_commands(program, shell);
     try {
         // CLI11 takes its arguments from the back.
@@ -79,9 +79,9 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
     return line;
 }
 
-int run_program(const std::vector<std::string>& arguments) {
+int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
     try {
-        return parse_and_run(arguments);
+        return parse_and_run(arguments, shared);
     } catch (const Cancelled&) {
         return complain(interrupt_exit_code(), "interrupted; nothing was written");
     } catch (const UsageError& error) {

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include "pipeline/error.h"
+#include "pipeline/shared_work.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/scene_file.h"
+#include "tools/miebrdf/scene_requests.h"
 
 namespace miebrdf::program {
 namespace {
@@ -32,14 +34,59 @@ std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& co
     return option->get_items_expected_max() > 1 ? OptionKind::repeated : OptionKind::single;
 }
 
+/// An option of `run` for one result: it takes the place of what the scene file says.
+void override_option(std::vector<std::string>& line, const std::string& name,
+                     const std::string& value) {
+    std::erase_if(line, [&](const std::string& word) { return word.rfind(name + "=", 0) == 0; });
+    line.push_back(name + "=" + value);
+}
+
+/// The results as they will be run, with the options of `run` itself.
+std::vector<std::vector<std::string>> lines_of(const std::string& path, const Shell& shell) {
+    const CommonOptions& common = shell.common();
+    if (!common.output.empty()) {
+        throw UsageError(
+            "run writes as many files as its scene file has results; give each its own "
+            "'output' there");
+    }
+    std::vector<std::vector<std::string>> lines = scene_command_lines(path);
+    for (std::vector<std::string>& line : lines) {
+        for (const auto& [flag, given] : {std::pair("--no-cache", common.no_cache),
+                                          {"--quiet", common.quiet},
+                                          {"--json", common.json}}) {
+            if (given) line.emplace_back(flag);
+        }
+        if (common.threads > 0) override_option(line, "--threads", std::to_string(common.threads));
+        if (common.progress != "auto") override_option(line, "--progress", common.progress);
+    }
+    return lines;
+}
+
+/// Tells what the results have in common. Mistakes in any of them come to light here, before the
+/// first is computed.
+void expect(const std::vector<std::vector<std::string>>& lines, SharedWork& shared) {
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const std::string result = fmt::format("result {} ({}): ", i + 1, lines[i].front());
+        try {
+            if (const auto layers = layer_request(lines[i])) {
+                shared.expect(layers->request, layers->quantity);
+            }
+        } catch (const UsageError& error) {
+            throw UsageError(result + error.what());
+        } catch (const InputError& error) {
+            throw InputError(result + error.what());
+        }
+    }
+}
+
 int run(const std::string& path, const Shell& shell) {
+    const std::vector<std::vector<std::string>> lines = lines_of(path, shell);
+    SharedWork shared;
+    expect(lines, shared);
     int worst = kGood;
-    for (std::vector<std::string> line : scene_command_lines(path)) {
-        if (shell.common().no_cache) line.emplace_back("--no-cache");
-        if (shell.common().quiet) line.emplace_back("--quiet");
-        if (shell.common().threads > 0) line.push_back(fmt::format("--threads={}", shell.common().threads));
+    for (const std::vector<std::string>& line : lines) {
         shell.note(command_line_of(line));
-        const int code = run_program(line);
+        const int code = run_program(line, &shared);
         if (code != kGood && code != kNotConverged) return code;
         worst = std::max(worst, code);
     }

@@ -1,0 +1,166 @@
+#include "pipeline/shared_work.h"
+
+#include "pipeline/brdf.h"
+#include "pipeline/plan.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+/// Spheres under one paint or another.
+Request painted(const std::string& coat) {
+    Request request;
+    request.scene.base = parse_medium("index:1.5,0.01");
+    request.scene.coats = {parse_coat(coat)};
+    request.scene.particles.sizes.effective_radius_um = 1;
+    request.wavelength_nm = {450, 550};
+    request.directions = {{0.3, 1.0}, {0.2, 0.9}, {0.0, 70.0, 180.0}};
+    request.solver.streams = 16;
+    return request;
+}
+
+const std::vector<std::string> kCoats = {"hg:0.5,0.5@0.3", "index:2.2,0.001@0.1",
+                                         "isotropic:0.9@1"};
+
+/// The totals of every result of one run.
+std::vector<std::vector<double>> run(const std::vector<Request>& requests, RunControl control) {
+    std::vector<std::vector<double>> totals;
+    for (const Request& request : requests) {
+        for (const SpectralSlice& slice : compute_brdf(request, control).slices) {
+            totals.push_back(slice.total);
+        }
+    }
+    return totals;
+}
+
+std::vector<Request> results() {
+    std::vector<Request> requests;
+    for (const std::string& coat : kCoats) requests.push_back(painted(coat));
+    return requests;
+}
+
+}  // namespace
+
+TEST_CASE("coats on one base share its half-space and its spheres, to the same bits on any number "
+          "of threads",
+          "[pipeline][shared]") {
+    const auto alone = run(results(), {.threads = 1});
+    for (const int threads : {1, 2, 7}) {
+        SharedWork shared;
+        for (const Request& request : results()) shared.expect(request, LayerQuantity::reflection);
+        RunControl control{.threads = threads};
+        control.shared = &shared;
+        CAPTURE(threads);
+        CHECK(run(results(), control) == alone);
+        // Two wavelengths, the second and the third result.
+        CHECK(shared.optics_found() == 4);
+        CHECK(shared.half_spaces_found() > 2 * 2 * 5);
+        // After the last of them nothing is kept.
+        CHECK(shared.free_bytes() == SharedWork::kDefaultLimit_bytes);
+    }
+}
+
+TEST_CASE("Mie theory of what results have in common runs once, with no cache at all",
+          "[pipeline][shared]") {
+    SharedWork shared;
+    for (const Request& request : results()) shared.expect(request, LayerQuantity::reflection);
+    RunControl control{.threads = 1};
+    control.shared = &shared;
+    run({results()[0]}, control);
+    CHECK(shared.free_bytes() < SharedWork::kDefaultLimit_bytes);
+    CHECK(shared.optics_found() == 0);
+    run({results()[1]}, control);
+    CHECK(shared.optics_found() == 2);
+}
+
+TEST_CASE("what no later result uses is not kept, and no more than the limit", "[pipeline][shared]") {
+    SECTION("one result alone") {
+        SharedWork shared;
+        shared.expect(results()[0], LayerQuantity::reflection);
+        RunControl control{.threads = 1};
+        control.shared = &shared;
+        run({results()[0]}, control);
+        CHECK(shared.half_spaces_found() == 0);
+        CHECK(shared.free_bytes() == SharedWork::kDefaultLimit_bytes);
+    }
+    SECTION("no room") {
+        SharedWork shared(1000);
+        for (const Request& request : results()) shared.expect(request, LayerQuantity::reflection);
+        RunControl control{.threads = 1};
+        control.shared = &shared;
+        CHECK(run(results(), control) == run(results(), {.threads = 1}));
+        CHECK(shared.half_spaces_found() == 0);
+        CHECK(shared.free_bytes() == 1000);
+    }
+}
+
+TEST_CASE("wavelengths of one result share a half-space that does not change with them",
+          "[pipeline][shared]") {
+    Request request = painted("index:1.5,0.01@0.1");
+    request.scene.base = parse_medium("hg:0.95,0.5");
+    SharedWork shared;
+    shared.expect(request, LayerQuantity::reflection);
+    RunControl control{.threads = 1};
+    control.shared = &shared;
+    CHECK(run({request}, control) == run({request}, {.threads = 7}));
+    CHECK(shared.half_spaces_found() > 10);
+    CHECK(make_plan(request, LayerQuantity::reflection).leaves_out("one half-space"));
+}
+
+TEST_CASE("rule one half-space: the plan of a run says what its results share, as they do",
+          "[pipeline][shared][plan]") {
+    struct Case {
+        const char* what;
+        Request second;
+        bool shares;
+    };
+    const Request first = painted("hg:0.5,0.5@0.3");
+    std::vector<Case> cases{{"another coat", painted("hg:0.9,0.2@0.3"), true},
+                            {"other azimuths", first, true},
+                            {"another base", first, false},
+                            {"other cosines", first, false},
+                            {"another tolerance", first, false},
+                            {"other wavelengths", first, false}};
+    cases[1].second.directions.azimuth_deg = {10};
+    cases[2].second.scene.base = parse_medium("index:1.6,0.01");
+    cases[3].second.directions.mu_in = {0.4};
+    cases[4].second.solver.tolerance = 1e-4;
+    cases[5].second.wavelength_nm = {500};
+    for (const Case& c : cases) {
+        CAPTURE(c.what);
+        EarlierWork earlier;
+        const Plan alone = make_plan(c.second, LayerQuantity::reflection);
+        make_plan(first, LayerQuantity::reflection, nullptr, &earlier);
+        const Plan plan = make_plan(c.second, LayerQuantity::reflection, nullptr, &earlier);
+        CHECK(plan.leaves_out("one half-space") == c.shares);
+        CHECK(alone.leaves_out("one half-space") == false);
+        if (c.shares) CHECK(plan.seconds() < alone.seconds());
+
+        SharedWork shared;
+        shared.expect(first, LayerQuantity::reflection);
+        shared.expect(c.second, LayerQuantity::reflection);
+        RunControl control{.threads = 1};
+        control.shared = &shared;
+        run({first, c.second}, control);
+        CHECK((shared.half_spaces_found() > 0) == c.shares);
+    }
+}
+
+TEST_CASE("after an interrupted result the others are what they would have been",
+          "[pipeline][shared]") {
+    SharedWork shared;
+    for (const Request& request : results()) shared.expect(request, LayerQuantity::reflection);
+    std::atomic<bool> cancelled = false;
+    RunControl control{.threads = 1};
+    control.shared = &shared;
+    control.cancelled = &cancelled;
+    control.progress = [&](const std::string& stage, std::size_t, std::size_t) {
+        if (stage == "radiative transfer") cancelled = true;  // after the first wavelength
+    };
+    CHECK_THROWS_AS(run({results()[0]}, control), Cancelled);
+    cancelled = false;
+    control.progress = {};
+    CHECK(run(results(), control) == run(results(), {.threads = 1}));
+    CHECK(shared.half_spaces_found() > 10);
+}
