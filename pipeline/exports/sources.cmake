@@ -13,6 +13,7 @@ set(miebrdf_export_sources
     exports/exr_writer.cpp
     exports/file_check.cpp
     exports/first_order.cpp
+    exports/half_vector_table.cpp
     exports/merl_writer.cpp
     exports/metadata.cpp
     exports/npz_writer.cpp
