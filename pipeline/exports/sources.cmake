@@ -45,7 +45,8 @@ set(miebrdf_export_sources
     exports/table_grid.cpp
     exports/table_writer.cpp
     exports/tensor_file.cpp
-    exports/wavelength_solution.cpp)
+    exports/wavelength_solution.cpp
+    exports/zip_stream.cpp)
 
 # What other programs may use; the rest of the headers are for these sources alone.
 foreach(header brdf_export.h brdf_source.h deviation.h file_check.h first_order.h merl_writer.h readers/brdf_file.h
