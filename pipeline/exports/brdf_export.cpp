@@ -130,6 +130,12 @@ ExportedFile export_sampled(const SampledFormat& format, const Job& job, const f
         job.options.largest_error > 0 ? job.options.largest_error : format.largest_error;
     ExportedFile written{with_variant(path, format.variant), 0, {}};
     AtomicFile file(written.path);
+    if (!fs::is_regular_file(file.temporary_path())) {
+        throw UsageError(fmt::format(
+            "'{}' is no regular file, and format '{}' is read back after writing; pipes and devices "
+            "take csv, json and npz",
+            written.path.string(), format.name));
+    }
     format.write(job, resolution, file.stream());
     file.stream().flush();
     written.bytes = fs::file_size(file.temporary_path());
@@ -165,7 +171,9 @@ ExportedFile export_table(const Job& job, const fs::path& path) {
         }
         file.commit();
     }
-    return {path, fs::file_size(path), {}};
+    std::error_code no_size;  // pipes and devices have none
+    const std::uintmax_t bytes = fs::file_size(path, no_size);
+    return {path, no_size ? 0 : bytes, {}};
 }
 
 }  // namespace

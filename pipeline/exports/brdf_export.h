@@ -28,7 +28,7 @@ struct ExportOptions {
 
 struct ExportedFile {
     std::filesystem::path path;
-    std::uintmax_t bytes = 0;
+    std::uintmax_t bytes = 0;  ///< 0: a pipe or device
     std::optional<Deviation>
         deviation;  ///< read back; empty for tables, exact where they are given
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <sstream>
 #include <stdexcept>
 
 #include "pipeline/atomic_file.h"
@@ -59,9 +60,13 @@ void NpzArchive::add_bytes(const std::string& name, const std::string& bytes) {
 void NpzArchive::write(const std::filesystem::path& path) const {
     AtomicFile file(path);
     try {
-        ZipStream zip(file.stream());
+        // libzip goes back to fill in checksums, which pipes and devices do not allow.
+        std::stringstream memory;
+        const bool seeks = std::filesystem::is_regular_file(file.temporary_path());
+        ZipStream zip(seeks ? file.stream() : memory);
         for (const Member& member : members_) add_to(zip.archive(), member);
         zip.close();
+        if (!seeks) file.stream() << memory.rdbuf();
     } catch (const std::runtime_error& error) {
         throw InputError(fmt::format("cannot write '{}': {}", path.string(), error.what()));
     }

@@ -1,6 +1,7 @@
 #include "pipeline/exports/table_writer.h"
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
@@ -111,6 +112,19 @@ TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[export
         [](const std::exception&) { return 8; });
     CHECK(support::exit_code(child) == 7);
     CHECK(folder.count() == 0);
+}
+
+TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
+    const support::TemporaryFolder folder;
+    write_table_npz(material(), grid(), folder / "a.npz");
+    REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+    const pid_t child =
+        support::in_child([&] { write_table_npz(material(), grid(), folder / "pipe"); },
+                          [](const std::exception&) { return 8; });
+    CHECK(support::read_file(folder / "pipe") == support::read_file(folder / "a.npz"));
+    CHECK(support::exit_code(child) == 0);
+    CHECK_NOTHROW(write_table_npz(material(), grid(), "/dev/null"));
+    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/dev/full"), InputError);
 }
 
 TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behind",

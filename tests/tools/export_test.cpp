@@ -32,6 +32,16 @@ TEST_CASE("what export writes passes check, alone and against its scene", "[prog
     CHECK_THAT(compared.out, Catch::Contains("deviation_rms (mu > 0.2)"));
 }
 
+TEST_CASE("tables may go to a device; what is read back may not", "[program][export]") {
+    const std::string table = GENERATE("csv", "json", "npz");
+    const auto written = support::run_program("export --format " + table + kScene + "-o /dev/null");
+    CAPTURE(written.err);
+    CHECK(written.exit_code == 0);
+    const auto refused = support::run_program("export --format merl" + kScene + "-o /dev/null");
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("/dev/null") && Catch::Contains("csv"));
+}
+
 TEST_CASE("check fails with 1 on a bound and with 3 on a damaged file", "[program][export]") {
     const support::TemporaryFolder folder;
     REQUIRE(support::run_program("export --format pbrt" + kScene + "-o " + (folder / "a.bsdf"))
