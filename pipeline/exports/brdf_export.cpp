@@ -10,12 +10,13 @@
 #include "pipeline/error.h"
 #include "pipeline/exports/astm_writer.h"
 #include "pipeline/exports/exr_writer.h"
+#include "pipeline/exports/klems_writer.h"
 #include "pipeline/exports/metadata.h"
 #include "pipeline/exports/pbrt_writer.h"
-#include "pipeline/exports/radiance_writer.h"
 #include "pipeline/exports/rgl_writer.h"
 #include "pipeline/exports/ssdd_writer.h"
 #include "pipeline/exports/table_writer.h"
+#include "pipeline/exports/tensor_tree_writer.h"
 
 namespace miebrdf::exports {
 namespace {

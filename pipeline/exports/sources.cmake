@@ -14,12 +14,13 @@ set(miebrdf_export_sources
     exports/file_check.cpp
     exports/first_order.cpp
     exports/half_vector_table.cpp
+    exports/klems_writer.cpp
     exports/merl_writer.cpp
     exports/metadata.cpp
     exports/npz_writer.cpp
     exports/pbrt_writer.cpp
     exports/polar_grid.cpp
-    exports/radiance_writer.cpp
+    exports/radiance_xml.cpp
     exports/readers/angle_table_reader.cpp
     exports/readers/bilinear_warp.cpp
     exports/readers/brdf_file.cpp
@@ -44,6 +45,7 @@ set(miebrdf_export_sources
     exports/ssdd_writer.cpp
     exports/table_grid.cpp
     exports/table_writer.cpp
+    exports/tensor_tree_writer.cpp
     exports/tensor_file.cpp
     exports/wavelength_solution.cpp
     exports/zip_stream.cpp)

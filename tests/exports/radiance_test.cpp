@@ -1,11 +1,11 @@
-#include "pipeline/exports/radiance_writer.h"
-
 #include <cmath>
 #include <pugixml.hpp>
 #include <sstream>
 
 #include "pipeline/error.h"
 #include "pipeline/exports/file_check.h"
+#include "pipeline/exports/klems_writer.h"
+#include "pipeline/exports/tensor_tree_writer.h"
 #include "tests/support/catch.h"
 #include "tests/support/sampling.h"
 #include "tests/support/test_material.h"
