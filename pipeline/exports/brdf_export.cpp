@@ -185,6 +185,14 @@ const std::vector<std::string>& export_formats() {
     return names;
 }
 
+double accepted_error(const std::string& format) {
+    constexpr double kTables = 0.05;
+    for (const SampledFormat& known : kSampled) {
+        if (format == known.name) return known.largest_error;
+    }
+    return kTables;
+}
+
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const ExportOptions& options,
                                       const fs::path& path, const RunControl& control) {
     RgbWeights weights = options.rgb;

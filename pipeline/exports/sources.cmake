@@ -43,6 +43,7 @@ set(miebrdf_export_sources
     exports/solved_source.cpp
     exports/spectrum_writer.cpp
     exports/ssdd_writer.cpp
+    exports/table_check.cpp
     exports/table_grid.cpp
     exports/table_writer.cpp
     exports/tensor_tree_writer.cpp
@@ -53,7 +54,7 @@ set(miebrdf_export_sources
 # What other programs may use; the rest of the headers are for these sources alone.
 foreach(header brdf_export.h brdf_source.h deviation.h file_check.h first_order.h merl_writer.h readers/brdf_file.h
                rgb_source.h rgb_weights.h sharp_part.h smooth_part.h solved_source.h spectrum_writer.h
-               table_grid.h wavelength_solution.h)
+               table_check.h table_grid.h wavelength_solution.h)
     get_filename_component(folder "${header}" DIRECTORY)
     install(FILES "${CMAKE_CURRENT_LIST_DIR}/${header}"
             DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/miebrdf/pipeline/exports/${folder}")
