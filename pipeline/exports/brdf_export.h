@@ -45,8 +45,8 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& source, const ExportOpti
                                       const std::filesystem::path& path,
                                       const RunControl& control = {});
 
-/// The error (of ExportOptions::largest_error) with which a format is written by default; of tables,
-/// which are not read back, that of a careful format.
+/// The error (of ExportOptions::largest_error) with which a format is written by default; of
+/// tables, which are not read back, that of a careful format.
 double accepted_error(const std::string& format);
 
 /// Names that export_brdf knows.

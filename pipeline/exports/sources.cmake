@@ -38,6 +38,7 @@ set(miebrdf_export_sources
     exports/rgb_source.cpp
     exports/rgb_weights.cpp
     exports/rgl_writer.cpp
+    exports/sampled_export.cpp
     exports/sharp_part.cpp
     exports/smooth_part.cpp
     exports/solved_source.cpp
