@@ -2,144 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "pipeline/atomic_file.h"
 #include "pipeline/error.h"
-#include "pipeline/exports/astm_writer.h"
 #include "pipeline/exports/exr_writer.h"
 #include "pipeline/exports/metadata.h"
-#include "pipeline/exports/pbrt_writer.h"
-#include "pipeline/exports/radiance_writer.h"
-#include "pipeline/exports/rgl_writer.h"
-#include "pipeline/exports/ssdd_writer.h"
+#include "pipeline/exports/sampled_export.h"
 #include "pipeline/exports/table_writer.h"
 
 namespace miebrdf::exports {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kComparedDirections = 1500;
-
-struct Job {
-    const BrdfSource& spectral;
-    const RgbSource& rgb;
-    const ExportOptions& options;
-    const RunControl& control;
-};
-
-/// A format whose values a reader interpolates, so that its fineness matters.
-struct SampledFormat {
-    const char* name;
-    const char* variant;  ///< appended to the stem of the file's name
-    bool spectral;
-    int resolution;        ///< by default
-    int finest;            ///< the largest resolution worth proposing
-    double largest_error;  ///< by default
-    void (*write)(const Job& job, int resolution, std::ostream& out);
-};
-
-// Errors by default: what the format is known to reach with some room, docs/formats.
-constexpr SampledFormat kSampled[] = {
-    {"pbrt", "", false, 56, 112, 0.02,
-     [](const Job& job, int n, std::ostream& out) {
-         write_pbrt(job.rgb, {.intervals = n}, out, job.control);
-     }},
-    {"rgl", "_spec", true, 64, 256, 0.05,
-     [](const Job& job, int n, std::ostream& out) {
-         write_rgl_spectral(job.spectral, {n, job.options.incident_angles}, out, job.control);
-     }},
-    {"rgl", "_rgb", false, 64, 256, 0.05,
-     [](const Job& job, int n, std::ostream& out) {
-         write_rgl_rgb(job.rgb, {n, job.options.incident_angles}, out, job.control);
-     }},
-    {"merl", "", false, 90, 90, 0.05,
-     [](const Job& job, int, std::ostream& out) {
-         write_merl(job.rgb, {job.options.merl_sample}, out, job.control);
-     }},
-    {"ssdd", "", true, 18, 90, 0.05,
-     [](const Job& job, int n, std::ostream& out) {
-         write_ssdd(job.spectral, n, out, job.control);
-     }},
-    {"astm", "", true, 9, 90, 0.1,
-     [](const Job& job, int n, std::ostream& out) {
-         write_astm(job.spectral, n, out, job.control);
-     }},
-    {"radiance", "", false, 5, 7, 0.2,
-     [](const Job& job, int n, std::ostream& out) {
-         write_radiance_tree(job.rgb, n, out, job.control);
-     }},
-    {"klems", "", false, 145, 145, 0.2,
-     [](const Job& job, int, std::ostream& out) {
-         write_radiance_klems(job.rgb, out, job.control);
-     }},
-};
-
-Deviation compare(const BrdfFile& file, const Job& job, bool spectral) {
-    const BrdfSource& truth = spectral ? job.spectral : static_cast<const BrdfSource&>(job.rgb);
-    return measure_deviation(file, truth, random_directions(kComparedDirections, 99));
-}
-
-std::string bands(const Deviation& deviation) {
-    return fmt::format("{:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, {:.2g} below, {:.2g} near mirror",
-                       deviation.rms[0], deviation.rms[1], deviation.rms[2], deviation.lobe);
-}
-
-/// What a bound is for: grazing directions have none, there every format loses digits.
-double judged(const Deviation& deviation) { return std::max(deviation.rms[0], deviation.lobe); }
-
-/// Tries finer and finer files, in memory, for a resolution that would do.
-std::string advice(const SampledFormat& format, const Job& job, int resolution, double bound) {
-    if (resolution >= format.finest)
-        return "the format has no finer one; a table (npz, exr, csv) can hold it";
-    double reached = 0.0;
-    int finer = resolution;
-    while (finer < format.finest) {
-        finer = std::min(2 * finer, format.finest);
-        std::ostringstream out;
-        format.write(job, finer, out);
-        reached = judged(compare(*read_brdf_file(std::move(out).str(), format.name), job, format.spectral));
-        if (reached <= bound) return fmt::format("--resolution {} reaches {:.2g}", finer, reached);
-    }
-    return fmt::format(
-        "--resolution {} reaches no less than {:.2g}; a table (npz, exr, csv) can hold it", finer,
-        reached);
-}
-
-[[noreturn]] void refuse(const SampledFormat& format, const Job& job, int resolution, double bound,
-                         const Deviation& found) {
-    throw TooCoarse(fmt::format(
-        "format '{}' at resolution {} misses this BRDF by {} (rms, relative; allowed: {:.2g} at "
-        "mu > 0.2 and near mirror); {}; --max-error accepts it as it is",
-        format.name, resolution, bands(found), bound, advice(format, job, resolution, bound)));
-}
-
-fs::path with_variant(const fs::path& path, const char* variant) {
-    if (*variant == '\0') return path;
-    fs::path result = path;
-    result.replace_filename(path.stem().string() + variant + path.extension().string());
-    return result;
-}
-
-ExportedFile export_sampled(const SampledFormat& format, const Job& job, const fs::path& path) {
-    const int resolution = job.options.resolution > 0 ? job.options.resolution : format.resolution;
-    const double bound =
-        job.options.largest_error > 0 ? job.options.largest_error : format.largest_error;
-    ExportedFile written{with_variant(path, format.variant), 0, {}};
-    AtomicFile file(written.path);
-    format.write(job, resolution, file.stream());
-    file.stream().flush();
-    written.bytes = fs::file_size(file.temporary_path());
-    written.deviation =
-        compare(*open_brdf_file(file.temporary_path().string()), job, format.spectral);
-    if (!(judged(*written.deviation) <= bound))
-        refuse(format, job, resolution, bound, *written.deviation);
-    file.commit();
-    return written;
-}
 
 TableGrid grid_of(const ExportOptions& options) {
     TableGrid grid = options.grid;
@@ -150,7 +25,7 @@ TableGrid grid_of(const ExportOptions& options) {
     return grid;
 }
 
-ExportedFile export_table(const Job& job, const fs::path& path) {
+ExportedFile export_table(const ExportJob& job, const fs::path& path) {
     const TableGrid grid = grid_of(job.options);
     if (job.options.format == "npz") {
         write_table_npz(job.spectral, grid, path, job.control);
@@ -165,7 +40,9 @@ ExportedFile export_table(const Job& job, const fs::path& path) {
         }
         file.commit();
     }
-    return {path, fs::file_size(path), {}};
+    std::error_code no_size;  // pipes and devices have none
+    const std::uintmax_t bytes = fs::file_size(path, no_size);
+    return {path, no_size ? 0 : bytes, {}};
 }
 
 }  // namespace
@@ -181,14 +58,12 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& source, const ExportOpti
     RgbWeights weights = options.rgb;
     if (weights.weight.empty()) weights = nearest_wavelengths(source.wavelength_nm());
     const RgbSource rgb(source, weights);
-    const Job job{source, rgb, options, control};
+    const ExportJob job{source, rgb, options, control};
     std::vector<ExportedFile> files;
     for (const char* table : {"csv", "json", "npz", "exr"}) {
         if (options.format == table) files.push_back(export_table(job, path));
     }
-    for (const SampledFormat& format : kSampled) {
-        if (options.format == format.name) files.push_back(export_sampled(format, job, path));
-    }
+    for (auto& file : export_sampled(job, path)) files.push_back(std::move(file));
     if (files.empty()) {
         throw UsageError(fmt::format("unknown format '{}'; allowed: {}", options.format,
                                      fmt::join(export_formats(), ", ")));

@@ -28,7 +28,7 @@ struct ExportOptions {
 
 struct ExportedFile {
     std::filesystem::path path;
-    std::uintmax_t bytes = 0;
+    std::uintmax_t bytes = 0;  ///< 0: a pipe or device
     std::optional<Deviation>
         deviation;  ///< read back; empty for tables, exact where they are given
 };
@@ -44,6 +44,10 @@ class TooCoarse : public std::runtime_error {
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const ExportOptions& options,
                                       const std::filesystem::path& path,
                                       const RunControl& control = {});
+
+/// The error (of ExportOptions::largest_error) with which a format is written by default; of
+/// tables, which are not read back, that of a careful format.
+double accepted_error(const std::string& format);
 
 /// Names that export_brdf knows.
 const std::vector<std::string>& export_formats();

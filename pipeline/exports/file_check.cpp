@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/exports/table_check.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::exports {
@@ -53,15 +54,23 @@ std::vector<double> albedo_by_sampling(const BrdfFile& file, double mu_fixed) {
     return sums;
 }
 
+/// The albedo that is largest even if its integration errs.
+void note_albedo(const BrdfFile& file, const TableAlbedo& found, FileCheck& check) {
+    for (std::size_t c = 0; c < found.albedo.size(); ++c) {
+        const double error = found.error_estimate[c], certain = found.albedo[c] - error;
+        if (check.largest_albedo && certain <= *check.largest_albedo - check.largest_albedo_error)
+            continue;
+        check.largest_albedo = found.albedo[c];
+        check.largest_albedo_error = error;
+        check.largest_albedo_mu = found.mu_in;
+        check.largest_albedo_channel = file.channels()[c];
+    }
+}
+
 void check_albedos(const BrdfFile& file, FileCheck& check) {
     for (const double mu : kIncidences) {
         const std::vector<double> albedo = directional_albedo(file, mu);
-        for (std::size_t c = 0; c < albedo.size(); ++c) {
-            if (albedo[c] <= check.largest_albedo) continue;
-            check.largest_albedo = albedo[c];
-            check.largest_albedo_mu = mu;
-            check.largest_albedo_channel = file.channels()[c];
-        }
+        note_albedo(file, {mu, albedo, std::vector<double>(albedo.size(), 0.0)}, check);
         if (file.sampling() == BrdfFile::Sampling::none) continue;
         const bool from_in = file.sampling() == BrdfFile::Sampling::from_mu_in;
         const std::vector<double> expected = from_in ? albedo : integrate(file, mu, false);
@@ -72,6 +81,35 @@ void check_albedos(const BrdfFile& file, FileCheck& check) {
             check.sampled_albedo_error = std::max(check.sampled_albedo_error.value_or(0.0), error);
         }
     }
+}
+
+/// Least value, missing ones, and reciprocity where both ways are in the file.
+void check_values(const BrdfFile& file, const std::optional<ListedDirections>& lists,
+                  std::span<const Direction> directions, FileCheck& check) {
+    check.least_value = std::numeric_limits<double>::infinity();
+    const std::size_t channels = file.channels().size();
+    std::vector<double> there(channels), back(channels);
+    double sum = 0.0;
+    std::size_t pairs = 0;
+    for (const Direction& d : directions) {
+        file.evaluate(d, there);
+        bool missing = false;
+        for (const double value : there) {
+            missing = missing || std::isnan(value);
+            if (value < check.least_value) check.least_value = value;
+        }
+        check.missing += missing ? 1 : 0;
+        if (!(std::min(d.mu_in, d.mu_out) > 0.2)) continue;
+        if (lists && !(holds(lists->mu_in, d.mu_out) && holds(lists->mu_out, d.mu_in))) continue;
+        file.evaluate({d.mu_out, d.mu_in, d.azimuth_deg}, back);
+        for (std::size_t c = 0; c < channels; ++c) {
+            const double mean = (there[c] + back[c]) / 2;
+            if (!(mean > 0)) continue;
+            sum += std::pow((there[c] - back[c]) / mean, 2);
+            ++pairs;
+        }
+    }
+    if (pairs > 0) check.reciprocity_rms = std::sqrt(sum / static_cast<double>(pairs));
 }
 
 /// The BRDF itself, asked like a file.
@@ -95,11 +133,18 @@ class Exact : public BrdfFile {
 double albedo_error(const BrdfFile& file, const BrdfSource& source) {
     const Exact exact(source);
     double largest = 0.0;
-    for (const double mu : kIncidences) {
-        const std::vector<double> found = directional_albedo(file, mu);
-        const std::vector<double> expected = directional_albedo(exact, mu);
+    const auto compare = [&](double mu_in, const std::vector<double>& found) {
+        const std::vector<double> expected = directional_albedo(exact, mu_in);
         for (std::size_t c = 0; c < expected.size(); ++c)
             largest = std::max(largest, std::abs(found.at(c) / expected[c] - 1.0));
+    };
+    const auto lists = file.listed();
+    if (lists && !lists->interpolated) {
+        for (const TableAlbedo& found : table_albedos(file, *lists)) {
+            if (found.mu_in >= kIncidences[0]) compare(found.mu_in, found.albedo);
+        }
+    } else {
+        for (const double mu : kIncidences) compare(mu, directional_albedo(file, mu));
     }
     return largest;
 }
@@ -108,30 +153,19 @@ std::vector<double> directional_albedo(const BrdfFile& file, double mu_in) {
     return integrate(file, mu_in, true);
 }
 
-FileCheck check_file(const BrdfFile& file, std::size_t directions) {
+FileCheck check_file(const BrdfFile& file, std::size_t count) {
+    const auto lists = file.listed();
+    const std::vector<Direction> directions =
+        lists ? random_listed(*lists, count, 20) : random_directions(count, 20);
     FileCheck check;
-    check.directions = directions;
-    check.least_value = std::numeric_limits<double>::infinity();
-    const std::size_t channels = file.channels().size();
-    std::vector<double> there(channels), back(channels);
-    double sum = 0.0;
-    std::size_t pairs = 0;
-    for (const Direction& d : random_directions(directions, 20)) {
-        file.evaluate(d, there);
-        file.evaluate({d.mu_out, d.mu_in, d.azimuth_deg}, back);
-        bool missing = false;
-        for (std::size_t c = 0; c < channels; ++c) {
-            missing = missing || std::isnan(there[c]);
-            if (there[c] < check.least_value) check.least_value = there[c];
-            const double mean = (there[c] + back[c]) / 2;
-            if (!(std::min(d.mu_in, d.mu_out) > 0.2) || !(mean > 0)) continue;
-            sum += std::pow((there[c] - back[c]) / mean, 2);
-            ++pairs;
-        }
-        check.missing += missing ? 1 : 0;
+    check.directions = directions.size();
+    check_values(file, lists, directions, check);
+    if (lists) {
+        for (const TableAlbedo& found : table_albedos(file, *lists))
+            note_albedo(file, found, check);
+    } else {
+        check_albedos(file, check);
     }
-    check.reciprocity_rms = pairs > 0 ? std::sqrt(sum / static_cast<double>(pairs)) : 0.0;
-    check_albedos(file, check);
     return check;
 }
 

@@ -8,9 +8,15 @@
 namespace miebrdf::exports {
 
 struct FileCheck {
-    /// Root mean square of |f(i, o) - f(o, i)| / mean of both, directions with both cosines > 0.2.
-    double reciprocity_rms = 0.0;
-    double largest_albedo = 0.0;  ///< directional, of all channels and angles of incidence
+    /// Root mean square of |f(i, o) - f(o, i)| / mean of both, directions with both cosines > 0.2;
+    /// empty when a table lists no pair of directions both ways.
+    std::optional<double> reciprocity_rms;
+    /// Directional, of all channels and angles of incidence; empty when a table has too few
+    /// directions to integrate over.
+    std::optional<double> largest_albedo;
+    /// Estimate of what integrating over a table's directions may err by, there; the albedo shown
+    /// is the one that is largest without it.
+    double largest_albedo_error = 0.0;
     double largest_albedo_mu = 0.0;
     std::string largest_albedo_channel;
     double least_value = 0.0;    ///< of the BRDF, 1/sr
@@ -22,6 +28,7 @@ struct FileCheck {
 };
 
 /// Looks at `directions` random directions, and integrates at six angles of incidence, mu 0.1 to 1.
+/// Of tables it looks at what they list: random combinations, and all angles of incidence.
 FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
 
 /// Integral of BRDF times cosine over the outgoing hemisphere, one for each channel: Gauss-Legendre
@@ -29,7 +36,8 @@ FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
 std::vector<double> directional_albedo(const BrdfFile& file, double mu_in);
 
 /// Largest relative difference between directional albedos of the file and of the BRDF that it was
-/// made from, over channels and mu_in = 0.1 ... 1; both integrated at the same directions.
+/// made from, over channels and mu_in = 0.1 ... 1; both integrated at the same directions. Tables
+/// that no program interpolates are integrated at their own (table_check.h).
 double albedo_error(const BrdfFile& file, const BrdfSource& source);
 
 }  // namespace miebrdf::exports

@@ -1,13 +1,14 @@
 #include "pipeline/exports/npz_writer.h"
 
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <bit>
-#include <memory>
+#include <sstream>
+#include <stdexcept>
 
 #include "pipeline/atomic_file.h"
 #include "pipeline/error.h"
+#include "pipeline/exports/zip_stream.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -43,10 +44,6 @@ zip_uint8_t* bytes_of(const void* data) {
     return static_cast<zip_uint8_t*>(const_cast<void*>(data));
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
-    throw InputError(fmt::format("cannot write '{}': {}", path.string(), reason));
-}
-
 }  // namespace
 
 void NpzArchive::add(const std::string& name, std::vector<double> values,
@@ -62,35 +59,39 @@ void NpzArchive::add_bytes(const std::string& name, const std::string& bytes) {
 
 void NpzArchive::write(const std::filesystem::path& path) const {
     AtomicFile file(path);
-    int error = 0;
-    // Until zip_close succeeds nothing is written; what is not closed must be discarded.
-    std::unique_ptr<zip_t, decltype(&zip_discard)> archive(
-        zip_open(file.temporary_path().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error), zip_discard);
-    if (!archive) refuse(path, fmt::format("libzip error {}", error));
-    for (const Member& member : members_) {
-        // libzip takes pieces as they are, and never writes to them.
-        const zip_buffer_fragment_t pieces[] = {
-            {bytes_of(member.header.data()), member.header.size()},
-            {bytes_of(member.values.data()), member.values.size() * sizeof(double)}};
-        zip_source_t* source = zip_source_buffer_fragment(archive.get(), pieces, 2, 0);
-        const zip_int64_t index =
-            source == nullptr
-                ? -1
-                : zip_file_add(archive.get(), member.name.c_str(), source, ZIP_FL_ENC_UTF_8);
-        if (index < 0) {
-            zip_source_free(source);
-            refuse(path, zip_strerror(archive.get()));
-        }
-        const auto entry = static_cast<zip_uint64_t>(index);
-        constexpr zip_uint16_t kMidnight = 0, kFirstOf1980 = (1 << 5) | 1;
-        if (zip_set_file_compression(archive.get(), entry, ZIP_CM_STORE, 0) < 0 ||
-            zip_file_set_dostime(archive.get(), entry, kMidnight, kFirstOf1980, 0) < 0) {
-            refuse(path, zip_strerror(archive.get()));
-        }
+    try {
+        // libzip goes back to fill in checksums, which pipes and devices do not allow.
+        std::stringstream memory;
+        const bool seeks = std::filesystem::is_regular_file(file.temporary_path());
+        ZipStream zip(seeks ? file.stream() : memory);
+        for (const Member& member : members_) add_to(zip.archive(), member);
+        zip.close();
+        if (!seeks) file.stream() << memory.rdbuf();
+    } catch (const std::runtime_error& error) {
+        throw InputError(fmt::format("cannot write '{}': {}", path.string(), error.what()));
     }
-    if (zip_close(archive.get()) < 0) refuse(path, zip_strerror(archive.get()));
-    (void)archive.release();  // zip_close has freed it
     file.commit();
+}
+
+void NpzArchive::add_to(zip_t* archive, const Member& member) {
+    // libzip takes pieces as they are, and never writes to them.
+    const zip_buffer_fragment_t pieces[] = {
+        {bytes_of(member.header.data()), member.header.size()},
+        {bytes_of(member.values.data()), member.values.size() * sizeof(double)}};
+    zip_source_t* source = zip_source_buffer_fragment(archive, pieces, 2, 0);
+    const zip_int64_t index =
+        source == nullptr ? -1
+                          : zip_file_add(archive, member.name.c_str(), source, ZIP_FL_ENC_UTF_8);
+    if (index < 0) {
+        zip_source_free(source);
+        throw std::runtime_error(zip_strerror(archive));
+    }
+    const auto entry = static_cast<zip_uint64_t>(index);
+    constexpr zip_uint16_t kMidnight = 0, kFirstOf1980 = (1 << 5) | 1;
+    if (zip_set_file_compression(archive, entry, ZIP_CM_STORE, 0) < 0 ||
+        zip_file_set_dostime(archive, entry, kMidnight, kFirstOf1980, 0) < 0) {
+        throw std::runtime_error(zip_strerror(archive));
+    }
 }
 
 }  // namespace miebrdf::exports

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+struct zip;  // libzip's archive
+
 namespace miebrdf::exports {
 
 /// Arrays are kept in memory until they are written. The zip container is libzip's: sizes beyond
@@ -27,6 +29,8 @@ class NpzArchive {
         std::string header;          ///< of .npy, and bytes after it
         std::vector<double> values;  ///< of the .npy file
     };
+    static void add_to(zip* archive, const Member& member);
+
     std::vector<Member> members_;
 };
 

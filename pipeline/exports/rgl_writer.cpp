@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "pipeline/error.h"
-#include "pipeline/exports/half_vector.h"
+#include "pipeline/exports/half_vector_table.h"
 #include "pipeline/exports/metadata.h"
 #include "pipeline/exports/tensor_file.h"
 
@@ -24,14 +24,6 @@ constexpr double kLargestAngle = 89.9 * kDegree;
 constexpr double kCrowding = 1.75;
 /// Stands for the horizon, where mu = 0 is no direction.
 constexpr double kHorizon = 1e-9;
-/// Half vectors whose outgoing direction is below the horizon hold no BRDF, but readers interpolate
-/// between them and lit ones. BRDF times cosine goes through the horizon like an odd function of
-/// the cosine: its continuation, minus the value mirrored at the horizon, gives values at mu < 0.05
-/// a fifth of the error that zeros give (0.11 instead of 0.50, N = 64, test material), but loses
-/// 0.3 % of the albedo, since the function is concave; half of it gives 0.25 and loses 0.1 %.
-constexpr double kContinued = 0.5;
-/// Lower than steps of half vectors and of incidence reach.
-constexpr double kLowest = -0.5;
 /// Every half vector stays reachable by importance sampling, however dark it is.
 constexpr double kLuminanceFloor = 1e-6;
 
@@ -78,70 +70,42 @@ class RglGrid {
     }
 
   private:
-    /// A half vector and the cosine that its outgoing direction has.
-    struct Texel {
-        std::size_t x, y;
-        double cosine;
-    };
-
     double theta_in(std::size_t t) const {
         const double x = static_cast<double>(t) / static_cast<double>(angles_ - 1);
         return kHalfPi * (1.0 - std::pow(1.0 - x, kCrowding));
     }
 
-    double unit(std::size_t i) const {
-        return static_cast<double>(i) / static_cast<double>(n_ - 1);
-    }
-
     void fill_incidence(std::size_t t, const RunControl& control) {
         const Eigen::Vector3d in = spherical(std::min(theta_in(t), kLargestAngle), 0.0);
-        std::vector<Texel> texels;
-        for (std::size_t y = 0; y < n_; ++y) {
-            for (std::size_t x = 0; x < n_; ++x) {
-                const double cosine = mirrored(in, half_vector(x, y)).z();
-                if (cosine > kLowest) texels.push_back({x, y, cosine});
-            }
-        }
+        const HalfVectorTable table(n_, in);
         std::vector<Direction> directions;
-        for (const Texel& texel : texels) {
-            Direction d = direction_of(in, mirrored(in, half_vector(texel.x, texel.y)));
-            d.mu_out = std::clamp(std::abs(texel.cosine), kHorizon, 1.0);
+        std::vector<double> cosines;
+        for (const std::size_t node : table.needed()) {
+            const Eigen::Vector3d out = table.outgoing(node);
+            Direction d = direction_of(in, out);
+            d.mu_out = std::clamp(std::abs(out.z()), kHorizon, 1.0);
             directions.push_back(d);
+            cosines.push_back(out.z());
         }
         const auto stage = fmt::format("incidence {} of {}", t + 1, angles_);
         const std::vector<double> values = evaluate_all(source_, directions, stage, control);
-        for (std::size_t i = 0; i < texels.size(); ++i) store(t, texels[i], &values[i * channels_]);
-        for (std::size_t y = 0; y < n_; ++y) {
-            for (std::size_t x = 0; x < n_; ++x) weigh(t, x, y, in);
-        }
-    }
-
-    Eigen::Vector3d half_vector(std::size_t x, std::size_t y) const {
-        return spherical(unit(x) * unit(x) * kHalfPi, (2.0 * unit(y) - 1.0) * std::numbers::pi);
-    }
-
-    void store(std::size_t t, const Texel& place, const double* values) {
-        const std::size_t texel = place.y * n_ + place.x;
-        const double cosine = place.cosine * (place.cosine < 0.0 ? kContinued : 1.0);
-        double sum = 0.0;
+        std::vector<double> fitted(table.size()), mean(table.size(), 0.0);
         for (std::size_t c = 0; c < channels_; ++c) {
-            const double value = values[c] * cosine;
-            spectra_[(t * channels_ + c) * n_ * n_ + texel] = static_cast<float>(value);
-            sum += std::max(value, 0.0);
+            for (std::size_t i = 0; i < cosines.size(); ++i)
+                fitted[table.needed()[i]] = values[i * channels_ + c] * cosines[i];
+            table.fit(fitted);
+            std::copy(fitted.begin(), fitted.end(),
+                      spectra_.begin() + (t * channels_ + c) * table.size());
+            for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += fitted[i];
         }
-        luminance_[t * n_ * n_ + texel] = static_cast<float>(sum / static_cast<double>(channels_));
+        for (std::size_t i = 0; i < mean.size(); ++i)
+            luminance_[t * table.size() + i] = luminance(mean[i] / double(channels_), table, i);
     }
 
-    /// Readers divide the density of (x, y) by this Jacobian to get one per solid angle; times it,
+    /// Readers divide the density of (x, y) by the Jacobian to get one per solid angle; times it,
     /// sampling by luminance follows BRDF * cosine.
-    void weigh(std::size_t t, std::size_t x, std::size_t y, const Eigen::Vector3d& in) {
-        const Eigen::Vector3d half = half_vector(x, y);
-        const double sin_theta = std::hypot(half.x(), half.y());
-        const double jacobian =
-            std::max(2.0 * std::numbers::pi * std::numbers::pi * unit(x) * sin_theta, 1e-6) * 4.0 *
-            std::max(in.dot(half), 0.0);
-        float& luminance = luminance_[(t * n_ + y) * n_ + x];
-        luminance = static_cast<float>(std::max(luminance * jacobian, kLuminanceFloor));
+    static float luminance(double mean, const HalfVectorTable& table, std::size_t node) {
+        return static_cast<float>(std::max(mean * table.jacobian(node), kLuminanceFloor));
     }
 
     const BrdfSource& source_;

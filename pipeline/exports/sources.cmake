@@ -13,12 +13,14 @@ set(miebrdf_export_sources
     exports/exr_writer.cpp
     exports/file_check.cpp
     exports/first_order.cpp
+    exports/half_vector_table.cpp
+    exports/klems_writer.cpp
     exports/merl_writer.cpp
     exports/metadata.cpp
     exports/npz_writer.cpp
     exports/pbrt_writer.cpp
     exports/polar_grid.cpp
-    exports/radiance_writer.cpp
+    exports/radiance_xml.cpp
     exports/readers/angle_table_reader.cpp
     exports/readers/bilinear_warp.cpp
     exports/readers/brdf_file.cpp
@@ -36,20 +38,24 @@ set(miebrdf_export_sources
     exports/rgb_source.cpp
     exports/rgb_weights.cpp
     exports/rgl_writer.cpp
+    exports/sampled_export.cpp
     exports/sharp_part.cpp
     exports/smooth_part.cpp
     exports/solved_source.cpp
     exports/spectrum_writer.cpp
     exports/ssdd_writer.cpp
+    exports/table_check.cpp
     exports/table_grid.cpp
     exports/table_writer.cpp
+    exports/tensor_tree_writer.cpp
     exports/tensor_file.cpp
-    exports/wavelength_solution.cpp)
+    exports/wavelength_solution.cpp
+    exports/zip_stream.cpp)
 
 # What other programs may use; the rest of the headers are for these sources alone.
 foreach(header brdf_export.h brdf_source.h deviation.h file_check.h first_order.h merl_writer.h readers/brdf_file.h
                rgb_source.h rgb_weights.h sharp_part.h smooth_part.h solved_source.h spectrum_writer.h
-               table_grid.h wavelength_solution.h)
+               table_check.h table_grid.h wavelength_solution.h)
     get_filename_component(folder "${header}" DIRECTORY)
     install(FILES "${CMAKE_CURRENT_LIST_DIR}/${header}"
             DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/miebrdf/pipeline/exports/${folder}")

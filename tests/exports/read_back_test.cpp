@@ -1,6 +1,5 @@
 // Every format through a reader that owes nothing to this project, against the BRDF itself at
-// random directions. Bounds are twice what a correct writer of the format reached on this material;
-// at the horizon those of rgl are tighter: with zeros below it, the errors are 0.5 at 64.
+// random directions. Bounds are twice what a correct writer of the format reached on this material.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -9,13 +8,14 @@
 #include "pipeline/exports/astm_writer.h"
 #include "pipeline/exports/deviation.h"
 #include "pipeline/exports/exr_writer.h"
+#include "pipeline/exports/klems_writer.h"
 #include "pipeline/exports/merl_writer.h"
 #include "pipeline/exports/pbrt_writer.h"
-#include "pipeline/exports/radiance_writer.h"
 #include "pipeline/exports/rgl_writer.h"
 #include "pipeline/exports/solved_source.h"
 #include "pipeline/exports/ssdd_writer.h"
 #include "pipeline/exports/table_writer.h"
+#include "pipeline/exports/tensor_tree_writer.h"
 #include "tests/support/catch.h"
 #include "tests/support/outside/outside_file.h"
 #include "tests/support/sampling.h"
@@ -67,19 +67,24 @@ const Format kFormats[] = {
      {1.04e-4, 1.68e-4, 1.74e-3},
      [](const auto&, const auto& rgb, auto& out) { write_pbrt(rgb, {.intervals = 48}, out); },
      support::scatfun_file},
+    {"rgl spectral, 16",
+     true,
+     {7.4e-2, 0.30, 2.4},
+     [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {.resolution = 16}, out); },
+     support::tensor_bsdf_file},
     {"rgl spectral, 32",
      true,
-     {1.68e-2, 9.8e-2, 0.6},
+     {1.68e-2, 9.8e-2, 1.12},
      [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {.resolution = 32}, out); },
      support::tensor_bsdf_file},
     {"rgl spectral, 64",
      true,
-     {4.4e-3, 3.2e-2, 0.32},
+     {4.4e-3, 3.2e-2, 0.52},
      [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {}, out); },
      support::tensor_bsdf_file},
     {"rgl RGB, 64",
      false,
-     {4.4e-3, 3.2e-2, 0.32},
+     {4.4e-3, 3.2e-2, 0.52},
      [](const auto&, const auto& rgb, auto& out) { write_rgl_rgb(rgb, {}, out); },
      support::tensor_bsdf_file},
     {"merl",
@@ -227,14 +232,16 @@ TEST_CASE("npz and exr hold the axes and values that other readers find", "[expo
 
 TEST_CASE("sampled with the stored tables, the albedo is complete and the density true",
           "[exports][read_back]") {
-    // Albedo within what sampling reached: 0.1 % with Fourier files, 0.5 % with tensor files.
+    // Albedo within what sampling reached: 0.1 % with Fourier files, 0.5 % with tensor files (1.7 %
+    // in one number, 2.3 % at the worst incidence, at N = 16).
     const auto [index, bound] =
-        GENERATE(std::pair{0, 1e-3}, std::pair{1, 1e-3}, std::pair{3, 5e-3}, std::pair{4, 5e-3});
+        GENERATE(std::pair{0, 1e-3}, std::pair{1, 1e-3}, std::pair{2, 2.3e-2}, std::pair{3, 5e-3},
+                 std::pair{4, 5e-3}, std::pair{5, 5e-3});
     const bool closed_form = GENERATE(true, false);
     const Format& format = kFormats[index];
     const Written written(format, closed_form ? material() : solved());
     const auto file = format.open(written.bytes);
-    for (const double mu : {0.1, 0.3, 0.9}) {
+    for (const double mu : {0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0}) {
         const support::Sampling sampling = support::sampling_of(*file, mu);
         const auto sampled = support::sampled_albedo(sampling, 10000);
         const auto expected = support::integrated_albedo(written.truth, mu);
@@ -247,7 +254,7 @@ TEST_CASE("sampled with the stored tables, the albedo is complete and the densit
 
 TEST_CASE("the sampling that `check` judges by carries the albedo and draws by its density",
           "[exports][read_back]") {
-    const Format& format = kFormats[GENERATE(0, 2)];
+    const Format& format = kFormats[GENERATE(0, 3)];
     const Written written(format, material());
     const auto file = read_brdf_file(written.bytes, format.name);
     for (const double mu : {0.3, 0.9}) {
@@ -279,6 +286,5 @@ TEST_CASE("the readers of `check` see what the other readers see", "[exports][re
             largest = std::max(largest, std::abs(found[c] / expected[c] - 1));
     }
     CAPTURE(format.name);
-    // The central patch of Klems' basis is averaged over three azimuths: 3e-5 between two sides.
-    CHECK(largest <= 1e-4);
+    CHECK(largest <= 1e-6);
 }

@@ -1,10 +1,12 @@
 #include "pipeline/exports/rgl_writer.h"
 
+#include <algorithm>
 #include <cstring>
 #include <sstream>
 
 #include "pipeline/error.h"
 #include "pipeline/exports/readers/brdf_file.h"
+#include "pipeline/exports/readers/tensor_file_reader.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"
 
@@ -49,6 +51,26 @@ TEST_CASE("rgl: the container is laid out as RGL's readers expect", "[exports][r
                              "wavelengths", "spectra"}) {
         CHECK_THAT(content, Catch::Contains(name));
     }
+}
+
+TEST_CASE("rgl: nothing stored is negative, even beside a lobe that the grid does not resolve",
+          "[exports][rgl]") {
+    // pbrt-v4 counts negative values as an error and Mitsuba 3 renders with them.
+    const double alpha = GENERATE(0.3, 0.05, 0.01);
+    const support::SharpMaterial sharp(support::seven_wavelengths(), alpha);
+    std::ostringstream out;
+    write_rgl_spectral(sharp, {.resolution = 24, .incident_angles = 8}, out);
+    const std::string content = out.str();
+    const auto fields = read_tensor_file(content);
+    const auto least = [&](const char* name) {
+        const auto values = tensor_floats(fields, name);
+        float lowest = values[0];
+        for (std::size_t i = 1; i < values.size(); ++i) lowest = std::min(lowest, values[i]);
+        return lowest;
+    };
+    CAPTURE(alpha);
+    CHECK(least("spectra") >= 0.0f);
+    CHECK(least("luminance") > 0.0f);
 }
 
 TEST_CASE("rgl: the RGB file names its channels", "[exports][rgl]") {

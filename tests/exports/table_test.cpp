@@ -1,13 +1,19 @@
 #include "pipeline/exports/table_writer.h"
 
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <sstream>
 
+#include "pipeline/atomic_file.h"
 #include "pipeline/error.h"
 #include "pipeline/exports/deviation.h"
 #include "pipeline/exports/readers/npz_reader.h"
 #include "tests/support/catch.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
 
@@ -87,6 +93,56 @@ TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[exports][table]")
     double value = 0;
     std::memcpy(&value, content.data() + first + 10 + length, 8);
     CHECK(value == 400.0);
+}
+
+TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[exports][table]") {
+    // A limit on the size of files raises SIGXFSZ at a known byte of the archive.
+    const support::TemporaryFolder folder;
+    const rlim_t limit = GENERATE(rlim_t(0), rlim_t(100), rlim_t(4000));
+    const pid_t child = support::in_child(
+        [&] {
+            std::signal(SIGXFSZ, [](int) {
+                remove_unfinished_files();
+                _exit(7);
+            });
+            const rlimit bytes{limit, limit};
+            setrlimit(RLIMIT_FSIZE, &bytes);
+            write_table_npz(material(), grid(), folder / "a.npz");
+        },
+        [](const std::exception&) { return 8; });
+    CHECK(support::exit_code(child) == 7);
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
+    const support::TemporaryFolder folder;
+    write_table_npz(material(), grid(), folder / "a.npz");
+    REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+    const pid_t child =
+        support::in_child([&] { write_table_npz(material(), grid(), folder / "pipe"); },
+                          [](const std::exception&) { return 8; });
+    CHECK(support::read_file(folder / "pipe") == support::read_file(folder / "a.npz"));
+    CHECK(support::exit_code(child) == 0);
+    CHECK_NOTHROW(write_table_npz(material(), grid(), "/dev/null"));
+    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/dev/full"), InputError);
+}
+
+TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behind",
+          "[exports][table][errors]") {
+    const support::TemporaryFolder folder;
+    const pid_t child = support::in_child(
+        [&] {
+            std::signal(SIGXFSZ, SIG_IGN);
+            const rlimit bytes{4000, 4000};
+            setrlimit(RLIMIT_FSIZE, &bytes);
+            write_table_npz(material(), grid(), folder / "a.npz");
+        },
+        [](const std::exception& error) {
+            const bool told = std::string(error.what()).find("File too large") != std::string::npos;
+            return dynamic_cast<const InputError*>(&error) != nullptr && told ? 8 : 9;
+        });
+    CHECK(support::exit_code(child) == 8);
+    CHECK(folder.count() == 0);
 }
 
 TEST_CASE("tables refuse directions out of range and unwritable places",

@@ -44,7 +44,8 @@ exports::ExportOptions parse(const ExportArguments& arguments,
 }
 
 std::string describe(const exports::ExportedFile& file) {
-    std::string line = fmt::format("{}: {} bytes", file.path.string(), file.bytes);
+    std::string line = file.path.string();
+    line += file.bytes > 0 ? fmt::format(": {} bytes", file.bytes) : ": written";
     if (!file.deviation) return line + ", exact at its directions";
     line += "; read back, relative error (rms)";
     for (std::size_t band = 0; band < 3; ++band) {
@@ -119,9 +120,10 @@ void add_export_command(CLI::App& program, Shell& shell) {
     group->add_flag("--bin-centres", arguments->merl_centres,
                     "merl: sample bins at their centres, for readers that do not interpolate");
     group
-        ->add_option("--max-error", arguments->options.largest_error,
-                     "largest relative error (rms, at mu > 0.2 and near the mirror direction) that is "
-                     "accepted on reading back; 0: the format's own")
+        ->add_option(
+            "--max-error", arguments->options.largest_error,
+            "largest relative error (rms, at mu > 0.2 and near the mirror direction) that is "
+            "accepted on reading back; 0: the format's own")
         ->capture_default_str();
     shell.add_common_options(*command);
     command->footer(

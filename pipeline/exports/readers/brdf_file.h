@@ -14,6 +14,14 @@
 
 namespace miebrdf::exports {
 
+/// The directions of a table: it has a value at each combination.
+struct ListedDirections {
+    std::vector<double> mu_in, mu_out;  ///< ascending
+    std::vector<double> azimuth_deg;    ///< ascending, 0 = mirror side
+    /// Programs that read the format interpolate: what lies between is as much the file's.
+    bool interpolated = false;
+};
+
 class BrdfFile {
   public:
     virtual ~BrdfFile() = default;
@@ -30,6 +38,9 @@ class BrdfFile {
     /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
     /// holds none.
     virtual void evaluate(const Direction& direction, std::span<double> values) const = 0;
+
+    /// Of tables over lists of directions.
+    virtual std::optional<ListedDirections> listed() const { return {}; }
 
     /// Which cosine the format's importance sampling starts from; it draws the other one.
     enum class Sampling { none, from_mu_in, from_mu_out };

@@ -62,6 +62,11 @@ class GridFile : public BrdfFile {
     const std::vector<std::string>& channels() const override { return table_.channels; }
     const std::vector<double>& wavelength_nm() const override { return table_.wavelength_nm; }
 
+    std::optional<ListedDirections> listed() const override {
+        return ListedDirections{cosines(table_.in), cosines(table_.out), table_.azimuth_deg,
+                                table_.elevation == Elevation::angle_deg};
+    }
+
     void evaluate(const Direction& direction, std::span<double> values) const override {
         const Position i = locate(table_.in, coordinate(direction.mu_in));
         const Position o = locate(table_.out, coordinate(direction.mu_out));
@@ -83,6 +88,14 @@ class GridFile : public BrdfFile {
     }
 
   private:
+    std::vector<double> cosines(const std::vector<double>& elevations) const {
+        std::vector<double> list = elevations;
+        if (table_.elevation == Elevation::cosine) return list;
+        for (double& angle : list) angle = std::cos(angle * std::numbers::pi / 180);
+        std::reverse(list.begin(), list.end());
+        return list;
+    }
+
     double coordinate(double mu) const {
         if (table_.elevation == Elevation::cosine) return mu;
         return std::acos(std::clamp(mu, -1.0, 1.0)) * 180 / std::numbers::pi;

@@ -65,7 +65,7 @@ class ScatfunFile : public OutsideFile {
         const auto series = mixed(mu_i, viewer.z())[0];
         if (series.empty() || !(series[0] > 0)) return {};
         // One half of u for each side of the plane of incidence.
-        const double half = u < 0.5 ? 2 * u : 2 * u - 1;
+        const double half = u < 0.5 ? 2 * u : 2 - 2 * u;
         const double angle = root(
             [&](double phi) {
                 double total = series[0] * (phi - half * kPi);

@@ -1,4 +1,4 @@
-// Radiance's BSDF XML: Klems matrices and tensor trees. docs/formats/radiance.md
+// Radiance's BSDF XML as a tensor tree: docs/formats/radiance.md.
 #pragma once
 
 #include <iosfwd>
@@ -6,11 +6,6 @@
 #include "pipeline/exports/rgb_source.h"
 
 namespace miebrdf::exports {
-
-/// A matrix of averages over 145 x 145 patches (LBNL/Klems Full), for Y, X and Z.
-/// @throws Cancelled
-void write_radiance_klems(const RgbSource& source, std::ostream& out,
-                          const RunControl& control = {});
 
 /// An isotropic tensor tree (TensorTree3, LBNL/Shirley-Chiu) as one full grid of 2^levels cells a
 /// side: luminance, and the chromaticity u', v'.
