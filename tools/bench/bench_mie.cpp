@@ -20,6 +20,7 @@
 #include "mie/ensemble.h"
 #include "mie/sphere.h"
 #include "mie/sphere_block.h"
+#include "tools/bench/process_memory.h"
 
 using namespace miebrdf;
 
@@ -209,6 +210,7 @@ int main(int argc, char** argv) {
     register_requests();
     register_threads();
     register_reference_cases();
+    miebrdf::bench::keep_freed_memory();  // as the program does
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
     return 0;

@@ -50,7 +50,7 @@ void ParticleArguments::add_to(CLI::App& command) {
     group->add_option("--k-floor", options_.k_floor,
                       "raise a smaller k of the material to this")->capture_default_str();
     group->add_option("--mie-tolerance", options_.tolerance,
-                      "relative error of the size average; 0: a tenth of --tolerance")
+                      "relative error of the size average; 0: a fifth of --tolerance")
         ->capture_default_str();
 }
 
