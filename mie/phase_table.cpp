@@ -84,9 +84,15 @@ Eigen::VectorXd PhaseTable::coefficients_of(const Eigen::VectorXd& values) {
 }
 
 PhaseTable::PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values,
-                       double interpolation_error, double size_error)
-    : parts_{std::move(edges), Eigen::MatrixXd(values.rows(), values.cols()), 1,
-             interpolation_error, size_error} {
+                       double interpolation_error, double size_error, std::vector<double> noise,
+                       double noise_floor)
+    : parts_{std::move(edges),
+             Eigen::MatrixXd(values.rows(), values.cols()),
+             1,
+             interpolation_error,
+             size_error,
+             std::move(noise),
+             noise_floor} {
     for (Eigen::Index panel = 0; panel < values.cols(); ++panel) {
         parts_.coefficients.col(panel) = coefficients_of(values.col(panel));
     }
@@ -110,14 +116,19 @@ PhaseTable::PhaseTable(Parts parts) : parts_(std::move(parts)) {
     const auto panels = static_cast<Eigen::Index>(parts_.edges.size()) - 1;
     if (panels < 1 || parts_.coefficients.rows() != panel_nodes ||
         parts_.coefficients.cols() != panels ||
+        (!parts_.noise.empty() && static_cast<Eigen::Index>(parts_.noise.size()) != panels) ||
         !std::is_sorted(parts_.edges.begin(), parts_.edges.end())) {
         throw std::invalid_argument("parts of a phase table that do not fit each other");
     }
 }
 
-double PhaseTable::at_angle(double theta) const {
+std::size_t PhaseTable::panel_at(double theta) const {
     const auto above = std::upper_bound(parts_.edges.begin() + 1, parts_.edges.end() - 1, theta);
-    const std::size_t panel = static_cast<std::size_t>(above - parts_.edges.begin()) - 1;
+    return static_cast<std::size_t>(above - parts_.edges.begin()) - 1;
+}
+
+double PhaseTable::at_angle(double theta) const {
+    const std::size_t panel = panel_at(theta);
     const double lower = parts_.edges[panel], upper = parts_.edges[panel + 1];
     const double t = (2 * theta - lower - upper) / (upper - lower);
     return clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(panel)).data(), t);
@@ -125,6 +136,12 @@ double PhaseTable::at_angle(double theta) const {
 
 double PhaseTable::operator()(double cos_theta) const {
     return at_angle(std::acos(std::clamp(cos_theta, -1.0, 1.0)));
+}
+
+double PhaseTable::noise(double cos_theta) const {
+    if (parts_.noise.empty()) return 0;
+    const double theta = std::acos(std::clamp(cos_theta, -1.0, 1.0));
+    return parts_.noise[panel_at(theta)] * std::max(at_angle(theta), parts_.noise_floor);
 }
 
 std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {

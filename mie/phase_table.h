@@ -23,6 +23,8 @@ class PhaseTable {
         std::vector<double> edges;     ///< radians, ascending from 0 to pi
         Eigen::MatrixXd coefficients;  ///< Chebyshev, panel_nodes x panels
         double mean = 1, interpolation_error = 0, size_error = 0;
+        std::vector<double> noise;  ///< of each panel, relative to max(P, noise_floor); empty: 0
+        double noise_floor = 0;
     };
 
     PhaseTable() = default;
@@ -32,11 +34,14 @@ class PhaseTable {
     /// @param values  P at the nodes of each panel (nodes_of), one column per panel
     /// @param interpolation_error  relative to the largest P of the panel, the worst panel
     /// @param size_error  relative to P, from its finite number of sizes, the worst node
+    /// @param noise  the same of each panel, rms over its nodes, relative to max(P, noise_floor)
     PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values, double interpolation_error,
-               double size_error);
+               double size_error, std::vector<double> noise = {}, double noise_floor = 0);
 
     /// @param cos_theta  cosine of the scattering angle, taken as +-1 outside [-1, 1]
     double operator()(double cos_theta) const;
+    /// What P there is expected to err by for its finite number of sizes (rms, absolute).
+    double noise(double cos_theta) const;
 
     /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
     double mean() const { return parts_.mean; }
@@ -57,6 +62,7 @@ class PhaseTable {
     static Eigen::VectorXd coefficients_of(const Eigen::VectorXd& values);
 
   private:
+    std::size_t panel_at(double theta) const;
     double at_angle(double theta) const;
 
     Parts parts_;

@@ -118,6 +118,8 @@ PhaseTable PhaseTabulation::table_of(int family) const {
     std::vector<double> edges = {0};
     constexpr Eigen::Index last = PhaseTable::panel_nodes - 1;
     Eigen::MatrixXd values(last + 1, static_cast<Eigen::Index>(panels.size()));
+    // Of three neighbours, the noisiest: in narrow panels all nodes may agree by chance.
+    std::vector<double> noise;
     double interpolation_error = 0, size_error = 0;
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const auto column = static_cast<Eigen::Index>(p);
@@ -130,8 +132,11 @@ PhaseTable PhaseTabulation::table_of(int family) const {
         }
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
+        noise.push_back(std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
+                                  panels[std::min(p + 1, panels.size() - 1)]->noise()}));
     }
-    return PhaseTable(std::move(edges), values, interpolation_error, size_error);
+    return PhaseTable(std::move(edges), values, interpolation_error, size_error, std::move(noise),
+                      options_.floor);
 }
 
 }  // namespace miebrdf::mie

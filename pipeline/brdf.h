@@ -17,12 +17,13 @@ namespace miebrdf {
 /// Parts that Request::parts does not ask for may be empty.
 struct SpectralSlice {
     double wavelength_nm = 0.0;
-    std::vector<double> subsurface;  ///< R / pi of the layers alone
-    std::vector<double> surface;     ///< the lobe R_s; empty without a surface
-    std::vector<double> total;       ///< surface + transmitted subsurface (Chen et al., eq. 5)
-    PhysicsReport layers_physics;    ///< of subsurface
-    PhysicsReport physics;           ///< of total, or of the one part that was asked for
+    std::vector<double> subsurface;   ///< R / pi of the layers alone
+    std::vector<double> surface;      ///< the lobe R_s; empty without a surface
+    std::vector<double> total;        ///< surface + transmitted subsurface (Chen et al., eq. 5)
+    PhysicsReport layers_physics;     ///< of subsurface
+    PhysicsReport physics;            ///< of total, or of the one part that was asked for
     double mie_error_estimate = 0.0;  ///< largest of the media
+    double phase_noise = 0.0;  ///< largest of any direction (phase_noise.h); not in error_estimate
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together
     bool converged = false;       ///< every step reached its tolerance
@@ -33,6 +34,7 @@ struct BrdfResult {
     std::vector<std::string> sources;   ///< where the figures come from, one line for each medium
     bool converged = false;
     double error_estimate = 0.0;  ///< largest over the wavelengths
+    double phase_noise = 0.0;     ///< the same
 };
 
 /// Computes a request; wavelengths run in parallel, with the same result for any number of threads.
@@ -46,6 +48,7 @@ struct AlbedoSlice {
     std::vector<double> plane_albedo;  ///< one for each mu_in
     double spherical_albedo = 0.0;
     double mie_error_estimate = 0.0;
+    double phase_noise = 0.0;  ///< 0: an albedo averages it out
     rte::SolverReport report;
     double error_estimate = 0.0;
     bool converged = false;
@@ -56,6 +59,7 @@ struct AlbedoResult {
     std::vector<std::string> sources;
     bool converged = false;
     double error_estimate = 0.0;
+    double phase_noise = 0.0;
 };
 
 AlbedoResult compute_albedo(const Request& request, const RunControl& control = {});

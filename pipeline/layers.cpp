@@ -7,6 +7,7 @@
 #include "pipeline/layer_jobs.h"
 #include "pipeline/packed_layers.h"
 #include "pipeline/parallel.h"
+#include "pipeline/phase_noise.h"
 #include "pipeline/result_cache.h"
 #include "pipeline/rules.h"
 #include "pipeline/shared_work.h"
@@ -76,8 +77,7 @@ rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_
 }
 
 LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
-                 LayerQuantity quantity, double wavelength_nm,
-                 rte::SolvedHalfSpaces* half_spaces) {
+                 LayerQuantity quantity, double wavelength_nm, rte::SolvedHalfSpaces* half_spaces) {
     rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
     solver.half_space_tolerance = kToleranceShares.iteration * request.solver.tolerance;
     solver.half_spaces = half_spaces;
@@ -90,6 +90,8 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver);
         slice.values = std::move(table.reflection);
         slice.report = table.report;
+        slice.phase_noise =
+            largest_phase_noise(stack, request.directions, slice.values, table.report.moments);
         slice.plane_albedo = std::move(table.plane_albedo);
     } else {
         rte::AlbedoTable table =
@@ -153,7 +155,8 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
         if (control.cache != nullptr) control.cache->store(jobs[j].hash, packed(solved[j]));
     });
     std::vector<LayerSlice> slices;
-    for (const std::size_t j : list.serving) slices.push_back(spread(solved[j], distinct, quantity));
+    for (const std::size_t j : list.serving)
+        slices.push_back(spread(solved[j], distinct, quantity));
     return slices;
 }
 

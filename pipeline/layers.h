@@ -23,17 +23,18 @@ enum class LayerQuantity {
 LayerQuantity albedo_quantity(const Scene& scene);
 
 struct LayerSlice {
-    std::vector<double> values;  ///< laid out as in rte::ReflectionTable, or as said above
+    std::vector<double> values;        ///< laid out as in rte::ReflectionTable, or as said above
     std::vector<double> plane_albedo;  ///< at the request's mu_in, with `reflection` too
     double mie_error_estimate = 0.0;
+    double phase_noise = 0.0;  ///< see largest_phase_noise; of `reflection` only
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together
     bool converged = false;       ///< every step reached its tolerance
 };
 
-/// One slice for each of Request::wavelength_nm; wavelengths whose layers are the same (repeated, or
-/// of media that do not change with it) are computed once. With control.cache, slices are stored as soon as
-/// they are known: a run that is stopped keeps what it has done.
+/// One slice for each of Request::wavelength_nm; wavelengths whose layers are the same (repeated,
+/// or of media that do not change with it) are computed once. With control.cache, slices are stored
+/// as soon as they are known: a run that is stopped keeps what it has done.
 /// @throws UsageError, InputError, Cancelled
 std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
                                        LayerQuantity quantity, const RunControl& control);

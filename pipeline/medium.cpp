@@ -26,8 +26,10 @@ std::vector<double> parameters(const std::string& text, const std::string& value
 
 double checked_albedo(const std::string& text, double albedo) {
     if (!(albedo >= 0.0 && albedo <= 1.0)) {
-        throw UsageError(fmt::format("medium '{}': single-scattering albedo {} is out of range; "
-                                     "allowed: [0, 1]", text, albedo));
+        throw UsageError(
+            fmt::format("medium '{}': single-scattering albedo {} is out of range; "
+                        "allowed: [0, 1]",
+                        text, albedo));
     }
     return albedo;
 }
@@ -44,8 +46,10 @@ Medium parse_henyey_greenstein(const std::string& text, const std::string& value
 Medium parse_index(const std::string& text, const std::string& values) {
     const auto numbers = parameters(text, values, 2, "index:N,K, e.g. index:1.5,0.01");
     if (!(numbers[0] > 0.0 && numbers[1] >= 0.0)) {
-        throw UsageError(fmt::format("medium '{}': refractive index {} + {}i is out of range; "
-                                     "allowed: n > 0, k >= 0", text, numbers[0], numbers[1]));
+        throw UsageError(
+            fmt::format("medium '{}': refractive index {} + {}i is out of range; "
+                        "allowed: n > 0, k >= 0",
+                        text, numbers[0], numbers[1]));
     }
     return IndexMedium{{numbers[0], numbers[1]}};
 }
@@ -105,8 +109,10 @@ bool needs_mie(const Medium& medium) {
 CoatMedium parse_coat(const std::string& text) {
     const std::size_t at = text.rfind('@');
     if (at == std::string::npos) {
-        throw UsageError(fmt::format("coat '{}' has no optical depth; write MEDIUM@OPTICAL_DEPTH, "
-                                     "e.g. AlGaAs7@0.1", text));
+        throw UsageError(
+            fmt::format("coat '{}' has no optical depth; write MEDIUM@OPTICAL_DEPTH, "
+                        "e.g. AlGaAs7@0.1",
+                        text));
     }
     const double optical_depth = parse_number(text.substr(at + 1), "optical depth");
     if (!(optical_depth >= 0.0)) {
@@ -122,8 +128,10 @@ mie::SizeDistributionKind parse_size_distribution(const std::string& text) {
     if (text == "gamma") return Kind::gamma;
     if (text == "log-normal") return Kind::log_normal;
     if (text == "mono") return Kind::mono;
-    throw UsageError(fmt::format("unknown size distribution '{}'; allowed: power-law, gamma, "
-                                 "log-normal, mono", text));
+    throw UsageError(
+        fmt::format("unknown size distribution '{}'; allowed: power-law, gamma, "
+                    "log-normal, mono",
+                    text));
 }
 
 }  // namespace miebrdf

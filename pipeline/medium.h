@@ -55,7 +55,7 @@ struct ParticleOptions {
     mie::SizeDistribution sizes;
     double host_index = 1.0;  ///< of the medium between the spheres, > 0
     double k_floor = 0.0;     ///< k below this is raised to it; 0: k as tabulated
-    double tolerance = 0.0;   ///< of the size average; 0: a tenth of the request's tolerance
+    double tolerance = 0.0;   ///< of the size average; 0: a fifth of the request's tolerance
 };
 
 /// @throws UsageError  with the value and the allowed range

@@ -39,12 +39,17 @@ rte::Optics analytic_optics(const Medium& medium) {
 /// Of the error that points of P may have, the part that their interpolation may.
 constexpr double kInterpolationShare = 0.5;
 
-/// Where P is below half of its mean over the sphere, noise is judged against that: single scattering
-/// R = P / (4 (mu + mu')) of such angles is small beside the largest value at any incidence.
+/// Points of P may err by this times what moments may: 1e-2 at the default tolerance of 1e-3.
+constexpr double kPhasePerMoment = 50, kLeastPhaseTolerance = 2e-4, kMostPhaseTolerance = 3e-2;
+
+/// Where P is below half of its mean over the sphere, noise is judged against that: single
+/// scattering R = P / (4 (mu + mu')) of such angles is small beside the largest value at any
+/// incidence.
 constexpr double kPhaseFloor = 0.5;
 
 mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelength_nm,
-                                      const ParticleOptions& particles, const OpticsDemand& demand) {
+                                      const ParticleOptions& particles,
+                                      const OpticsDemand& demand) {
     mie::EnsembleRequest request;
     request.sizes = particles.sizes;
     request.refractive_index = index;
@@ -56,6 +61,8 @@ mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelen
     if (demand.whole_phase_function) {
         request.with_phase_table = true;
         request.phase_floor = kPhaseFloor;
+        request.phase_tolerance = std::clamp(kPhasePerMoment * demand.tolerance,
+                                             kLeastPhaseTolerance, kMostPhaseTolerance);
         request.table_tolerance = kInterpolationShare * request.phase_tolerance;
         request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
     }

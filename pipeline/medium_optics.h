@@ -21,8 +21,8 @@ struct OpticsDemand {
     double tolerance = 1e-4;         ///< relative, of the size average
 };
 
-/// The cost of moments grows with their square; beyond this many (spheres of about 0.5 mm in visible
-/// light) the list is cut short.
+/// The cost of moments grows with their square; beyond this many (spheres of about 0.5 mm in
+/// visible light) the list is cut short.
 constexpr int kMostMoments = 12'000;
 
 struct MediumOptics {

@@ -39,7 +39,8 @@ class MomentsReader {
 
   private:
     [[noreturn]] void refuse(const std::string& reason) const {
-        throw InputError(fmt::format("moments file '{}', line {}: {}", path_, line_number_, reason));
+        throw InputError(
+            fmt::format("moments file '{}', line {}: {}", path_, line_number_, reason));
     }
 
     double number(const std::string& text) const {
@@ -68,7 +69,8 @@ class MomentsReader {
     void read_albedo(const std::string& text) {
         albedo_ = number(text);
         if (!(*albedo_ >= 0.0 && *albedo_ <= 1.0)) {
-            refuse(fmt::format("single-scattering albedo {} is out of range; allowed: [0, 1]", *albedo_));
+            refuse(fmt::format("single-scattering albedo {} is out of range; allowed: [0, 1]",
+                               *albedo_));
         }
     }
 

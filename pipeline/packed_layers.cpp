@@ -31,6 +31,7 @@ std::vector<double> packed(const LayerSlice& slice) {
     packer.add(slice.values)
         .add(slice.plane_albedo)
         .add(slice.mie_error_estimate)
+        .add(slice.phase_noise)
         .add(slice.error_estimate);
     packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
     packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
@@ -45,6 +46,7 @@ LayerSlice unpacked_layers(const std::vector<double>& numbers) {
     slice.values = unpacker.list();
     slice.plane_albedo = unpacker.list();
     slice.mie_error_estimate = unpacker.number();
+    slice.phase_noise = unpacker.number();
     slice.error_estimate = unpacker.number();
     slice.converged = unpacker.number() == 1;
     slice.report.streams = static_cast<int>(unpacker.number());

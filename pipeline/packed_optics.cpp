@@ -10,6 +10,7 @@ void pack_table(const mie::PhaseTable::Parts& parts, NumberPacker& packer) {
     const Eigen::MatrixXd& c = parts.coefficients;
     packer.add(parts.edges).add(std::vector<double>(c.data(), c.data() + c.size()));
     packer.add(parts.mean).add(parts.interpolation_error).add(parts.size_error);
+    packer.add(parts.noise).add(parts.noise_floor);
 }
 
 mie::PhaseTable unpack_table(NumberUnpacker& unpacker) {
@@ -22,6 +23,8 @@ mie::PhaseTable unpack_table(NumberUnpacker& unpacker) {
     parts.mean = unpacker.number();
     parts.interpolation_error = unpacker.number();
     parts.size_error = unpacker.number();
+    parts.noise = unpacker.list();
+    parts.noise_floor = unpacker.number();
     return mie::PhaseTable(std::move(parts));
 }
 

@@ -17,8 +17,8 @@ namespace miebrdf {
 void run_parallel(const std::string& stage, std::size_t count, const RunControl& control,
                   const std::function<void(std::size_t)>& job);
 
-/// For the pieces of one job of run_parallel: they go to threads of the same run that have no job of
-/// their own left, so that one large job is not done by one thread.
+/// For the pieces of one job of run_parallel: they go to threads of the same run that have no job
+/// of their own left, so that one large job is not done by one thread.
 mie::Executor pieces_of_job(const RunControl& control);
 
 }  // namespace miebrdf

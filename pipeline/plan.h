@@ -20,8 +20,8 @@ struct PlannedStep {
 };
 
 struct Omission {
-    std::string rule;    ///< its name, the same for every request
-    std::string reason;  ///< why it holds here
+    std::string rule;      ///< its name, the same for every request
+    std::string reason;    ///< why it holds here
     double saved_s = 0.0;  ///< estimate for one thread
 };
 

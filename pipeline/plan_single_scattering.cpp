@@ -36,20 +36,22 @@ void Planner::single_scattering() {
         }
     }
     for (const auto& [name, jobs] : count) {
-        plan_.steps.push_back({"single scattering",
-                               fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand.tolerance,
-                                           whole_phase_ ? ", every angle" : ", moments only"),
-                               jobs, mie_cost(parse_medium(name))});
+        plan_.steps.push_back(
+            {"single scattering",
+             fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand.tolerance,
+                         whole_phase_ ? ", every angle" : ", moments only"),
+             jobs, mie_cost(parse_medium(name))});
     }
     for (const std::string& name : given) {
         leave_out("analytic medium", fmt::format("{} is given: no Mie theory", name),
                   jobs() * mie_seconds(request_.scene.particles, jobs_nm_.front(), whole_phase_));
     }
     if (repeated > 0) {
-        leave_out("same spheres",
-                  fmt::format("{} Mie run(s) have index, wavelength and sizes of others before them",
-                              repeated),
-                  repeated_s);
+        leave_out(
+            "same spheres",
+            fmt::format("{} Mie run(s) have index, wavelength and sizes of others before them",
+                        repeated),
+            repeated_s);
     }
     if (!whole_phase_) leave_out_phase_functions(count.size());
 }

@@ -32,11 +32,12 @@ void validate(const ParticleOptions& particles) {
     }
     require_positive(particles.host_index, "host index");
     if (!(particles.k_floor >= 0.0 && std::isfinite(particles.k_floor))) {
-        throw UsageError(fmt::format("k floor: {} is out of range; allowed: >= 0", particles.k_floor));
+        throw UsageError(
+            fmt::format("k floor: {} is out of range; allowed: >= 0", particles.k_floor));
     }
     if (!(particles.tolerance >= 0.0 && particles.tolerance < 1.0)) {
-        throw UsageError(fmt::format("Mie tolerance: {} is out of range; allowed: (0, 1)",
-                                     particles.tolerance));
+        throw UsageError(
+            fmt::format("Mie tolerance: {} is out of range; allowed: (0, 1)", particles.tolerance));
     }
 }
 
@@ -56,8 +57,8 @@ void validate(const Request& request) {
     require_cosines(request.directions.mu_out, "mu_out");
     for (const double azimuth : request.directions.azimuth_deg) {
         if (!(azimuth >= -360.0 && azimuth <= 360.0)) {
-            throw UsageError(fmt::format("azimuth: {} is out of range; allowed: [-360, 360] degrees",
-                                         azimuth));
+            throw UsageError(
+                fmt::format("azimuth: {} is out of range; allowed: [-360, 360] degrees", azimuth));
         }
     }
     if (!(request.solver.tolerance > 0.0 && request.solver.tolerance < 1.0)) {

@@ -122,8 +122,8 @@ std::optional<std::vector<double>> ResultCache::find(const std::string& hash) {
     const std::lock_guard lock(mutex_);
     if (!database_) return std::nullopt;
     try {
-        auto query = database_->connection.prepare(
-            "SELECT numbers, checksum FROM result WHERE hash = ?");
+        auto query =
+            database_->connection.prepare("SELECT numbers, checksum FROM result WHERE hash = ?");
         query.bind(hash);
         if (!query.step()) return std::nullopt;
         const std::string bytes = query.blob(0);
@@ -146,8 +146,9 @@ void ResultCache::store(const std::string& hash, std::span<const double> numbers
     try {
         const std::string_view bytes = bytes_of(numbers);
         database_->connection
-            .prepare("INSERT OR REPLACE INTO result (hash, numbers, bytes, checksum, "
-                     "stored_at) VALUES (?, ?, ?, ?, ?)")
+            .prepare(
+                "INSERT OR REPLACE INTO result (hash, numbers, bytes, checksum, "
+                "stored_at) VALUES (?, ?, ?, ?, ?)")
             .bind(hash)
             .bind_blob(bytes)
             .bind(static_cast<std::int64_t>(bytes.size()))

@@ -16,7 +16,7 @@ namespace miebrdf {
 /// A scene at one wavelength, ready for radiative transfer.
 struct SceneOptics {
     rte::Stack stack;
-    double mie_error_estimate = 0.0;                    ///< largest of the media
+    double mie_error_estimate = 0.0;  ///< largest of the media
     bool converged = true;
 };
 
@@ -42,7 +42,8 @@ class SceneMedia {
     /// Base (0) and coats (1, ...) of scene(), looked up.
     const std::vector<ResolvedMedium>& media() const { return media_; }
 
-    /// The layers from a coat of scene() upwards, with that coat as the half-space, and those below.
+    /// The layers from a coat of scene() upwards, with that coat as the half-space, and those
+    /// below.
     SceneMedia from_coat(std::size_t coat) const;
     SceneMedia below_coat(std::size_t coat) const;
 
@@ -55,8 +56,8 @@ class SceneMedia {
     /// Adds what the layers at a wavelength depend on.
     void add_to(JobKey& key, double wavelength_nm) const;
 
-    /// Optics at each of the wavelengths. Equal jobs (same index, wavelength and sizes) are computed
-    /// once; different ones run in parallel.
+    /// Optics at each of the wavelengths. Equal jobs (same index, wavelength and sizes) are
+    /// computed once; different ones run in parallel.
     std::vector<SceneOptics> optics(const std::vector<double>& wavelength_nm,
                                     const OpticsDemand& demand, const RunControl& control) const;
 

@@ -30,8 +30,7 @@ void SharedWork::expect(const Request& request, const SceneMedia& media, LayerQu
         ++bases_[job.base_hash].expected;
         for (const ResolvedMedium& medium : media.media()) {
             if (!needs_mie(medium.medium)) continue;
-            spheres.insert(
-                optics_hash(medium, job.wavelength_nm, request.scene.particles, demand));
+            spheres.insert(optics_hash(medium, job.wavelength_nm, request.scene.particles, demand));
         }
     }
     for (const std::string& hash : spheres) ++spheres_[hash].to_come;

@@ -1,5 +1,5 @@
-// What the results of one run have in common, computed once: the optics of the same spheres, and the
-// half-space that several coats lie on.
+// What the results of one run have in common, computed once: the optics of the same spheres, and
+// the half-space that several coats lie on.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 
 namespace miebrdf {
 
-/// Owned by a run, handed on in RunControl::shared. Results are the same to the last bit with it and
-/// without. It keeps only what a later job is known to use (`expect`), until the last one has, and
-/// no more than its limit. May be used from several threads.
+/// Owned by a run, handed on in RunControl::shared. Results are the same to the last bit with it
+/// and without. It keeps only what a later job is known to use (`expect`), until the last one has,
+/// and no more than its limit. May be used from several threads.
 class SharedWork {
   public:
     /// Enough for 31 wavelengths of 32 x 32 directions on 24 nodes, three times.

@@ -16,6 +16,7 @@ void set_report(Slice& slice, const LayerSlice& layers, double wavelength_nm) {
     slice.wavelength_nm = wavelength_nm;
     slice.report = layers.report;
     slice.mie_error_estimate = layers.mie_error_estimate;
+    slice.phase_noise = layers.phase_noise;
     slice.error_estimate = layers.error_estimate;
     slice.converged = layers.converged;
 }
@@ -27,6 +28,7 @@ void summarise(Result& result) {
     for (const auto& slice : result.slices) {
         result.converged = result.converged && slice.converged;
         result.error_estimate = std::max(result.error_estimate, slice.error_estimate);
+        result.phase_noise = std::max(result.phase_noise, slice.phase_noise);
     }
 }
 

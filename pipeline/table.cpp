@@ -97,7 +97,8 @@ void write_json(const Table& table, std::ostream& out) {
     }
     for (const auto& row : table.report) {
         nlohmann::ordered_json object;
-        for (std::size_t i = 0; i < row.size(); ++i) object[table.report_columns[i]] = json_of(row[i]);
+        for (std::size_t i = 0; i < row.size(); ++i)
+            object[table.report_columns[i]] = json_of(row[i]);
         json["report"].push_back(std::move(object));
     }
     out << json.dump(1) << '\n';

@@ -23,8 +23,9 @@ struct Table {
     std::vector<std::vector<Cell>> report;
 };
 
-/// `# name: value` lines, the report as `# report: a,b` lines, a header line, rows; numbers in the shortest form that reads back to the
-/// same double. Text that needs it is quoted (RFC 4180). Not-a-number becomes an empty field.
+/// `# name: value` lines, the report as `# report: a,b` lines, a header line, rows; numbers in the
+/// shortest form that reads back to the same double. Text that needs it is quoted (RFC 4180).
+/// Not-a-number becomes an empty field.
 void write_csv(const Table& table, std::ostream& out);
 
 /// One object: the facts under "facts", then "columns" and "rows", and the

@@ -33,7 +33,8 @@ std::vector<std::string> materials_of(const Table1Request& request) {
     return names;
 }
 
-std::vector<Cell> list_cells(const std::vector<std::string>& materials, const Table1Request& request) {
+std::vector<Cell> list_cells(const std::vector<std::string>& materials,
+                             const Table1Request& request) {
     std::vector<Cell> cells;
     for (const rte::Table1Convention& convention : request.conventions) {
         rte::SurfaceOptions surface = convention.surface;
@@ -44,7 +45,8 @@ std::vector<Cell> list_cells(const std::vector<std::string>& materials, const Ta
                 : request.wavelength_nm;
         for (std::size_t m = 0; m < materials.size(); ++m) {
             for (std::size_t w = 0; w < wavelengths.size(); ++w) {
-                cells.push_back({m, surface,
+                cells.push_back({m,
+                                 surface,
                                  {convention.name, materials[m], rgb ? kChannels[w] : "",
                                   wavelengths[w], 0.0, printed_value(materials[m], w, request)}});
             }

@@ -21,10 +21,10 @@ struct Table1Entry {
 };
 
 struct Table1Request {
-    std::vector<std::string> materials;            ///< empty: the paper's four
+    std::vector<std::string> materials;  ///< empty: the paper's four
     std::vector<rte::Table1Convention> conventions;
-    std::vector<double> wavelength_nm;             ///< empty: each convention's R, G, B
-    std::optional<double> beckmann_alpha;          ///< instead of the convention's
+    std::vector<double> wavelength_nm;     ///< empty: each convention's R, G, B
+    std::optional<double> beckmann_alpha;  ///< instead of the convention's
     std::string database;
 };
 

@@ -75,7 +75,8 @@ bool hides_what_is_below(const rte::Optics& coat, double optical_depth,
     constexpr double rounding = 1e-13;
     const std::size_t incident = directions.mu_in.size();
     const bool albedo_only = directions.mu_out.empty();
-    if (albedo_only && !(kSafety * mean <= kShare * tolerance * black.spherical_albedo)) return false;
+    if (albedo_only && !(kSafety * mean <= kShare * tolerance * black.spherical_albedo))
+        return false;
     for (std::size_t i = 0; i < incident; ++i) {
         const double allowed = kShare * tolerance * black.plane_albedo[i];
         if (albedo_only && !(kSafety * visible(i) <= allowed)) return false;

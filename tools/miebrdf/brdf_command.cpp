@@ -23,18 +23,15 @@ Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) :
 template <typename Slice>
 std::vector<Cell> report_row(const Slice& slice) {
     const rte::SolverReport& report = slice.report;
-    return {slice.wavelength_nm,
-            slice.converged ? std::string("yes") : std::string("no"),
-            slice.error_estimate,
-            slice.mie_error_estimate,
-            double(report.streams),
-            double(report.moments),
-            double(report.azimuthal_orders)};
+    return {slice.wavelength_nm,    slice.converged ? std::string("yes") : std::string("no"),
+            slice.error_estimate,   slice.mie_error_estimate,
+            slice.phase_noise,      double(report.streams),
+            double(report.moments), double(report.azimuthal_orders)};
 }
 
 const std::vector<std::string> kReportColumns = {
-    "wavelength_nm", "converged", "error_estimate",  "mie_error_estimate",
-    "streams",       "moments",   "azimuthal_orders"};
+    "wavelength_nm", "converged", "error_estimate", "mie_error_estimate",
+    "phase_noise",   "streams",   "moments",        "azimuthal_orders"};
 
 void add_report(Table& table, const BrdfResult& result) {
     table.report_columns = kReportColumns;
@@ -80,6 +77,14 @@ void add_facts(Table& table, const Result& result, const Request& request,
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
     table.facts.emplace_back("tolerance", fmt::format("{}", request.solver.tolerance));
     table.facts.emplace_back("error_estimate", fmt::format("{:.2e}", result.error_estimate));
+    if (result.phase_noise > 0.1 * request.solver.tolerance) {
+        table.facts.emplace_back(
+            "phase_noise",
+            fmt::format(
+                "{:.2e} at most, of single directions (rms, relative like error_estimate and "
+                "not in it), from the number of sphere sizes; a smaller --tolerance lowers it",
+                result.phase_noise));
+    }
     table.facts.emplace_back("method", result.slices.front().report.method);
     for (const auto& slice : result.slices) {
         if (slice.converged) continue;
