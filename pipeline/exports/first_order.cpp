@@ -82,14 +82,18 @@ void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> c
     const Eigen::ArrayXXd weights =
         layer_weights(1.0 / mu_in + 1.0 / mu_out) / (4.0 * (mu_in + mu_out));
     Eigen::VectorXd phases(weights.size());
+    Eigen::ArrayXd sums(weights.rows());
     for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
         phases_->evaluate(std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a])),
                           phases);
-        Eigen::Map<Eigen::ArrayXd>(&reflection[a * wavelengths_], weights.rows()) +=
-            (weights *
-             Eigen::Map<const Eigen::ArrayXXd>(phases.data(), weights.rows(), weights.cols()))
-                .rowwise()
-                .sum();
+        // Summed in an array that is always aligned alike: where Eigen begins with vectors, which
+        // the compiler gives other roundings than scalars, must not depend on the caller's memory.
+        sums = (weights *
+                Eigen::Map<const Eigen::ArrayXXd>(phases.data(), weights.rows(), weights.cols()))
+                   .rowwise()
+                   .sum();
+        for (std::size_t w = 0; w < wavelengths_; ++w)
+            reflection[a * wavelengths_ + w] += sums[Eigen::Index(w)];
     }
 }
 

@@ -33,6 +33,7 @@ set(miebrdf_export_sources
     exports/readers/pbrt_reader.cpp
     exports/readers/radiance_reader.cpp
     exports/readers/rgl_reader.cpp
+    exports/readers/scatfun_tables.cpp
     exports/readers/tensor_file_reader.cpp
     exports/readers/text_table_reader.cpp
     exports/rgb_source.cpp

@@ -5,96 +5,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/error.h"
 #include "pipeline/exports/readers/brdf_file.h"
-#include "pipeline/exports/readers/byte_reader.h"
 #include "pipeline/exports/readers/catmull_rom.h"
+#include "pipeline/exports/readers/scatfun_tables.h"
 
 namespace miebrdf::exports {
 namespace {
 
-constexpr std::string_view kMagic("SCATFUN\x01", 8);
-
-struct Series {
-    std::uint32_t offset = 0;
-    std::uint32_t length = 0;
-};
-
-struct Tables {
-    std::vector<float> nodes;
-    RealView<float> cdf;  ///< these two where they are in the file
-    RealView<float> coefficients;
-    std::vector<Series> series;
-    std::uint32_t longest = 0;
-    std::uint32_t channels = 0;
-};
-
-[[noreturn]] void refuse(const std::string& reason) { throw InputError("pbrt: " + reason); }
-
-std::uint32_t expect(ByteReader& bytes, const char* field, std::uint32_t lowest,
-                     std::uint32_t highest) {
-    const auto value = bytes.number<std::uint32_t>();
-    if (value < lowest || value > highest) {
-        refuse(fmt::format("{} is {}; allowed: {} to {}", field, value, lowest, highest));
-    }
-    return value;
-}
-
-void validate(const Tables& tables) {
-    for (std::size_t i = 0; i < tables.nodes.size(); ++i) {
-        const float previous = i == 0 ? -1.0f : tables.nodes[i - 1];
-        if (!(tables.nodes[i] >= previous && tables.nodes[i] <= 1.0f)) {
-            refuse(fmt::format("cosine nodes are not ascending in [-1, 1] at {}", i));
-        }
-    }
-    const std::uint64_t available = tables.coefficients.size();
-    for (const Series& series : tables.series) {
-        if (series.length > tables.longest ||
-            series.offset + std::uint64_t{series.length} * tables.channels > available) {
-            refuse(
-                fmt::format("a series of {} terms at {} does not fit {} coefficients (longest {})",
-                            series.length, series.offset, available, tables.longest));
-        }
-    }
-}
-
-Tables parse(std::string_view content) {
-    ByteReader bytes(content);
-    bytes.take(kMagic.size());
-    expect(bytes, "flags", 1, 1);
-    Tables tables;
-    const std::uint64_t n = expect(bytes, "nodes", 4, 65536);
-    const std::uint64_t coefficients = bytes.number<std::uint32_t>();
-    tables.longest = bytes.number<std::uint32_t>();
-    tables.channels = bytes.number<std::uint32_t>();
-    if (tables.channels != 1 && tables.channels != 3) {
-        refuse(fmt::format("{} channels; allowed: 1 or 3", tables.channels));
-    }
-    expect(bytes, "bases", 1, 1);
-    const auto metadata = bytes.number<std::uint32_t>();
-    expect(bytes, "parameters", 0, 0);
-    expect(bytes, "parameter values", 0, 0);
-    bytes.take(20);  // eta (of transmission), two roughnesses, two unused
-    tables.nodes = bytes.reals<float>(n);
-    tables.cdf = bytes.view<float>(n * n);
-    if (bytes.remaining() / 8 < n * n) refuse("the file ends in the table of series");
-    tables.series.resize(n * n);
-    for (Series& series : tables.series) {
-        series.offset = bytes.number<std::uint32_t>();
-        series.length = bytes.number<std::uint32_t>();
-    }
-    tables.coefficients = bytes.view<float>(coefficients);
-    if (bytes.remaining() != metadata) {  // layerlab refuses such files too
-        refuse(fmt::format("{} bytes of metadata announced, {} left", metadata, bytes.remaining()));
-    }
-    validate(tables);
-    return tables;
-}
-
 class PbrtFile : public BrdfFile {
   public:
     explicit PbrtFile(std::string content)
-        : content_(std::move(content)), tables_(parse(content_)) {
+        : content_(std::move(content)), tables_(read_scatfun_tables(content_)) {
         channels_ = tables_.channels == 3 ? std::vector<std::string>{"R", "G", "B"}
                                           : std::vector<std::string>{"Y"};
     }
@@ -166,7 +87,7 @@ class PbrtFile : public BrdfFile {
             if (row.weight[i] == 0.0) continue;
             const std::size_t first = static_cast<std::size_t>(row.offset + i) * n;
             for (std::size_t c = 0; c < n; ++c) {
-                const Series& series = tables_.series[first + c];
+                const ScatfunSeries& series = tables_.series[first + c];
                 if (series.length > 0)
                     mix.mean[c] += row.weight[i] * tables_.coefficients[series.offset];
                 mix.cdf[c] += row.weight[i] * tables_.cdf[first + c];
@@ -185,7 +106,7 @@ class PbrtFile : public BrdfFile {
                 if (weight == 0.0) continue;
                 const auto r = static_cast<std::size_t>(row.offset + i);
                 const auto c = static_cast<std::size_t>(column.offset + j);
-                const Series& series = tables_.series[r * tables_.nodes.size() + c];
+                const ScatfunSeries& series = tables_.series[r * tables_.nodes.size() + c];
                 const RealView<float> a = tables_.coefficients.part(
                     series.offset + std::size_t{channel} * series.length, series.length);
                 if (mixed.size() < series.length) mixed.resize(series.length, 0.0);
@@ -235,14 +156,14 @@ class PbrtFile : public BrdfFile {
     }
 
     std::string content_;
-    Tables tables_;
+    ScatfunTables tables_;
     std::vector<std::string> channels_;
     std::vector<double> no_wavelengths_;
 };
 
 }  // namespace
 
-bool looks_like_pbrt(std::string_view content) { return content.starts_with(kMagic); }
+bool looks_like_pbrt(std::string_view content) { return content.starts_with(kScatfunMagic); }
 
 std::unique_ptr<BrdfFile> read_pbrt(std::string content) {
     return std::make_unique<PbrtFile>(std::move(content));
