@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "mie/exact_extinction.h"
-#include "mie/moment_transform.h"
 #include "mie/phase_tabulation.h"
 #include "mie/terms.h"
 
@@ -70,14 +69,19 @@ void EnsembleAverage::start() {
     moments_from_table_ = request_.highest_moment > std::max(least_table_moment, terms_ / 5) &&
                           request_.tolerance >= least_table_tolerance;
     if (!request_.angles_deg.empty()) angular_ = AngularFunctions(request_.angles_deg, terms_);
+    if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width(), run_);
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
+}
+
+int EnsembleAverage::band_width() const {
+    return moments_from_table_ ? safe_band_width : request_.highest_moment;
 }
 
 SizeSumOptions EnsembleAverage::sum_options() const {
     SizeSumOptions options;
     options.terms = terms_;
     if (request_.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
-        options.band_width = moments_from_table_ ? safe_band_width : request_.highest_moment;
+        options.band_width = band_width();
     }
     options.single_precision =
         refinement_->rule() == Rule::even && request_.tolerance >= least_single_tolerance;
@@ -127,7 +131,7 @@ EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
     if (request_.highest_moment >= 0) o.chi.push_back(1.0);
     if (request_.highest_moment == 1) o.chi.push_back(o.asymmetry);
     if (request_.highest_moment >= 2) {
-        o.chi = moments_from_covariance(sums.covariance, run_);
+        o.chi = (*transform_)(sums.covariance, run_);
         const double whole = o.chi[0];
         for (double& chi : o.chi) chi /= whole;
     }

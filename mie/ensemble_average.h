@@ -6,6 +6,7 @@
 
 #include "mie/angular_functions.h"
 #include "mie/ensemble.h"
+#include "mie/moment_transform.h"
 #include "mie/size_refinement.h"
 #include "mie/size_sums.h"
 
@@ -22,6 +23,7 @@ class EnsembleAverage {
   private:
     void start();
     void prepare_even_rule();
+    int band_width() const;
     SizeSumOptions sum_options() const;
     void add_pass();
     EnsembleOptics optics_of(const SizeSums& sums) const;
@@ -39,6 +41,7 @@ class EnsembleAverage {
     int terms_ = 0;
     bool moments_from_table_ = false;
     AngularFunctions angular_;
+    std::optional<MomentTransform> transform_;  // tables that all passes share
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
     double change_before_ = 0;

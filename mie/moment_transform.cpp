@@ -1,6 +1,5 @@
 #include "mie/moment_transform.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -18,8 +17,6 @@ Lane folded(const Group& g) {
     return (g.segment<8>(0) + g.segment<8>(8)) + (g.segment<8>(16) + g.segment<8>(24));
 }
 
-// 1 / sqrt(K^2 - l^2), 0 for l >= K (there the 3j symbol vanishes), for one parity of K:
-// column l, row j for K = 2 j + parity.
 Eigen::ArrayXXd inverse_roots(int largest_j, int highest_l, int parity) {
     const Eigen::ArrayXd K = 2 * Eigen::ArrayXd::LinSpaced(largest_j + 1, 0, largest_j) + parity;
     Eigen::ArrayXXd table(largest_j + 1, highest_l + 1);
@@ -110,13 +107,17 @@ class OneDiagonal {
 
 }  // namespace
 
-std::vector<double> moments_from_covariance(const BandCovariance& covariance, const Executor& run) {
-    const int L = covariance.width();
-    const int terms = covariance.terms();
-    const int largest_j = terms + L + group;
-    Eigen::ArrayXXd odd_K, even_K;
-    run(2,
-        [&](int parity) { (parity == 1 ? odd_K : even_K) = inverse_roots(largest_j, L, parity); });
+MomentTransform::MomentTransform(int terms, int width, const Executor& run)
+    : terms_(terms), width_(width) {
+    run(2, [&](int parity) {
+        inverse_roots_[parity] = inverse_roots(terms + width + group, width, parity);
+    });
+}
+
+std::vector<double> MomentTransform::operator()(const BandCovariance& covariance,
+                                                const Executor& run) const {
+    const int L = width_;
+    const int terms = terms_;
     FirstSquares first_squares(terms + group + 1);
     const int diagonals = std::min(L, terms - 1) + 1;
     std::vector<Lane> sums(L + 1, Lane::Zero());
@@ -132,7 +133,8 @@ std::vector<double> moments_from_covariance(const BandCovariance& covariance, co
             const int end = std::min(count, (job + 1) * diagonals_per_job);
             for (int i = job * diagonals_per_job; i < end; ++i) {
                 const int d = first_d + i;
-                const OneDiagonal diagonal(covariance, d, squares[i], d % 2 == 0 ? odd_K : even_K);
+                const OneDiagonal diagonal(covariance, d, squares[i],
+                                           inverse_roots_[d % 2 == 0 ? 1 : 0]);
                 for (int first = 1; first + d <= terms; first += group) {
                     diagonal.add_orders_from(first, parts[job]);
                 }
