@@ -83,17 +83,16 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const std::function<double(double mu_out)>& outgoing_weight) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-    const Reflector reflector = zeroth_order(scaled, grid, requested, options);
-    Attempt attempt;
-    attempt.physical = reflector.physical;
-    if (!attempt.physical) return attempt;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd counted = D;
     if (outgoing_weight) counted.array() *= grid.mu.array().unaryExpr(outgoing_weight);
-    const Eigen::VectorXd plane = reflector.rows * counted;
-    for (const int i : requested.in) attempt.values.push_back(plane[i]);
-    attempt.values.push_back(counted.dot(reflector.nodes * D) / D.squaredNorm());
+    const Reflector reflector = zeroth_order(scaled, grid, requested, options, counted);
+    Attempt attempt;
+    attempt.physical = reflector.physical;
+    if (!attempt.physical) return attempt;
+    for (const int i : requested.in) attempt.values.push_back(reflector.sky_at_requested[i]);
+    attempt.values.push_back(D.dot(reflector.sky_at_nodes) / D.squaredNorm());
     attempt.report.azimuthal_orders = 1;
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
