@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "rte/order_tail.h"
-#include "rte/stack_solver.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -16,16 +15,19 @@ constexpr double share_of_coarser_orders = 0.01;
 constexpr std::size_t most_pairs = 40000;
 
 // Adds (2 - delta_m0) R^m cos(m azimuth).
-void add_order(int m, std::span<const double> azimuth_deg, const Eigen::MatrixXd& multiple,
-               Eigen::VectorXd& cosines, std::vector<double>& reflection) {
+void add_order(int m, std::span<const double> azimuth_deg,
+               const Eigen::Block<const Eigen::MatrixXd>& multiple, Eigen::VectorXd& cosines,
+               std::vector<double>& reflection) {
     cosines.resize(Eigen::Index(azimuth_deg.size()));
     for (Eigen::Index a = 0; a < cosines.size(); ++a) {
         const double azimuth = azimuth_deg[std::size_t(a)] * (std::numbers::pi / 180.0);
         cosines[a] = m == 0 ? 1.0 : 2.0 * std::cos(m * azimuth);
     }
     double* next = reflection.data();
-    for (const double value : multiple.reshaped()) {
-        for (const double cosine : cosines) *next++ += cosine * value;
+    for (Eigen::Index i = 0; i < multiple.cols(); ++i) {
+        for (Eigen::Index o = 0; o < multiple.rows(); ++o) {
+            for (const double cosine : cosines) *next++ += cosine * multiple(o, i);
+        }
     }
 }
 
@@ -45,7 +47,9 @@ void note(const Reflector& reflector, int order, const RequestedDirections& requ
     sum.converged = sum.converged && reflector.converged;
     if (order > 0) return;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
-    for (const int i : requested.in) sum.plane_albedo.push_back(reflector.sky_at_requested[i]);
+    for (std::size_t i = 0; i < requested.asked_in(); ++i) {
+        sum.plane_albedo.push_back(reflector.sky_at_requested[requested.in[i]]);
+    }
 }
 
 bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
@@ -53,7 +57,17 @@ bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>&
                        [&](int index) { return requested.mu[index] == 1.0; });
 }
 
+// What was asked for, without probes.
+auto asked_part(const Eigen::MatrixXd& multiple, const RequestedDirections& requested) {
+    return multiple.topLeftCorner(Eigen::Index(requested.asked_out()),
+                                  Eigen::Index(requested.asked_in()));
+}
+
 }  // namespace
+
+bool only_order_zero(const RequestedDirections& requested) {
+    return all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
+}
 
 bool is_invisible(int m, std::span<const double> azimuth_deg) {
     return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
@@ -64,16 +78,15 @@ bool is_invisible(int m, std::span<const double> azimuth_deg) {
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options, const OrderList& coarser_orders) {
+                              const SolverOptions& options, StackMemory& memory,
+                              const OrderList& coarser_orders) {
     const std::size_t azimuths = azimuth_deg.size();
     MultipleScattering sum;
-    sum.reflection.assign(requested.in.size() * requested.out.size() * azimuths, 0.0);
-    const bool zeroth_only =
-        all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
-    const int highest = zeroth_only ? 1 : stack.moments;
+    sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
+    const int highest = only_order_zero(requested) ? 1 : stack.moments;
     const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= most_pairs;
 
-    StackSolver solver(stack, grid, requested, options);
+    StackSolver solver(stack, grid, requested, options, memory);
     OrderTail tail(tail_tolerance);
     CoarserOrders coarser(coarser_orders, share_of_coarser_orders * options.tolerance);
     Eigen::VectorXd cosines;
@@ -94,8 +107,9 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
             coarser.compare(m, *multiple, requested);
         }
         sum.orders = m + 1;
-        add_order(m, azimuth_deg, *multiple, cosines, sum.reflection);
-        ended = tail.ends_with(largest_bounded(*multiple, requested));
+        const auto asked = asked_part(*multiple, requested);
+        add_order(m, azimuth_deg, asked, cosines, sum.reflection);
+        ended = tail.ends_with(largest_bounded(asked, requested));
         if (keep) {
             sum.by_order.resize(std::size_t(m) + 1);
             sum.by_order.back() = *multiple;
@@ -106,10 +120,18 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
     return sum;
 }
 
+MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                              const RequestedDirections& requested,
+                              std::span<const double> azimuth_deg, double tail_tolerance,
+                              const SolverOptions& options) {
+    StackMemory memory;
+    return sum_orders(stack, grid, requested, azimuth_deg, tail_tolerance, options, memory, {});
+}
+
 Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
                        const RequestedDirections& requested, const SolverOptions& options,
-                       const Eigen::VectorXd& sky) {
-    return StackSolver(stack, grid, requested, options).solve(0, ReflectorParts::sky, sky);
+                       StackMemory& memory, const Eigen::VectorXd& sky) {
+    return StackSolver(stack, grid, requested, options, memory).solve(0, ReflectorParts::sky, sky);
 }
 
 }  // namespace miebrdf::rte

@@ -9,7 +9,7 @@ namespace {
 
 // R(mu_p, mu_q) = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q) / (4 (mu_p + mu_q)) at the nodes: the
 // right side of eq. (3), factorised.
-void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, HalfSpaceWork& work,
+void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, OrderWork& work,
                              Eigen::MatrixXd& X) {
     const Eigen::VectorXd& D = work.flux_weights;
     reflected_moments(work.mu_over_flux_weights, X, mode, work.phi);
@@ -25,19 +25,19 @@ void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, Half
 }
 
 // The same without its first term (Y Y), at the requested pairs.
-void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, HalfSpaceWork& work,
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
                    Reflector& result) {
     reflected_moments(requested.mu, result.rows, mode, work.moments);
     result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
-    work.pairs.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
-                   result.multiple);
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      result.multiple);
     divide_by_cosines(requested, result.multiple);
 }
 
 // Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
 // decays as exp(-k tau), so its integral is 1 / (1 + mu k).
 void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
-                          const RequestedDirections& requested, HalfSpaceWork& work,
+                          const RequestedDirections& requested, OrderWork& work,
                           Reflector& result) {
     const TransferModes& modes = work.decomposition.modes();
     work.sources.find(medium, mode, modes);
@@ -56,7 +56,7 @@ void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
 
 // In closed form. False if there is no physical solution.
 bool solve_by_modes(const ScatteringMode& medium, const PhaseMode& mode, const ZenithGrid& grid,
-                    const RequestedDirections& requested, double tolerance, HalfSpaceWork& work,
+                    const RequestedDirections& requested, double tolerance, OrderWork& work,
                     Reflector& result) {
     const TransferModes& modes =
         work.decomposition.find(mode, medium.strengths, medium.one_minus_albedo, grid, tolerance);
@@ -98,7 +98,7 @@ void fill_rows_by_solving(const ScatteringMode& medium, const PhaseMode& mode,
 
 void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,
-                      double tolerance, HalfSpaceWork& work, Reflector& result) {
+                      double tolerance, OrderWork& work, Reflector& result) {
     work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
     work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
     alternating(medium.strengths, work.alternating);
@@ -125,7 +125,7 @@ void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, cons
 Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
                            const PhaseMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance) {
-    HalfSpaceWork work;
+    OrderWork work;
     Reflector result;
     solve_half_space(method, medium, mode, grid, requested, tolerance, work, result);
     return result;

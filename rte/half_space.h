@@ -2,28 +2,14 @@
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
-#include "rte/mode_sources.h"
-#include "rte/pair_products.h"
+#include "rte/order_work.h"
 #include "rte/phase_mode.h"
 #include "rte/reflector.h"
 #include "rte/scattering_mode.h"
 #include "rte/solver_options.h"
-#include "rte/transfer_modes.h"
 #include "rte/zenith_grid.h"
 
 namespace miebrdf::rte {
-
-/// Memory of solve_half_space.
-struct HalfSpaceWork {
-    ModeDecomposition decomposition;
-    ModeSources sources;
-    PairProducts pairs;
-    math::ScratchVector alternating;  ///< strengths with the sign of their column
-    math::ScratchMatrix phi, weighted, moments;
-    math::ScratchMatrix phi_requested;
-    Eigen::VectorXd flux_weights, mu_over_flux_weights;
-    Eigen::MatrixXd square, other_square, rows;
-};
 
 /// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one azimuthal order.
 ///
@@ -44,7 +30,7 @@ struct HalfSpaceWork {
 /// @param result  overwritten
 void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,
-                      double tolerance, HalfSpaceWork& work, Reflector& result);
+                      double tolerance, OrderWork& work, Reflector& result);
 Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
                            const PhaseMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance = 1e-12);
@@ -56,7 +42,7 @@ bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance);
 /// The fixed point at nodes and requested cosines at once, without any linear system; for orders
 /// of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged, physical.
 void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, HalfSpaceWork& work,
+                      const RequestedDirections& requested, double tolerance, OrderWork& work,
                       Reflector& result);
 
 /// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.

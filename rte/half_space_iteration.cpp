@@ -123,7 +123,7 @@ bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance) {
 }
 
 void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, HalfSpaceWork& work,
+                      const RequestedDirections& requested, double tolerance, OrderWork& work,
                       Reflector& result) {
     constexpr int most_sweeps = 40;
     const Eigen::VectorXd& D = work.flux_weights;

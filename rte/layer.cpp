@@ -20,7 +20,7 @@ double sinh_rate(double k, double tau) {
 
 // Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
 // `opposite` = (I + Z_m)^-1. False if they have no physical solution.
-bool fill_nodes(ReflectorParts parts, LayerWork& work, LayerOperator& layer) {
+bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
     work.decomposition.function(work.tanh_rates.array(), layer.thin_impedance);
     work.decomposition.function(work.sinh_rates.array(), layer.coupling);
     work.square = layer.thin_impedance;
@@ -43,7 +43,7 @@ bool fill_nodes(ReflectorParts parts, LayerWork& work, LayerOperator& layer) {
 // follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
 // value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
 void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
-               const RequestedDirections& requested, LayerWork& work, LayerOperator& layer) {
+               const RequestedDirections& requested, OrderWork& work, LayerOperator& layer) {
     const TransferModes& modes = work.decomposition.modes();
     work.sources.find(medium, mode, modes);
     work.decays.set(tau, requested.mu);
@@ -80,7 +80,7 @@ void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
 
 // Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
 // (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
-void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, LayerWork& work,
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
                    LayerOperator& layer) {
     layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
@@ -107,7 +107,7 @@ Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) cons
 
 void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
                  const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
-                 double tolerance, LayerWork& work, LayerOperator& layer) {
+                 double tolerance, OrderWork& work, LayerOperator& layer) {
     const double tau = optical_depth;
     layer.physical = false;
     const TransferModes& modes =
@@ -125,7 +125,7 @@ void solve_layer(double optical_depth, const ScatteringMode& medium, const Phase
 
 LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
                           const ZenithGrid& grid, const RequestedDirections& requested) {
-    LayerWork work;
+    OrderWork work;
     LayerOperator layer;
     solve_layer(optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0, work,
                 layer);

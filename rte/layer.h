@@ -2,15 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
-#include "rte/math/decay_integrals.h"
-#include "rte/mode_sources.h"
-#include "rte/pair_products.h"
+#include "rte/order_work.h"
 #include "rte/phase_mode.h"
 #include "rte/reflector.h"
 #include "rte/scattering_mode.h"
-#include "rte/transfer_modes.h"
 
 namespace miebrdf::rte {
 
@@ -33,20 +29,6 @@ struct LayerOperator {
     Eigen::VectorXd transmitted(const Eigen::VectorXd& incident) const;
 };
 
-/// Memory of solve_layer and put_on, for one order after the other.
-struct LayerWork {
-    ModeDecomposition decomposition;
-    ModeSources sources;
-    PairProducts products;
-    math::DecayIntegrator decays;
-    math::ScratchVector alternating;
-    math::ScratchMatrix first, first_out, first_in, moments;
-    math::ScratchMatrix beam, through, incoming, down, up, pairs;
-    Eigen::VectorXd near, far, tanh_rates, sinh_rates;
-    Eigen::MatrixXd square, other_square, below, joint, rows, seen;
-    Eigen::PartialPivLU<Eigen::MatrixXd> bounces;
-};
-
 /// From the eigenmodes of the medium: with Z_p = F k tanh(k tau/2) F^T and
 /// Z_m = F k coth(k tau/2) F^T = Z_p + 2 B,
 ///     R = (I + Z_p)^-1 + (I + Z_m)^-1 - I,   T = 2 (I + Z_p)^-1 B (I + Z_m)^-1.
@@ -59,7 +41,7 @@ struct LayerWork {
 /// @param layer          overwritten
 void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
                  const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
-                 double tolerance, LayerWork& work, LayerOperator& layer);
+                 double tolerance, OrderWork& work, LayerOperator& layer);
 LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
                           const ZenithGrid& grid, const RequestedDirections& requested);
 
@@ -70,6 +52,6 @@ LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, co
 /// @param sky     for ReflectorParts::sky: downward radiance at the nodes
 /// @param result  overwritten; not `base`
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
-            ReflectorParts parts, const Eigen::VectorXd& sky, LayerWork& work, Reflector& result);
+            ReflectorParts parts, const Eigen::VectorXd& sky, OrderWork& work, Reflector& result);
 
 }  // namespace miebrdf::rte

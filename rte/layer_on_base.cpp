@@ -8,7 +8,7 @@ namespace {
 using Eigen::MatrixXd;
 
 // X of both from the impedances. False if they have no physical solution.
-bool join_impedances(const LayerOperator& layer, const MatrixXd& base, LayerWork& work,
+bool join_impedances(const LayerOperator& layer, const MatrixXd& base, OrderWork& work,
                      MatrixXd& X) {
     // Z_base = 2 (I + X_base)^-1 - I, Y = Z_p + Z_base.
     work.square = base;
@@ -32,7 +32,7 @@ bool join_impedances(const LayerOperator& layer, const MatrixXd& base, LayerWork
 
 // Radiance between layer and base for light incident at some of the requested cosines, columns:
 // down = t + X_c up, up = X_base down + exp(-tau / mu) rho_base.
-void fill_interface(const LayerOperator& layer, const Reflector& base, LayerWork& work) {
+void fill_interface(const LayerOperator& layer, const Reflector& base, OrderWork& work) {
     work.incoming = work.through;
     work.incoming.noalias() += layer.reflection * work.beam;
     work.down.resize(work.incoming.rows(), work.incoming.cols());
@@ -52,7 +52,7 @@ void gather_columns(const MatrixXd& rows, const std::vector<int>& which,
 // R between requested cosines: of the layer, of the base seen through it, and of light that
 // passes the interface. Reciprocity: the side with fewer cosines is the one that is lit.
 void fill_pairs(const LayerOperator& layer, const Reflector& base,
-                const RequestedDirections& requested, LayerWork& work, Reflector& result) {
+                const RequestedDirections& requested, OrderWork& work, Reflector& result) {
     const bool out_is_lit = requested.out.size() < requested.in.size();
     const std::vector<int>& lit = out_is_lit ? requested.out : requested.in;
     const std::vector<int>& other = out_is_lit ? requested.in : requested.out;
@@ -82,7 +82,7 @@ void fill_pairs(const LayerOperator& layer, const Reflector& base,
 
 // The answer to a sky: down = T sky + X_c up, up = X_base down.
 void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::VectorXd& sky,
-              const LayerWork& work, Reflector& result) {
+              const OrderWork& work, Reflector& result) {
     const Eigen::VectorXd down = work.bounces.solve(layer.transmitted(sky));
     const Eigen::VectorXd up = base.nodes * down;
     result.sky_at_requested =
@@ -93,7 +93,7 @@ void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::Ve
 }  // namespace
 
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
-            ReflectorParts parts, const Eigen::VectorXd& sky, LayerWork& work, Reflector& result) {
+            ReflectorParts parts, const Eigen::VectorXd& sky, OrderWork& work, Reflector& result) {
     const Eigen::Index n = base.nodes.rows();
     result.iterations = base.iterations;
     result.residual = base.residual;

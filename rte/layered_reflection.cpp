@@ -57,14 +57,31 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
+// The same with cosines beside those of a small request, where numbers of nodes are compared too.
+RequestedDirections collect_with_probes(const Directions& directions) {
+    constexpr std::size_t few = 16;
+    constexpr double probes[] = {0.1, 0.35, 0.9};
+    RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
+    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < few;
+    if (!are_few || only_order_zero(requested)) return requested;
+    std::vector<double> mu_in = directions.mu_in;
+    std::vector<double> mu_out = directions.mu_out;
+    mu_in.insert(mu_in.end(), std::begin(probes), std::end(probes));
+    mu_out.insert(mu_out.end(), std::begin(probes), std::end(probes));
+    requested = collect(mu_in, mu_out);
+    requested.probes = std::size(probes);
+    return requested;
+}
+
 Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
                      const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation, OrderList& orders,
+                     const Discretisation& discretisation, StackMemory& memory, OrderList& orders,
                      FirstOrderSum& first_order) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-    MultipleScattering multiple = sum_orders(scaled, grid, requested, azimuth_deg,
-                                             share_of_orders * options.tolerance, options, orders);
+    MultipleScattering multiple =
+        sum_orders(scaled, grid, requested, azimuth_deg, share_of_orders * options.tolerance,
+                   options, memory, orders);
     orders = std::move(multiple.by_order);
     Attempt attempt;
     attempt.physical = multiple.physical;
@@ -80,6 +97,7 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
+                    StackMemory& memory,
                     const std::function<double(double mu_out)>& outgoing_weight) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
@@ -87,7 +105,7 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd counted = D;
     if (outgoing_weight) counted.array() *= grid.mu.array().unaryExpr(outgoing_weight);
-    const Reflector reflector = zeroth_order(scaled, grid, requested, options, counted);
+    const Reflector reflector = zeroth_order(scaled, grid, requested, options, memory, counted);
     Attempt attempt;
     attempt.physical = reflector.physical;
     if (!attempt.physical) return attempt;
@@ -126,15 +144,16 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     }
     const AzimuthProbes probes(stack, directions, options);
     const Directions& judged = probes.directions();
-    const RequestedDirections requested = collect(judged.mu_in, judged.mu_out);
+    const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
+    StackMemory memory;
     OrderList orders;  // of the solution before, with fewer nodes
     FirstOrderSum first_order(judged, options);
     Attempt attempt =
         solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
                             [&](const Discretisation& discretisation) {
                                 return reflect_with(stack, judged.azimuth_deg, requested, options,
-                                                    discretisation, orders, first_order);
+                                                    discretisation, memory, orders, first_order);
                             });
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
@@ -153,9 +172,10 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     require_options(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
+    StackMemory memory;
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation, outgoing_weight);
+            return albedo_with(stack, requested, options, discretisation, memory, outgoing_weight);
         });
     const double spherical_albedo = attempt.values.back();
     attempt.values.pop_back();

@@ -14,6 +14,11 @@ struct RequestedDirections {
     Eigen::VectorXd mu;
     std::vector<int> out;  ///< indices into mu
     std::vector<int> in;
+    /// The last so many of both lists were not asked for: two solutions are compared there.
+    std::size_t probes = 0;
+
+    std::size_t asked_out() const { return out.size() - probes; }
+    std::size_t asked_in() const { return in.size() - probes; }
 };
 
 /// Legendre functions Y_l^m of one order m, columns l = m ... L - 1, rows = directions.

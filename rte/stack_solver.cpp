@@ -13,39 +13,40 @@ constexpr double share_of_equations = 0.01;
 }  // namespace
 
 StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
-                         const RequestedDirections& requested, const SolverOptions& options)
+                         const RequestedDirections& requested, const SolverOptions& options,
+                         StackMemory& memory)
     : stack_(stack),
       grid_(grid),
       requested_(requested),
       options_(options),
       tolerance_(share_of_equations * options.tolerance),
-      coats_(stack.media.size()) {}
+      memory_(memory) {}
 
 const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky) {
-    make_phase_mode(order, stack_.moments, grid_, requested_, mode_);
+    make_phase_mode(order, stack_.moments, grid_, requested_, memory_.mode);
     solve_base();
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
     bool has_sky = false;
-    for (std::size_t c = first_coat; c < stack_.media.size() && reflector_.physical; ++c) {
+    for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
         const bool is_top = c + 1 == stack_.media.size();
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
         has_sky = is_top && options_.coat_method == CoatMethod::automatic;
     }
-    if (parts == ReflectorParts::sky && !has_sky && reflector_.physical) {
-        reflector_.sky_at_requested.noalias() = reflector_.rows * sky;
-        reflector_.sky_at_nodes.noalias() = reflector_.nodes * sky;
+    if (parts == ReflectorParts::sky && !has_sky && memory_.reflector.physical) {
+        memory_.reflector.sky_at_requested.noalias() = memory_.reflector.rows * sky;
+        memory_.reflector.sky_at_nodes.noalias() = memory_.reflector.nodes * sky;
     }
-    return reflector_;
+    return memory_.reflector;
 }
 
 void StackSolver::set_medium(const ScaledMedium& medium) {
     const ScaledOptics& scaled = medium.scaled;
-    medium_.one_minus_albedo = scaled.one_minus_albedo;
-    medium_.lowest_degree = mode_.order;
-    medium_.strengths.resize(mode_.at_nodes.cols());
-    for (Eigen::Index c = 0; c < medium_.strengths.size(); ++c) {
-        const Eigen::Index l = mode_.order + c;
-        medium_.strengths[c] =
+    memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
+    memory_.medium.lowest_degree = memory_.mode.order;
+    memory_.medium.strengths.resize(memory_.mode.at_nodes.cols());
+    for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
+        const Eigen::Index l = memory_.mode.order + c;
+        memory_.medium.strengths[c] =
             l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
     }
 }
@@ -53,17 +54,18 @@ void StackSolver::set_medium(const ScaledMedium& medium) {
 void StackSolver::solve_base() {
     switch (stack_.base) {
         case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, mode_, grid_, requested_, reflector_);
+            lambertian_ground(stack_.ground_albedo, memory_.mode, grid_, requested_,
+                              memory_.reflector);
             return;
         case BaseKind::none:
-            no_reflection(grid_, requested_, reflector_);
+            no_reflection(grid_, requested_, memory_.reflector);
             return;
         case BaseKind::half_space:
             break;
     }
     set_medium(stack_.media.front());
-    solve_half_space(options_.half_space_method, medium_, mode_, grid_, requested_, tolerance_,
-                     half_space_, reflector_);
+    solve_half_space(options_.half_space_method, memory_.medium, memory_.mode, grid_, requested_,
+                     tolerance_, memory_.work, memory_.reflector);
 }
 
 void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky) {
@@ -72,21 +74,21 @@ void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eig
     if (options_.coat_method != CoatMethod::automatic) {
         const std::vector<ScaledMedium> below(stack_.media.begin(),
                                               stack_.media.begin() + std::ptrdiff_t(index));
-        reflector_ =
+        memory_.reflector =
             step_through_coat(options_.coat_method, options_.coat_substeps, coat.optical_depth,
-                              medium_, first_order_of(below, mode_, requested_), mode_, grid_,
-                              requested_, std::move(reflector_));
+                              memory_.medium, first_order_of(below, memory_.mode, requested_),
+                              memory_.mode, grid_, requested_, std::move(memory_.reflector));
         return;
     }
-    LayerWork& work = coats_[index];
-    solve_layer(coat.optical_depth, medium_, mode_, grid_, requested_, parts, tolerance_, work,
-                layer_);
-    if (!layer_.physical) {
-        reflector_.physical = false;
+    OrderWork& work = memory_.work;
+    solve_layer(coat.optical_depth, memory_.medium, memory_.mode, grid_, requested_, parts,
+                tolerance_, work, memory_.layer);
+    if (!memory_.layer.physical) {
+        memory_.reflector.physical = false;
         return;
     }
-    std::swap(below_, reflector_);
-    put_on(layer_, below_, requested_, parts, sky, work, reflector_);
+    std::swap(memory_.below, memory_.reflector);
+    put_on(memory_.layer, memory_.below, requested_, parts, sky, work, memory_.reflector);
 }
 
 }  // namespace miebrdf::rte

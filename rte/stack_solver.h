@@ -10,13 +10,23 @@
 
 namespace miebrdf::rte {
 
-/// Solves the base and puts the coats on it. Owns all matrices this takes: orders after the first
-/// find them ready (but for the paper's methods, which are there for comparison).
+/// All matrices that a stack takes, for one order and one number of nodes after the other.
+struct StackMemory {
+    PhaseMode mode;
+    ScatteringMode medium;
+    OrderWork work;
+    LayerOperator layer;
+    Reflector reflector, below;
+};
+
+/// Solves the base and puts the coats on it. Orders after the first find their matrices ready (but
+/// for the paper's methods, which are there for comparison).
 class StackSolver {
   public:
     /// The arguments must outlive this.
     StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
-                const RequestedDirections& requested, const SolverOptions& options);
+                const RequestedDirections& requested, const SolverOptions& options,
+                StackMemory& memory);
 
     /// @param sky  for ReflectorParts::sky: downward radiance at the nodes
     /// @return valid until the next call
@@ -33,12 +43,7 @@ class StackSolver {
     const RequestedDirections& requested_;
     const SolverOptions& options_;
     double tolerance_;
-    PhaseMode mode_;
-    ScatteringMode medium_;
-    HalfSpaceWork half_space_;
-    std::vector<LayerWork> coats_;  ///< one for each medium: what depends on optical depth stays
-    LayerOperator layer_;
-    Reflector reflector_, below_;
+    StackMemory& memory_;
 };
 
 }  // namespace miebrdf::rte
