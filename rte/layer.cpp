@@ -86,16 +86,12 @@ void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, 
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
     work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
                       layer.multiple);
-    work.first = layer.direct.asDiagonal() * mode.at_requested;
-    gather_rows(work.first, requested.out, work.first_out);
-    gather_rows(work.first, requested.in, work.first_in);
     work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
     for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
         work.moments.col(c).array() *= requested.mu.array();
     }
-    work.alternating = -work.alternating;
-    work.products.add(work.alternating, work.moments, work.first_out, work.first_in, requested,
-                      layer.multiple);
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
+                                 mode.at_in, requested, layer.multiple);
     divide_by_cosines(requested, layer.multiple);
 }
 

@@ -21,7 +21,6 @@ struct OrderWork {
     math::DecayIntegrator decays;     ///< of the layer solved last
     math::ScratchVector alternating;  ///< strengths with the sign of their column
     math::ScratchMatrix phi, weighted, phi_requested, moments;  ///< cosines x degrees
-    math::ScratchMatrix first, first_out, first_in;             ///< the same
     math::ScratchMatrix beam, through, incoming, down, up;      ///< nodes x cosines
     math::ScratchMatrix pairs;
     Eigen::VectorXd flux_weights, mu_over_flux_weights;

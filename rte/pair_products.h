@@ -22,8 +22,17 @@ class PairProducts {
              const Eigen::Ref<const Eigen::MatrixXd>& first_in,
              const RequestedDirections& requested, Eigen::MatrixXd& sum);
 
+    /// Subtracts the same with `direct` * first in place of first: what light that has been
+    /// weakened on its way loses. One factor for each requested cosine.
+    void subtract_below(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                        const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                        const Eigen::Ref<const Eigen::VectorXd>& direct,
+                        const Eigen::Ref<const Eigen::MatrixXd>& first_out,
+                        const Eigen::Ref<const Eigen::MatrixXd>& first_in,
+                        const RequestedDirections& requested, Eigen::MatrixXd& sum);
+
   private:
-    math::ScratchMatrix extra_out_, extra_in_, weighted_;
+    math::ScratchMatrix extra_out_, extra_in_, weighted_, product_;
 };
 
 /// Divides by 4 (mu_out + mu_in).
