@@ -4,8 +4,14 @@
 #include <cmath>
 
 namespace miebrdf::rte {
+namespace {
 
-double largest_bounded(const Eigen::MatrixXd& reflection, const RequestedDirections& requested) {
+constexpr int enough = 2;  // orders in a row
+
+}  // namespace
+
+double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
+                       const RequestedDirections& requested) {
     double largest = 0.0;
     for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
         for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
@@ -24,6 +30,14 @@ void CoarserOrders::compare(int order, const Eigen::MatrixXd& finer,
     const double difference = largest_bounded(finer - orders_[at], requested);
     const bool is_alike = difference <= tolerance_ * order_zero_;
     alike_ = is_alike ? alike_ + 1 : 0;
+    // Other orders are apart up to this times as far as order 0.
+    constexpr double other_orders = 10.0;
+    const bool is_first = order == 0 && other_orders * difference <= tolerance_ * order_zero_;
+    if (is_first && order_zero_ > 0.0) {
+        alike_ = enough;
+        difference_ = other_orders * difference / order_zero_;
+        return;
+    }
     if (!is_alike || order_zero_ == 0.0) {
         difference_ = 0.0;
     } else {
@@ -32,7 +46,6 @@ void CoarserOrders::compare(int order, const Eigen::MatrixXd& finer,
 }
 
 const Eigen::MatrixXd* CoarserOrders::settled(int order) const {
-    constexpr int enough = 2;
     const auto at = std::size_t(order);
     if (alike_ < enough || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
     return &orders_[at];

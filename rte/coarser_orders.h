@@ -12,12 +12,16 @@ namespace miebrdf::rte {
 using OrderList = std::vector<Eigen::MatrixXd>;
 
 /// Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
-double largest_bounded(const Eigen::MatrixXd& reflection, const RequestedDirections& requested);
+double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
+                       const RequestedDirections& requested);
 
 /// A finer solution repeats the orders of a coarser one until two in a row differ by less than a
-/// tolerance, relative to order 0; the rest it takes over. Both converge alike in every order as
-/// long as the phase functions are smooth; where a peak is cut off they do not, and nothing must be
-/// taken over.
+/// tolerance, relative to order 0, or order 0 itself by less than a tenth of it; the rest it takes
+/// over. Both converge alike in every order as long as the phase functions are smooth: of 442
+/// random coated scenes with 10 to 48 nodes, compared at 25 pairs, the worst order was apart 0.2
+/// times as far as order 0 in the median, 3.3 times in one of a hundred, 7.6 times at most. Where a
+/// peak is cut off they do not, and nothing must be taken over. Few pairs may agree by accident:
+/// they need probes (RequestedDirections).
 class CoarserOrders {
   public:
     /// @param orders  of the coarser solution; empty: nothing is taken over

@@ -1,9 +1,10 @@
 #include "rte/forward_peak.h"
 
+#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace miebrdf::rte {
 namespace {
@@ -22,31 +23,25 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
     const int count = int(chi.size());
     if (count <= moments + 1) return split;
 
-    std::array<double, 2 * half_window + 1> kernel;
-    for (int k = -half_window; k <= half_window; ++k) {
-        kernel[std::size_t(k + half_window)] = std::exp(-0.5 * (k / sigma) * (k / sigma));
-    }
-    std::vector<double> logarithm(chi.size());
-    for (int l = 0; l < count; ++l)
-        logarithm[std::size_t(l)] = chi[std::size_t(l)] > 0.0 ? std::log(chi[std::size_t(l)]) : 0.0;
+    const Eigen::VectorXd kernel =
+        (-0.5 / (sigma * sigma) *
+         Eigen::ArrayXd::LinSpaced(2 * half_window + 1, -half_window, half_window).square())
+            .exp();
+    const Eigen::Map<const Eigen::VectorXd> moment(chi.data(), count);
+    const Eigen::VectorXd logarithm = moment.unaryExpr(
+        [](double x) { return x > 0.0 ? std::log(x) : std::numeric_limits<double>::quiet_NaN(); });
 
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
         // Near the end the window shrinks on both sides, so that a slope does not become a bias.
         const int reach = std::min({half_window, l, count - 1 - l});
-        double weight = 0.0;
-        double mean = 0.0;
-        double log_mean = 0.0;
-        bool positive = true;
-        for (int k = -reach; k <= reach; ++k) {
-            const std::size_t at = std::size_t(l + k);
-            const double w = kernel[std::size_t(k + half_window)];
-            weight += w;
-            mean += w * chi[at];
-            log_mean += w * logarithm[at];
-            positive = positive && chi[at] > 0.0;
-        }
-        const double smooth = positive ? std::exp(log_mean / weight) : mean / weight;
+        const auto weights = kernel.segment(half_window - reach, 2 * reach + 1);
+        const double weight = weights.sum();
+        const double log_mean = weights.dot(logarithm.segment(l - reach, weights.size()));
+        // NaN: not positive throughout the window.
+        const double smooth = std::isnan(log_mean)
+                                  ? weights.dot(moment.segment(l - reach, weights.size())) / weight
+                                  : std::exp(log_mean / weight);
         split.peak.push_back(smooth);
         split.rest.push_back(chi[std::size_t(l)] - smooth);
         largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));

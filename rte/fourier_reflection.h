@@ -6,21 +6,12 @@
 
 #include "rte/coarser_orders.h"
 #include "rte/phase_mode.h"
-#include "rte/reflector.h"
-#include "rte/single_scattering.h"
+#include "rte/scaled_stack.h"
 #include "rte/solver_options.h"
-#include "rte/stack.h"
+#include "rte/stack_solver.h"
 #include "rte/zenith_grid.h"
 
 namespace miebrdf::rte {
-
-/// A stack as the discrete equations see it.
-struct ScaledStack {
-    std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
-    BaseKind base = BaseKind::half_space;
-    double ground_albedo = 0.0;
-    int moments = 1;  ///< Legendre moments of the medium that has most
-};
 
 /// Reflection without the first order, and how it was found.
 struct MultipleScattering {
@@ -30,11 +21,12 @@ struct MultipleScattering {
     int orders = 0;  ///< the highest one summed, plus 1
     int iterations = 0;
     double residual = 0.0;
-    /// Orders not summed, or the doubt in those taken over, relative to order 0: largest (mu + mu') R.
+    /// Orders not summed, or the doubt in those taken over, relative to order 0: largest (mu + mu')
+    /// R.
     double tail = 0.0;
     bool converged = true;
     bool physical = true;
-    OrderList by_order;  ///< for a finer solution; empty where none may be taken over
+    OrderList by_order;  ///< for a finer solution, probes too; empty where none may be taken over
 };
 
 /// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
@@ -46,13 +38,24 @@ struct MultipleScattering {
 MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options, const OrderList& coarser_orders = {});
+                              const SolverOptions& options, StackMemory& memory,
+                              const OrderList& coarser_orders);
+
+/// The same with memory of its own, from no coarser solution.
+MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                              const RequestedDirections& requested,
+                              std::span<const double> azimuth_deg, double tail_tolerance,
+                              const SolverOptions& options);
+
+/// Whether all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0.
+bool only_order_zero(const RequestedDirections& requested);
 
 /// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
 bool is_invisible(int m, std::span<const double> azimuth_deg);
 
-/// Order 0 alone, for albedos: 2 R^0(mu, mu_q) D_q at the requested cosines, X at the nodes.
+/// Order 0 alone, for albedos: the answer to a sky (downward radiance at the nodes).
 Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
-                       const RequestedDirections& requested, const SolverOptions& options);
+                       const RequestedDirections& requested, const SolverOptions& options,
+                       StackMemory& memory, const Eigen::VectorXd& sky);
 
 }  // namespace miebrdf::rte

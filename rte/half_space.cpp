@@ -1,61 +1,74 @@
 #include "rte/half_space.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "rte/mode_sources.h"
-#include "rte/transfer_modes.h"
+#include "rte/math/positive_definite.h"
 
 namespace miebrdf::rte {
 namespace {
 
 // R(mu_p, mu_q) = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q) / (4 (mu_p + mu_q)) at the nodes: the
 // right side of eq. (3), factorised.
-void apply_equation_at_nodes(const ScatteringMode& medium, const PhaseMode& mode,
-                             const ZenithGrid& grid, Eigen::MatrixXd& X) {
-    const Eigen::VectorXd D = flux_weights(grid);
-    const Eigen::MatrixXd rows = D.cwiseInverse().asDiagonal() * X;
-    const Eigen::MatrixXd phi = mode.at_nodes + reflected_moments(grid.mu, rows, mode);
-    X.noalias() = phi * alternating(medium.strengths).asDiagonal() * phi.transpose();
+void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, OrderWork& work,
+                             Eigen::MatrixXd& X) {
+    const Eigen::VectorXd& D = work.flux_weights;
+    reflected_moments(work.mu_over_flux_weights, X, mode, work.phi);
+    work.phi += mode.at_nodes;
+    work.weighted = work.phi * work.alternating.asDiagonal();
+    work.square.resize(X.rows(), X.cols());
+    work.square.noalias() = work.weighted * work.phi.transpose();
     for (Eigen::Index q = 0; q < X.cols(); ++q) {
-        for (Eigen::Index p = 0; p <= q; ++p) {
-            X(p, q) *= 0.5 * D[p] * D[q] / (grid.mu[p] + grid.mu[q]);
-            X(q, p) = X(p, q);  // reciprocity, exactly
-        }
+        X.col(q) =
+            0.5 * D[q] * D.array() * work.square.col(q).array() / (grid.mu.array() + grid.mu[q]);
     }
+    X.triangularView<Eigen::StrictlyLower>() = X.transpose();  // reciprocity, exactly
 }
 
 // The same without its first term (Y Y), at the requested pairs.
-void fill_multiple(const ScatteringMode& medium, const PhaseMode& mode,
-                   const RequestedDirections& requested, Reflector& result) {
-    const Eigen::MatrixXd extra = reflected_moments(requested.mu, result.rows, mode);
-    const Eigen::VectorXd strengths = alternating(medium.strengths);
-    const Eigen::MatrixXd Y_in = mode.at_requested(requested.in, Eigen::all);
-    const Eigen::MatrixXd extra_in = extra(requested.in, Eigen::all);
-    const Eigen::MatrixXd Y_out = mode.at_requested(requested.out, Eigen::all);
-    const Eigen::MatrixXd extra_out = extra(requested.out, Eigen::all);
-    result.multiple = Y_out * strengths.asDiagonal() * extra_in.transpose() +
-                      extra_out * strengths.asDiagonal() * (Y_in + extra_in).transpose();
-    for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
-        for (Eigen::Index o = 0; o < result.multiple.rows(); ++o) {
-            result.multiple(o, i) /=
-                4.0 * (requested.mu[requested.out[o]] + requested.mu[requested.in[i]]);
-        }
-    }
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+                   Reflector& result) {
+    reflected_moments(requested.mu, result.rows, mode, work.moments);
+    result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      result.multiple);
+    divide_by_cosines(requested, result.multiple);
 }
 
 // Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
 // decays as exp(-k tau), so its integral is 1 / (1 + mu k).
-void fill_rows_from_modes(const TransferModes& modes, const ScatteringMode& medium,
-                          const PhaseMode& mode, const RequestedDirections& requested,
+void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
+                          const RequestedDirections& requested, OrderWork& work,
                           Reflector& result) {
-    const auto [even, odd] = mode_sources(medium, mode, modes);
-    Eigen::MatrixXd weights = even - odd * modes.rates.asDiagonal();
+    const TransferModes& modes = work.decomposition.modes();
+    work.sources.find(medium, mode, modes);
+    Eigen::MatrixXd& weights = work.sources.even;
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-        weights.col(j).array() *= 0.5 / (1.0 + modes.rates[j] * requested.mu.array());
+        const double k = modes.rates[j];
+        weights.col(j).array() = 0.5 *
+                                 (weights.col(j).array() - k * work.sources.odd.col(j).array()) /
+                                 (1.0 + k * requested.mu.array());
     }
-    result.rows = weights * modes.vectors.transpose();
-    result.rows += result.rows * result.nodes;  // s = (I + X) i_down at the surface
+    work.rows.resize(weights.rows(), modes.vectors.rows());
+    work.rows.noalias() = weights * modes.vectors.transpose();
+    result.rows = work.rows;
+    result.rows.noalias() += work.rows * result.nodes;  // s = (I + X) i_down at the surface
+}
+
+// In closed form. False if there is no physical solution.
+bool solve_by_modes(const ScatteringMode& medium, const PhaseMode& mode, const ZenithGrid& grid,
+                    const RequestedDirections& requested, double tolerance, OrderWork& work,
+                    Reflector& result) {
+    const TransferModes& modes =
+        work.decomposition.find(mode, medium.strengths, medium.one_minus_albedo, grid, tolerance);
+    if (!modes.physical) return false;
+    work.decomposition.function(modes.rates.array(), work.square);
+    work.square.diagonal().array() += 1.0;
+    if (!math::invert_positive_definite(work.square, result.nodes)) return false;
+    result.nodes *= 2.0;
+    result.nodes.diagonal().array() -= 1.0;
+    apply_equation_at_nodes(mode, grid, work, result.nodes);
+    fill_rows_from_modes(medium, mode, requested, work, result);
+    return true;
 }
 
 // The row of Ambartsumian's equation at each cosine, for any X that satisfies it at the nodes:
@@ -83,36 +96,38 @@ void fill_rows_by_solving(const ScatteringMode& medium, const PhaseMode& mode,
 
 }  // namespace
 
-Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
-                           const PhaseMode& mode, const ZenithGrid& grid,
-                           const RequestedDirections& requested, double tolerance) {
-    const Eigen::Index n = grid.size();
-    Reflector result;
-    if (method == HalfSpaceMethod::automatic && few_sweeps_suffice(medium, tolerance)) {
-        result = sweep_half_space(medium, mode, grid, requested, tolerance);
+void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
+                      const ZenithGrid& grid, const RequestedDirections& requested,
+                      double tolerance, OrderWork& work, Reflector& result) {
+    work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
+    work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
+    alternating(medium.strengths, work.alternating);
+    if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
-        if (!result.physical) return result;
-    } else if (method == HalfSpaceMethod::automatic) {
-        const TransferModes modes =
-            decompose(mode, medium.strengths, medium.one_minus_albedo, grid);
-        if (!modes.physical) return result;
-        Eigen::MatrixXd impedance = modes.function(modes.rates.array());
-        impedance.diagonal().array() += 1.0;
-        const Eigen::LLT<Eigen::MatrixXd> factor(impedance);
-        if (factor.info() != Eigen::Success) return result;
-        result.nodes = factor.solve(2.0 * Eigen::MatrixXd::Identity(n, n));
-        result.nodes.diagonal().array() -= 1.0;
-        apply_equation_at_nodes(medium, mode, grid, result.nodes);
-        fill_rows_from_modes(modes, medium, mode, requested, result);
-        result.physical = true;
+        result.residual = 0.0;
+        result.converged = true;
+        if (few_sweeps_suffice(medium, tolerance)) {
+            sweep_half_space(mode, grid, requested, tolerance, work, result);
+            result.iterations = 0;
+        } else {
+            result.physical =
+                solve_by_modes(medium, mode, grid, requested, tolerance, work, result);
+        }
     } else {
         result = method == HalfSpaceMethod::fixed_point
                      ? iterate_half_space(medium, mode, grid, tolerance)
                      : double_to_half_space(medium, mode, grid, tolerance);
-        if (!result.physical) return result;
-        fill_rows_by_solving(medium, mode, grid, requested, result);
+        if (result.physical) fill_rows_by_solving(medium, mode, grid, requested, result);
     }
-    fill_multiple(medium, mode, requested, result);
+    if (result.physical) fill_multiple(mode, requested, work, result);
+}
+
+Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
+                           const PhaseMode& mode, const ZenithGrid& grid,
+                           const RequestedDirections& requested, double tolerance) {
+    OrderWork work;
+    Reflector result;
+    solve_half_space(method, medium, mode, grid, requested, tolerance, work, result);
     return result;
 }
 

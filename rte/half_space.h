@@ -2,19 +2,14 @@
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include "rte/order_work.h"
 #include "rte/phase_mode.h"
 #include "rte/reflector.h"
+#include "rte/scattering_mode.h"
 #include "rte/solver_options.h"
 #include "rte/zenith_grid.h"
 
 namespace miebrdf::rte {
-
-/// What the half-space solvers need to know of the medium for one azimuthal order.
-struct ScatteringMode {
-    Eigen::VectorXd strengths;      ///< alpha (2l+1) chi_l, l = m ... L - 1
-    double one_minus_albedo = 1.0;  ///< its own number
-    int lowest_degree = 0;          ///< m
-};
 
 /// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one azimuthal order.
 ///
@@ -30,6 +25,12 @@ struct ScatteringMode {
 ///
 /// @param tolerance  of the iterative methods: remaining error of (mu + mu') R, relative
 /// Not converging is an outcome: read `converged` and `physical`.
+/// @param work  matrices that one order after the other can use: nothing is allocated but for the
+///              first (`fixed_point` and `doubling` do)
+/// @param result  overwritten
+void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
+                      const ZenithGrid& grid, const RequestedDirections& requested,
+                      double tolerance, OrderWork& work, Reflector& result);
 Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
                            const PhaseMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance = 1e-12);
@@ -40,9 +41,9 @@ bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance);
 
 /// The fixed point at nodes and requested cosines at once, without any linear system; for orders
 /// of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged, physical.
-Reflector sweep_half_space(const ScatteringMode& medium, const PhaseMode& mode,
-                           const ZenithGrid& grid, const RequestedDirections& requested,
-                           double tolerance);
+void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
+                      const RequestedDirections& requested, double tolerance, OrderWork& work,
+                      Reflector& result);
 
 /// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.
 Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode,

@@ -19,7 +19,7 @@ Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode
     // Eq. (3) factorises: (mu_p + mu_q) R_pq = 1/4 sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q),
     // phi_l = Y_l + 2 (-1)^(l-m) mu R W Y_l. Starting from phi = Y is single scattering.
     const Eigen::VectorXd D = flux_weights(grid);
-    const Eigen::VectorXd strengths = alternating(medium.strengths);
+    const math::ScratchVector strengths = alternating(medium.strengths);
     Eigen::MatrixXd phi = mode.at_nodes;
     Eigen::MatrixXd next(grid.size(), grid.size());
     Eigen::MatrixXd previous = Eigen::MatrixXd::Zero(grid.size(), grid.size());
@@ -122,24 +122,26 @@ bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance) {
     return largest < 0.6 && std::log(tolerance) / std::log(std::max(0.5 * largest, 1e-30)) < 5.0;
 }
 
-Reflector sweep_half_space(const ScatteringMode& medium, const PhaseMode& mode,
-                           const ZenithGrid& grid, const RequestedDirections& requested,
-                           double tolerance) {
-    const Eigen::VectorXd D = flux_weights(grid);
-    const Eigen::VectorXd strengths = alternating(medium.strengths);
-    Eigen::MatrixXd phi = mode.at_nodes;
-    Eigen::MatrixXd weighted;
-    Eigen::MatrixXd next(grid.size(), grid.size());
-    Eigen::MatrixXd previous = Eigen::MatrixXd::Zero(grid.size(), grid.size());
-    Reflector result;
-    result.nodes.resize(grid.size(), grid.size());
+void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
+                      const RequestedDirections& requested, double tolerance, OrderWork& work,
+                      Reflector& result) {
+    constexpr int most_sweeps = 40;
+    const Eigen::VectorXd& D = work.flux_weights;
+    const Eigen::Index n = grid.size();
+    const math::ScratchVector& strengths = work.alternating;
+    Eigen::MatrixXd& next = work.square;
+    Eigen::MatrixXd& previous = work.other_square;
+    next.resize(n, n);
+    previous.setZero(n, n);
+    result.nodes.resize(n, n);
     result.converged = false;
-    for (int sweep = 0; sweep < 40 && !result.converged; ++sweep) {
-        weighted.noalias() = phi * strengths.asDiagonal();
-        next.noalias() = weighted * phi.transpose();
+    work.phi = mode.at_nodes;
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        work.weighted = work.phi * strengths.asDiagonal();
+        next.noalias() = work.weighted * work.phi.transpose();
         const double scale = next.cwiseAbs().maxCoeff();
         const double change = scale > 0.0 ? (next - previous).cwiseAbs().maxCoeff() / scale : 0.0;
-        for (Eigen::Index q = 0; q < grid.size(); ++q) {
+        for (Eigen::Index q = 0; q < n; ++q) {
             result.nodes.col(q) =
                 0.5 * D[q] * next.col(q).array() * D.array() / (grid.mu.array() + grid.mu[q]);
         }
@@ -147,24 +149,29 @@ Reflector sweep_half_space(const ScatteringMode& medium, const PhaseMode& mode,
         result.converged = sweep > 0 && change <= tolerance;
         if (result.converged) break;
         previous.swap(next);
-        phi = mode.at_nodes +
-              reflected_moments(grid.mu, D.cwiseInverse().asDiagonal() * result.nodes, mode);
+        reflected_moments(work.mu_over_flux_weights, result.nodes, mode, work.phi);
+        work.phi += mode.at_nodes;
     }
     // With phi at the nodes known, each requested cosine obeys a linear fixed point of its own.
-    Eigen::MatrixXd phi_requested = mode.at_requested;
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(requested.mu.size(), grid.size());
-    for (int sweep = 0; sweep < 40 && requested.mu.size() > 0; ++sweep) {
-        const Eigen::MatrixXd before = rows;
-        rows.noalias() = phi_requested * weighted.transpose();
-        for (Eigen::Index q = 0; q < grid.size(); ++q) {
-            rows.col(q).array() *= 0.5 * D[q] / (requested.mu.array() + grid.mu[q]);
+    const Eigen::Index cosines = requested.mu.size();
+    Eigen::MatrixXd& before = work.rows;
+    work.phi_requested = mode.at_requested;
+    result.rows.setZero(cosines, n);
+    before.resize(cosines, n);
+    for (int sweep = 0; sweep < most_sweeps && cosines > 0; ++sweep) {
+        before.swap(result.rows);
+        result.rows.noalias() = work.phi_requested * work.weighted.transpose();
+        for (Eigen::Index q = 0; q < n; ++q) {
+            result.rows.col(q).array() *= 0.5 * D[q] / (requested.mu.array() + grid.mu[q]);
         }
-        if ((rows - before).cwiseAbs().maxCoeff() <= tolerance * rows.cwiseAbs().maxCoeff()) break;
-        phi_requested = mode.at_requested + reflected_moments(requested.mu, rows, mode);
+        if ((result.rows - before).cwiseAbs().maxCoeff() <=
+            tolerance * result.rows.cwiseAbs().maxCoeff()) {
+            break;
+        }
+        reflected_moments(requested.mu, result.rows, mode, work.phi_requested);
+        work.phi_requested += mode.at_requested;
     }
-    result.rows = rows;
-    result.physical = result.nodes.allFinite() && rows.allFinite() && result.converged;
-    return result;
+    result.physical = result.nodes.allFinite() && result.rows.allFinite() && result.converged;
 }
 
 }  // namespace miebrdf::rte

@@ -1,11 +1,8 @@
 #include "rte/layer.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 
-#include "rte/math/decay_integrals.h"
-#include "rte/mode_sources.h"
+#include "rte/math/positive_definite.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -21,157 +18,114 @@ double sinh_rate(double k, double tau) {
     return 2.0 * k * std::exp(-y) / -std::expm1(-2.0 * y);
 }
 
+// Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
+// `opposite` = (I + Z_m)^-1. False if they have no physical solution.
+bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
+    work.decomposition.function(work.tanh_rates.array(), layer.thin_impedance);
+    work.decomposition.function(work.sinh_rates.array(), layer.coupling);
+    work.square = layer.thin_impedance;
+    work.square.diagonal().array() += 1.0;
+    work.other_square = work.square + 2.0 * layer.coupling;
+    if (!math::invert_positive_definite(work.square, layer.alike)) return false;
+    if (!math::invert_positive_definite(work.other_square, layer.opposite)) return false;
+    layer.reflection = layer.alike + layer.opposite;
+    layer.reflection.diagonal().array() -= 1.0;
+    if (parts == ReflectorParts::nodes) {
+        work.square.noalias() = layer.coupling * layer.opposite;
+        layer.transmission.resize(work.square.rows(), work.square.cols());
+        layer.transmission.noalias() = 2.0 * layer.alike * work.square;
+    }
+    return true;
+}
+
 // Radiance at the requested cosines, upward at the top and downward at the bottom, for light
 // incident at each node on the top. Inside the layer s = i_up + i_down and a = i_down - i_up
 // follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
 // value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
-// Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
-// `opposite` = (I + Z_m)^-1 are R + T and R - T (plus I, halved), and need half the products.
-void fill_rows(double tau, const TransferModes& modes, const MatrixXd& alike,
-               const MatrixXd& opposite, const ScatteringMode& medium, const PhaseMode& mode,
-               const RequestedDirections& requested, LayerOperator& layer) {
-    const auto [even, odd] = mode_sources(medium, mode, modes);
-    MatrixXd near;
-    MatrixXd far;
-    math::decay_integrals(tau / requested.mu.array(), tau * modes.rates.array(), near, far);
-    const Eigen::ArrayXd tanh_rates =
-        modes.rates.array().unaryExpr([=](double k) { return tanh_rate(k, tau); });
-    const Eigen::ArrayXd coth_rates = tanh_rates + modes.rates.array().unaryExpr([=](double k) {
-        return 2.0 * sinh_rate(k, tau);
-    });
-    const MatrixXd sum = near + far;
-    const MatrixXd difference = near - far;
-    const MatrixXd of_alike =
-        even.cwiseProduct(sum) - odd.cwiseProduct(difference) * tanh_rates.matrix().asDiagonal();
-    const MatrixXd of_opposite =
-        even.cwiseProduct(difference) - odd.cwiseProduct(sum) * coth_rates.matrix().asDiagonal();
-    const MatrixXd from_alike = of_alike * (modes.vectors.transpose() * alike);
-    const MatrixXd from_opposite = of_opposite * (modes.vectors.transpose() * opposite);
-    layer.reflection_rows = 0.5 * (from_alike + from_opposite);
-    layer.transmission_rows = 0.5 * (from_alike - from_opposite);
+void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
+               const RequestedDirections& requested, OrderWork& work, LayerOperator& layer) {
+    const TransferModes& modes = work.decomposition.modes();
+    work.sources.find(medium, mode, modes);
+    work.decays.set(tau, requested.mu);
+    const Eigen::Index cosines = requested.mu.size();
+    work.near.resize(cosines);
+    work.far.resize(cosines);
+    for (Eigen::Index j = 0; j < modes.rates.size(); ++j) {
+        work.decays.integrate(tau * modes.rates[j], work.near, work.far);
+        const double tanh = work.tanh_rates[j];
+        const double coth = tanh + 2.0 * work.sinh_rates[j];
+        for (Eigen::Index r = 0; r < cosines; ++r) {  // becomes: of light alike, of opposite
+            const double sum = work.near[r] + work.far[r];
+            const double difference = work.near[r] - work.far[r];
+            double& even = work.sources.even(r, j);
+            double& odd = work.sources.odd(r, j);
+            const double alike = even * sum - odd * difference * tanh;
+            const double opposite = even * difference - odd * sum * coth;
+            even = alike;
+            odd = opposite;
+        }
+    }
+    const Eigen::Index n = modes.vectors.rows();
+    work.rows.resize(cosines, n);
+    layer.reflection_rows.resize(cosines, n);
+    layer.transmission_rows.resize(cosines, n);
+    work.rows.noalias() = 0.5 * work.sources.even * modes.vectors.transpose();
+    layer.reflection_rows.noalias() = work.rows * layer.alike;
+    work.rows.noalias() = 0.5 * work.sources.odd * modes.vectors.transpose();
+    layer.transmission_rows.noalias() = work.rows * layer.opposite;
+    work.rows = layer.transmission_rows;
+    layer.transmission_rows = layer.reflection_rows - work.rows;
+    layer.reflection_rows += work.rows;
 }
 
 // Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
 // (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
-void fill_multiple(const ScatteringMode& medium, const PhaseMode& mode,
-                   const RequestedDirections& requested, LayerOperator& layer) {
-    const Eigen::VectorXd strengths = alternating(medium.strengths);
-    const MatrixXd& Y = mode.at_requested;
-    const MatrixXd phi = reflected_moments(requested.mu, layer.reflection_rows, mode);
-    const MatrixXd psi = requested.mu.asDiagonal() * (layer.transmission_rows * mode.scaled_nodes);
-    const MatrixXd Y_below = layer.direct.asDiagonal() * Y;
-
-    const auto product = [&](const MatrixXd& first, const MatrixXd& extra) -> MatrixXd {
-        const MatrixXd first_out = first(requested.out, Eigen::all);
-        const MatrixXd extra_out = extra(requested.out, Eigen::all);
-        const MatrixXd first_in = first(requested.in, Eigen::all);
-        const MatrixXd extra_in = extra(requested.in, Eigen::all);
-        return first_out * strengths.asDiagonal() * extra_in.transpose() +
-               extra_out * strengths.asDiagonal() * (first_in + extra_in).transpose();
-    };
-    layer.multiple = product(Y, phi) - product(Y_below, psi);
-    for (Eigen::Index i = 0; i < layer.multiple.cols(); ++i) {
-        for (Eigen::Index o = 0; o < layer.multiple.rows(); ++o) {
-            layer.multiple(o, i) /=
-                4.0 * (requested.mu[requested.out[o]] + requested.mu[requested.in[i]]);
-        }
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+                   LayerOperator& layer) {
+    layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      layer.multiple);
+    work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
+    for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
+        work.moments.col(c).array() *= requested.mu.array();
     }
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
+                                 mode.at_in, requested, layer.multiple);
+    divide_by_cosines(requested, layer.multiple);
 }
-
-// X of both from the impedances. False if they have no physical solution.
-bool join_impedances(const LayerOperator& layer, const MatrixXd& base, MatrixXd& X) {
-    const MatrixXd identity = MatrixXd::Identity(base.rows(), base.cols());
-    const Eigen::LLT<MatrixXd> base_factor(identity + base);
-    if (base_factor.info() != Eigen::Success) return false;
-    const MatrixXd below = layer.thin_impedance + 2.0 * base_factor.solve(identity) - identity;
-    const Eigen::LLT<MatrixXd> joint(layer.coupling + below);
-    if (joint.info() != Eigen::Success) return false;
-    const MatrixXd impedance =
-        identity + layer.thin_impedance + layer.coupling * joint.solve(below);
-    const Eigen::LLT<MatrixXd> total(0.5 * (impedance + impedance.transpose()));
-    if (total.info() != Eigen::Success) return false;
-    X = 2.0 * total.solve(identity) - identity;
-    return true;
-}
-
-// Radiance between layer and base, n x (incident cosines).
-struct Interface {
-    MatrixXd down;
-    MatrixXd up;
-};
 
 }  // namespace
 
-LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
-                          const ZenithGrid& grid, const RequestedDirections& requested,
-                          ReflectorParts parts) {
-    const double tau = optical_depth;
-    const Eigen::Index n = grid.size();
-    LayerOperator layer;
-    const TransferModes modes = decompose(mode, medium.strengths, medium.one_minus_albedo, grid);
-    if (!modes.physical) return layer;
-    layer.thin_impedance =
-        modes.function(modes.rates.array().unaryExpr([=](double k) { return tanh_rate(k, tau); }));
-    layer.coupling =
-        modes.function(modes.rates.array().unaryExpr([=](double k) { return sinh_rate(k, tau); }));
-
-    const MatrixXd identity = MatrixXd::Identity(n, n);
-    const Eigen::LLT<MatrixXd> symmetric(identity + layer.thin_impedance);
-    const Eigen::LLT<MatrixXd> antisymmetric(identity + layer.thin_impedance +
-                                             2.0 * layer.coupling);
-    if (symmetric.info() != Eigen::Success || antisymmetric.info() != Eigen::Success) return layer;
-    const MatrixXd alike = symmetric.solve(identity);
-    const MatrixXd opposite = antisymmetric.solve(identity);
-    layer.reflection = alike + opposite - identity;
-    if (parts >= ReflectorParts::rows) {
-        layer.transmission = 2.0 * symmetric.solve(antisymmetric.solve(layer.coupling).transpose());
-    }
-    layer.direct = (-tau / requested.mu.array()).exp();
-    fill_rows(tau, modes, alike, opposite, medium, mode, requested, layer);
-    fill_multiple(medium, mode, requested, layer);
-    layer.physical = true;
-    return layer;
+Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) const {
+    return 2.0 * (alike * (coupling * (opposite * incident)));
 }
 
-Reflector put_on(const LayerOperator& layer, const Reflector& base,
-                 const RequestedDirections& requested, ReflectorParts parts) {
-    const Eigen::Index n = base.nodes.rows();
-    Reflector result;
-    result.iterations = base.iterations;
-    result.residual = base.residual;
-    result.converged = base.converged;
-    if (parts == ReflectorParts::nodes && !join_impedances(layer, base.nodes, result.nodes)) {
-        return result;
-    }
+void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+                 const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
+                 double tolerance, OrderWork& work, LayerOperator& layer) {
+    const double tau = optical_depth;
+    layer.physical = false;
+    const TransferModes& modes =
+        work.decomposition.find(mode, medium.strengths, medium.one_minus_albedo, grid, tolerance);
+    if (!modes.physical) return;
+    work.tanh_rates = modes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
+    work.sinh_rates = modes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
+    if (!fill_nodes(parts, work, layer)) return;
+    alternating(medium.strengths, work.alternating);
+    layer.direct = (-tau / requested.mu.array()).exp();
+    fill_rows(tau, medium, mode, requested, work, layer);
+    fill_multiple(mode, requested, work, layer);
+    layer.physical = true;
+}
 
-    // Radiance at the interface for light incident at requested cosines, columns:
-    // down = t + X_c up, up = X_base down + exp(-tau / mu) rho_base.
-    const MatrixXd seen = layer.direct.asDiagonal() * base.rows;
-    const Eigen::PartialPivLU<MatrixXd> bounces(MatrixXd::Identity(n, n) -
-                                                layer.reflection * base.nodes);
-    const auto interface_for = [&](const auto& which) {
-        const MatrixXd beam = seen(which, Eigen::all).transpose();
-        Interface light;
-        light.down = bounces.solve(layer.transmission_rows(which, Eigen::all).transpose() +
-                                   layer.reflection * beam);
-        light.up = base.nodes * light.down + beam;
-        return light;
-    };
-    const Interface incident = interface_for(requested.in);
-    if (parts >= ReflectorParts::rows) {
-        const Interface all = interface_for(Eigen::all);
-        result.rows = layer.reflection_rows + (layer.transmission * all.up).transpose();
-    }
-
-    const MatrixXd seen_out = seen(requested.out, Eigen::all);
-    const MatrixXd through_out = layer.transmission_rows(requested.out, Eigen::all);
-    const Eigen::VectorXd direct_in = layer.direct(requested.in);
-    const Eigen::VectorXd direct_out = layer.direct(requested.out);
-    result.multiple = layer.multiple +
-                      direct_out.asDiagonal() * base.multiple * direct_in.asDiagonal() +
-                      0.5 * (seen_out * incident.down + through_out * incident.up);
-    result.physical = true;
-    return result;
+LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+                          const ZenithGrid& grid, const RequestedDirections& requested) {
+    OrderWork work;
+    LayerOperator layer;
+    solve_layer(optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0, work,
+                layer);
+    return layer;
 }
 
 }  // namespace miebrdf::rte

@@ -57,14 +57,31 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
+// The same with cosines beside those of a small request, where numbers of nodes are compared too.
+RequestedDirections collect_with_probes(const Directions& directions) {
+    constexpr std::size_t few = 16;
+    constexpr double probes[] = {0.1, 0.35, 0.9};
+    RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
+    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < few;
+    if (!are_few || only_order_zero(requested)) return requested;
+    std::vector<double> mu_in = directions.mu_in;
+    std::vector<double> mu_out = directions.mu_out;
+    mu_in.insert(mu_in.end(), std::begin(probes), std::end(probes));
+    mu_out.insert(mu_out.end(), std::begin(probes), std::end(probes));
+    requested = collect(mu_in, mu_out);
+    requested.probes = std::size(probes);
+    return requested;
+}
+
 Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
                      const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation, OrderList& orders,
+                     const Discretisation& discretisation, StackMemory& memory, OrderList& orders,
                      FirstOrderSum& first_order) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-    MultipleScattering multiple = sum_orders(scaled, grid, requested, azimuth_deg,
-                                             share_of_orders * options.tolerance, options, orders);
+    MultipleScattering multiple =
+        sum_orders(scaled, grid, requested, azimuth_deg, share_of_orders * options.tolerance,
+                   options, memory, orders);
     orders = std::move(multiple.by_order);
     Attempt attempt;
     attempt.physical = multiple.physical;
@@ -80,13 +97,9 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
-                    const Boundary& boundary) {
+                    StackMemory& memory, const Boundary& boundary) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-    const Reflector reflector = zeroth_order(scaled, grid, requested, options);
-    Attempt attempt;
-    attempt.physical = reflector.physical;
-    if (!attempt.physical) return attempt;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd let_in = D;
@@ -96,11 +109,13 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    const Eigen::VectorXd plane = reflector.rows * let_out;
-    for (const int i : requested.in) attempt.values.push_back(plane[i]);
+    const Reflector& reflector = zeroth_order(scaled, grid, requested, options, memory, let_out);
+    Attempt attempt;
+    attempt.physical = reflector.physical;
+    if (!attempt.physical) return attempt;
+    for (const int i : requested.in) attempt.values.push_back(reflector.sky_at_requested[i]);
     const double entering = let_in.dot(D);  // 0: the boundary is a mirror
-    attempt.values.push_back(
-        entering > 0.0 ? let_in.dot(reflector.nodes * let_out) / entering : 0.0);
+    attempt.values.push_back(entering > 0.0 ? let_in.dot(reflector.sky_at_nodes) / entering : 0.0);
     attempt.report.azimuthal_orders = 1;
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
@@ -134,15 +149,16 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     }
     const AzimuthProbes probes(stack, directions, options);
     const Directions& judged = probes.directions();
-    const RequestedDirections requested = collect(judged.mu_in, judged.mu_out);
+    const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
+    StackMemory memory;
     OrderList orders;  // of the solution before, with fewer nodes
     FirstOrderSum first_order(judged, options);
     Attempt attempt =
         solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
                             [&](const Discretisation& discretisation) {
                                 return reflect_with(stack, judged.azimuth_deg, requested, options,
-                                                    discretisation, orders, first_order);
+                                                    discretisation, memory, orders, first_order);
                             });
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
@@ -160,9 +176,10 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     require_options(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
+    StackMemory memory;
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation, boundary);
+            return albedo_with(stack, requested, options, discretisation, memory, boundary);
         });
     const double spherical_albedo = attempt.values.back();
     attempt.values.pop_back();

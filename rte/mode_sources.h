@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "rte/half_space.h"
 #include "rte/phase_mode.h"
+#include "rte/scattering_mode.h"
 #include "rte/transfer_modes.h"
 
 namespace miebrdf::rte {
@@ -18,11 +18,15 @@ struct PhaseRows {
 PhaseRows phase_rows(const ScatteringMode& medium, const PhaseMode& mode);
 
 /// The same out of the eigenmodes, requested x K: even F^-T = even V F, and odd F.
-struct ModeSources {
+class ModeSources {
+  public:
+    void find(const ScatteringMode& medium, const PhaseMode& mode, const TransferModes& modes);
+
     Eigen::MatrixXd even;
     Eigen::MatrixXd odd;
+
+  private:
+    math::ScratchMatrix weighted_, product_, degrees_;
 };
-ModeSources mode_sources(const ScatteringMode& medium, const PhaseMode& mode,
-                         const TransferModes& modes);
 
 }  // namespace miebrdf::rte

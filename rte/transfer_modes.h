@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 #include "rte/phase_mode.h"
 
@@ -26,14 +27,39 @@ struct TransferModes {
     Eigen::MatrixXd even;     ///< U, n x n
     Eigen::MatrixXd odd;      ///< V, n x n
     bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
-
-    /// F diag(h) F^T for values h_j = h(k_j).
-    Eigen::MatrixXd function(const Eigen::Ref<const Eigen::ArrayXd>& values) const;
 };
 
-/// @param strengths         alpha (2l+1) chi_l for the columns l = m ... L - 1 of `mode`
-/// @param one_minus_albedo  its own number; 0 for a conservative medium
-TransferModes decompose(const PhaseMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
-                        double one_minus_albedo, const ZenithGrid& grid);
+/// Finds the modes of one order after the other in the same memory.
+class ModeDecomposition {
+  public:
+    /// @param strengths         alpha (2l+1) chi_l for the columns l = m ... L - 1 of `mode`
+    /// @param one_minus_albedo  its own number; 0 for a conservative medium
+    /// @param tolerance         of X: orders above 0 are left as the eigensolver finds them when
+    ///                          that is ten times better
+    const TransferModes& find(const PhaseMode& mode,
+                              const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                              double one_minus_albedo, const ZenithGrid& grid, double tolerance);
+
+    const TransferModes& modes() const { return modes_; }
+
+    /// F diag(h) F^T for values h_j = h(k_j); `result` is resized to n x n.
+    template <typename Values>
+    void function(const Eigen::ArrayBase<Values>& values, Eigen::MatrixXd& result) {
+        scaled_ = modes_.vectors * values.matrix().asDiagonal();
+        result.resize(scaled_.rows(), scaled_.rows());
+        result.noalias() = scaled_ * modes_.vectors.transpose();
+    }
+
+  private:
+    void form_matrices(const PhaseMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                       const ZenithGrid& grid);
+    double refine();
+    void append(const Eigen::VectorXd& vector, double rate_squared);
+
+    TransferModes modes_;
+    math::ScratchMatrix scaled_;
+    Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+};
 
 }  // namespace miebrdf::rte

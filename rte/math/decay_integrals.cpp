@@ -7,8 +7,8 @@
 namespace miebrdf::math {
 namespace {
 
-constexpr int node_count = 15;
-using NodeArray = Eigen::Array<double, node_count, 1>;
+using NodeArray = DecayIntegrator::NodeArray;
+constexpr int node_count = NodeArray::RowsAtCompileTime;
 
 // Smooth integrands: 15 Gauss nodes integrate exp and sinh of arguments below 1 to rounding.
 struct UnitInterval {
@@ -30,16 +30,18 @@ const UnitInterval& unit_interval() {
     return interval;
 }
 
-// All that one x needs of exp, computed once for every y.
-struct Decay {
-    double x, exp_minus_x;
-    NodeArray weighted;  // x w exp(-x u), for x < 1
+using Decay = DecayIntegrator::Decay;
 
-    explicit Decay(double x_) : x(x_), exp_minus_x(std::exp(-x_)) {
-        const UnitInterval& unit = unit_interval();
-        if (x < 1.0) weighted = x * unit.weights * (-x * unit.nodes).exp();
+// sinh(z) / z for |z| <= 1: the first term left out is z^18 / 19! = 8e-18.
+template <typename Number>
+Number sinh_over(const Number& z) {
+    const Number z2 = z * z;
+    Number sum = 1.0 + z2 / 272.0;
+    for (const double divisor : {210.0, 156.0, 110.0, 72.0, 42.0, 20.0, 6.0}) {
+        sum = 1.0 + z2 / divisor * sum;
     }
-};
+    return sum;
+}
 
 // All that one y needs of exp, sinh and coth.
 struct Rate {
@@ -51,10 +53,8 @@ struct Rate {
         y_over_sinh = y < 1e-8 ? 1.0 : y > 700.0 ? 0.0 : y / std::sinh(y);
         inverse_norm = -1.0 / std::expm1(-2.0 * y);  // not used for small y
         if (!(y < 1.0)) return;
-        for (int k = 0; k < node_count; ++k) {
-            const double u = unit_interval().nodes[k];
-            ratio[k] = y < 1e-8 ? u : std::sinh(y * u) / std::sinh(y);
-        }
+        const NodeArray& u = unit_interval().nodes;
+        ratio = u * sinh_over<NodeArray>(y * u) / sinh_over(y);
     }
 };
 
@@ -97,20 +97,31 @@ DecayIntegrals integrate(const Decay& a, const Rate& b) {
 
 DecayIntegrals decay_integrals(double x, double y) { return integrate(Decay(x), Rate(y)); }
 
-void decay_integrals(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y, Eigen::MatrixXd& near,
-                     Eigen::MatrixXd& far) {
-    std::vector<Decay> decays;
-    decays.reserve(std::size_t(x.size()));
-    for (const double value : x) decays.emplace_back(value);
-    near.resize(x.size(), y.size());
-    far.resize(x.size(), y.size());
-    for (Eigen::Index j = 0; j < y.size(); ++j) {
-        const Rate rate(y[j]);
-        for (Eigen::Index i = 0; i < x.size(); ++i) {
-            const DecayIntegrals integrals = integrate(decays[std::size_t(i)], rate);
-            near(i, j) = integrals.near;
-            far(i, j) = integrals.far;
+DecayIntegrator::Decay::Decay(double x_) : x(x_), exp_minus_x(std::exp(-x_)) {
+    const UnitInterval& unit = unit_interval();
+    if (x < 1.0) weighted = x * unit.weights * (-x * unit.nodes).exp();
+}
+
+void DecayIntegrator::set(double optical_depth, const Eigen::VectorXd& mu) {
+    const auto is_known = [&] {
+        if (Eigen::Index(decays_.size()) != mu.size()) return false;
+        for (Eigen::Index i = 0; i < mu.size(); ++i) {
+            if (decays_[std::size_t(i)].x != optical_depth / mu[i]) return false;
         }
+        return true;
+    };
+    if (is_known()) return;
+    decays_.clear();
+    for (const double cosine : mu) decays_.emplace_back(optical_depth / cosine);
+}
+
+void DecayIntegrator::integrate(double y, Eigen::Ref<Eigen::VectorXd> near,
+                                Eigen::Ref<Eigen::VectorXd> far) const {
+    const Rate rate(y);
+    for (std::size_t i = 0; i < decays_.size(); ++i) {
+        const DecayIntegrals integrals = math::integrate(decays_[i], rate);
+        near[Eigen::Index(i)] = integrals.near;
+        far[Eigen::Index(i)] = integrals.far;
     }
 }
 

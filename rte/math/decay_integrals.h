@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace miebrdf::math {
 
@@ -15,9 +16,30 @@ struct DecayIntegrals {
 /// integrals, each used where nothing cancels.
 DecayIntegrals decay_integrals(double x, double y);
 
-/// The same for all pairs: near and far are resized to x.size() x y.size(). Where both arguments
-/// are below 1 the exponentials are tabulated once for each x and each y.
-void decay_integrals(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y, Eigen::MatrixXd& near,
-                     Eigen::MatrixXd& far);
+/// The same for the cosines of a layer and one y after the other. All that depends on x alone is
+/// found once, and once for all y.
+class DecayIntegrator {
+  public:
+    using NodeArray = Eigen::Array<double, 15, 1>;
+    /// Of one x.
+    struct Decay {
+        double x, exp_minus_x;
+        NodeArray weighted;  ///< x w exp(-x u) at Gauss nodes u, for x < 1
+        explicit Decay(double x_);
+    };
+
+    /// x = optical_depth / mu; nothing happens if these are the x it has.
+    void set(double optical_depth, const Eigen::VectorXd& mu);
+
+    /// Both integrals at each x: of as many elements as there are cosines.
+    void integrate(double y, Eigen::Ref<Eigen::VectorXd> near,
+                   Eigen::Ref<Eigen::VectorXd> far) const;
+
+    /// exp(-x) of the cosine at `index`.
+    double direct(Eigen::Index index) const { return decays_[std::size_t(index)].exp_minus_x; }
+
+  private:
+    std::vector<Decay> decays_;
+};
 
 }  // namespace miebrdf::math

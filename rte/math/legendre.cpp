@@ -6,9 +6,10 @@
 #include <stdexcept>
 
 namespace miebrdf::math {
+namespace {
 
-void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
-                        Eigen::MatrixXd& table) {
+template <typename Table>
+void fill(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu, Table& table) {
     if (!(order >= 0 && degrees > order)) {
         throw std::invalid_argument(
             fmt::format("Legendre functions of order {} and degrees below {}: the order must not "
@@ -39,6 +40,18 @@ void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::Ve
                 here * mu.cwiseProduct(table.col(column)) - previous * table.col(column - 1);
         }
     }
+}
+
+}  // namespace
+
+void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
+                        Eigen::MatrixXd& table) {
+    fill(order, degrees, mu, table);
+}
+
+void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
+                        ScratchMatrix& table) {
+    fill(order, degrees, mu, table);
 }
 
 double legendre_series(std::span<const double> chi, double x) {

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <span>
 
+#include "rte/math/scratch.h"
+
 namespace miebrdf::math {
 
 /// Renormalised associated Legendre functions Y_l^m = sqrt((l-m)!/(l+m)!) P_l^m without the
@@ -20,6 +22,8 @@ namespace miebrdf::math {
 /// @throws std::invalid_argument  for an order or a number of degrees out of range
 void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
                         Eigen::MatrixXd& table);
+void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
+                        ScratchMatrix& table);
 
 /// sum_l (2l+1) chi_l P_l(x) by Clenshaw's downward recurrence.
 /// @param chi  chi_0, chi_1, ...; may be empty

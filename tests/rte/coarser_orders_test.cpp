@@ -35,6 +35,41 @@ TEST_CASE("orders are taken over after two that agree, and never from nothing", 
     CHECK(alone.settled(2) == nullptr);
 }
 
+TEST_CASE("an order 0 that agrees ten times better settles all orders, and is doubted ten times",
+          "[rte][orders]") {
+    const rte::OrderList coarse{value(1.0), value(0.5)};
+    rte::CoarserOrders close(coarse, 1e-2);
+    close.compare(0, value(1.0009), pair);
+    CHECK(close.settled(1) == &coarse[1]);
+    CHECK(close.difference() == Approx(1e-2 * 0.9 / 1.0009).epsilon(1e-9));
+    rte::CoarserOrders further(coarse, 1e-2);
+    further.compare(0, value(1.0011), pair);
+    CHECK(further.settled(1) == nullptr);
+}
+
+TEST_CASE("a single direction gets the value it has among many", "[rte][orders]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.95, 0.7),
+                           .coats = {{rte::henyey_greenstein_optics(0.8, 0.5), 0.5}}};
+    const rte::Directions many{
+        {0.05, 0.2, 0.35, 0.5, 0.8, 1.0}, {0.07, 0.3, 0.6, 0.9, 1.0}, {0, 60, 90}};
+    const double tolerance = GENERATE(1e-3, 1e-6);
+    const rte::SolverOptions options{.tolerance = tolerance, .streams = 24};
+    const auto table = rte::reflect(stack, many, options);
+    std::size_t k = 0;
+    for (const double mu_in : many.mu_in) {
+        for (const double mu_out : many.mu_out) {
+            for (const double azimuth : many.azimuth_deg) {
+                const auto one = rte::reflect(stack, {{mu_in}, {mu_out}, {azimuth}}, options);
+                CAPTURE(mu_in, mu_out, azimuth, tolerance);
+                REQUIRE(one.reflection.size() == 1);
+                REQUIRE(one.plane_albedo.size() == 1);
+                // Each stops its orders, and takes them over, where its own directions allow it.
+                CHECK(std::abs(one.reflection[0] / table.reflection[k++] - 1.0) <= tolerance);
+            }
+        }
+    }
+}
+
 TEST_CASE("what is taken over from fewer nodes stays within the tolerance and in the estimate",
           "[rte][orders]") {
     const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.98, 0.7),

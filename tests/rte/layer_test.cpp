@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rte/delta_m.h"
+#include "rte/half_space.h"
 #include "rte/math/decay_integrals.h"
 #include "rte/math/quadrature.h"
 #include "tests/support/catch.h"
@@ -63,12 +64,13 @@ TEST_CASE("decay integrals agree with quadrature in every regime, equal rates in
     // 4800 terms of one sign, and the worst cancellation left in the closed forms (about 10).
     CHECK(std::abs(integrals.near / near - 1.0) <= 1e-13);
     CHECK(std::abs(integrals.far / far - 1.0) <= 1e-12);
-    Eigen::MatrixXd near_table;
-    Eigen::MatrixXd far_table;
-    math::decay_integrals(Eigen::ArrayXd::Constant(2, x), Eigen::ArrayXd::Constant(3, y),
-                          near_table, far_table);
-    CHECK((near_table.array() / near - 1.0).abs().maxCoeff() <= 1e-13);
-    CHECK((far_table.array() / far - 1.0).abs().maxCoeff() <= 1e-12);
+    math::DecayIntegrator integrator;
+    integrator.set(x, Eigen::VectorXd::Ones(2));
+    Eigen::VectorXd nears(2);
+    Eigen::VectorXd fars(2);
+    integrator.integrate(y, nears, fars);
+    CHECK((nears.array() / near - 1.0).abs().maxCoeff() <= 1e-13);
+    CHECK((fars.array() / far - 1.0).abs().maxCoeff() <= 1e-12);
 }
 
 TEST_CASE("a conservative layer loses nothing: R + T = 1 at any optical depth", "[rte][layer]") {

@@ -4,14 +4,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "rte/delta_m.h"
+#include "rte/discretisation.h"
 #include "rte/half_space.h"
 #include "rte/layered_reflection.h"
+#include "rte/stack_solver.h"
 
 using namespace miebrdf;
+
+#ifdef __GLIBC__
+// Counts what is allocated, by Eigen too: its matrices do not go through operator new.
+static std::atomic<long> allocations{0};
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+    allocations.fetch_add(1, std::memory_order_relaxed);
+    return __libc_malloc(size);
+}
+#endif
 
 namespace {
 
@@ -78,6 +91,7 @@ void report(benchmark::State& state, double orders, double iterations, double er
     state.counters["orders"] = orders;
     state.counters["iterations"] = iterations;
     state.counters["error"] = error;
+    state.counters["allocations"] = NAN;
 }
 
 // Arguments: albedo in 1e-4, g in 1e-2, nodes, -log10 of the tolerance.
@@ -137,6 +151,39 @@ void coat_on_base(benchmark::State& state) {
     report(state, NAN, NAN, error_of(scene, options.streams, options.tolerance));
 }
 BENCHMARK(coat_on_base)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32}, {0, 10, 1000}});
+
+// Azimuthal orders of coats on a base, one after the other in the same memory: time of one order
+// and allocations in it (nan where they cannot be counted). Arguments: nodes, coats.
+void orders_of_a_stack(benchmark::State& state) {
+    rte::Stack stack{.base = rte::henyey_greenstein_optics(0.95, 0.7)};
+    for (int c = 0; c < int(state.range(1)); ++c) {
+        stack.coats.push_back({rte::henyey_greenstein_optics(0.9, 0.7), 0.5});
+    }
+    const int streams = int(state.range(0));
+    const auto scaled = rte::scale_stack(stack, 2 * streams, true);
+    const auto grid = rte::make_mapped_gauss_grid(streams);
+    rte::RequestedDirections requested{Eigen::VectorXd::LinSpaced(20, 0.05, 1.0), {}, {}};
+    for (int k = 0; k < 20; ++k) requested.out.push_back(k);
+    requested.in = {3, 9, 19};
+    const rte::SolverOptions options{.tolerance = 1e-5};
+    rte::StackMemory memory;
+    rte::StackSolver solver(scaled, grid, requested, options, memory);
+    constexpr int highest = 8;
+    solver.solve(0, rte::ReflectorParts::pairs);
+    double count = NAN;
+    for (auto _ : state) {
+#ifdef __GLIBC__
+        const long before = allocations;
+#endif
+        for (int m = 1; m <= highest; ++m) solver.solve(m, rte::ReflectorParts::pairs);
+#ifdef __GLIBC__
+        count = double(allocations - before) / highest;
+#endif
+    }
+    report(state, highest, NAN, NAN);
+    state.counters["allocations"] = count;
+}
+BENCHMARK(orders_of_a_stack)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32, 64}, {0, 1, 2}});
 
 }  // namespace
 

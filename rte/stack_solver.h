@@ -1,0 +1,49 @@
+// Reflection of a whole stack, one azimuthal order after the other.
+#pragma once
+
+#include <vector>
+
+#include "rte/half_space.h"
+#include "rte/layer.h"
+#include "rte/scaled_stack.h"
+#include "rte/solver_options.h"
+
+namespace miebrdf::rte {
+
+/// All matrices that a stack takes, for one order and one number of nodes after the other.
+struct StackMemory {
+    PhaseMode mode;
+    ScatteringMode medium;
+    OrderWork work;
+    LayerOperator layer;
+    Reflector reflector, below;
+};
+
+/// Solves the base and puts the coats on it. Orders after the first find their matrices ready (but
+/// for the paper's methods, which are there for comparison).
+class StackSolver {
+  public:
+    /// The arguments must outlive this.
+    StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
+                const RequestedDirections& requested, const SolverOptions& options,
+                StackMemory& memory);
+
+    /// @param sky  for ReflectorParts::sky: downward radiance at the nodes
+    /// @return valid until the next call
+    const Reflector& solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky = {});
+
+  private:
+    void solve_base();
+    void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
+    /// Degrees that a medium has no moments for scatter nothing.
+    void set_medium(const ScaledMedium& medium);
+
+    const ScaledStack& stack_;
+    const ZenithGrid& grid_;
+    const RequestedDirections& requested_;
+    const SolverOptions& options_;
+    double tolerance_;
+    StackMemory& memory_;
+};
+
+}  // namespace miebrdf::rte
