@@ -47,8 +47,8 @@ void Planner::single_scattering() {
     }
     if (repeated > 0) {
         leave_out("same spheres",
-                  fmt::format("{} Mie run(s) have index, wavelength and sizes of others before them",
-                              repeated),
+                  fmt::format("{} with index, wavelength and sizes of others before",
+                              counted(repeated, "Mie run")),
                   repeated_s);
     }
     if (!whole_phase_) leave_out_phase_functions(count.size());
