@@ -61,9 +61,10 @@ void Planner::leave_out_phase_functions(std::size_t media) {
         full += mie_seconds(request_.scene.particles, nm, true) -
                 mie_seconds(request_.scene.particles, nm, false);
     }
+    const int moments = demand_of(reduced_, phase_demand(quantity_)).highest_moment;
     leave_out("few moments",
-              fmt::format("{} moments serve {} streams; no phase function at every angle",
-                          2 * streams_, streams_),
+              fmt::format("no phase function at every angle; {} moments, no more than {} streams use",
+                          moments, moments / 2),
               full * static_cast<double>(media));
 }
 

@@ -39,7 +39,8 @@ void Planner::radiative_transfer() {
         static_cast<double>(shared) * orders() * order_seconds(streams_, 1, cosines());
     plan_.steps.push_back(
         {"radiative transfer",
-         fmt::format("about {} of a half-space and {}, {}{} streams, {}",
+         fmt::format("{}{} of a half-space and {}, {}{} streams, {}",
+                     orders() == 1 || most_orders(reduced_.scene) > 0 ? "" : "about ",
                      counted(static_cast<std::size_t>(orders()), "order"),
                      counted(visible_.coats.size(), "coat"),
                      request_.solver.streams > 0 ? "" : "about ", streams_,
