@@ -13,6 +13,12 @@ class DatabaseError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// The file's bytes are no database, or no longer a whole one: trying again cannot help.
+class DamagedDatabase : public DatabaseError {
+  public:
+    using DatabaseError::DatabaseError;
+};
+
 /// No material has the name, or several do; `candidates` are the names that would have been known.
 class UnknownMaterial : public std::runtime_error {
   public:

@@ -62,7 +62,10 @@ std::string reason(int code, sqlite3* connection) {
 }
 
 [[noreturn]] void fail(int code, sqlite3* connection, const std::string& name) {
-    throw DatabaseError(fmt::format("materials database {}: {}", name, reason(code, connection)));
+    const std::string text = fmt::format("materials database {}: {}", name, reason(code, connection));
+    const int primary = code & 0xff;
+    if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) throw DamagedDatabase(text);
+    throw DatabaseError(text);
 }
 
 }  // namespace

@@ -63,12 +63,16 @@ mie::Executor pieces_of_job(const RunControl& control) {
         // Isolated: while it waits for its last piece, a thread must not begin another job, which
         // this one would then wait for.
         tbb::this_task_arena::isolate([&] {
+            tbb::task_group_context context;
             tbb::parallel_for(
                 tbb::blocked_range<int>(0, count, 1),
                 [&](const tbb::blocked_range<int>& range) {
                     for (int i = range.begin(); i != range.end(); ++i) piece(i);
                 },
-                tbb::simple_partitioner());
+                tbb::simple_partitioner(), context);
+            // When another job has failed or was refused, TBB leaves out the pieces of this one and
+            // returns as if they were done.
+            if (context.is_group_execution_cancelled()) throw Cancelled();
         });
     };
 }

@@ -1,10 +1,16 @@
 #include "pipeline/plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pipeline/planner.h"
 
 namespace miebrdf {
+
+std::string counted(std::size_t count, const std::string& thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
 
 double Plan::seconds() const {
     double sum = 0.0;

@@ -25,6 +25,9 @@ struct Omission {
     double saved_s = 0.0;  ///< estimate for one thread
 };
 
+/// "1 coat", "3 coats": how plans count.
+std::string counted(std::size_t count, const std::string& thing);
+
 struct Plan {
     std::vector<PlannedStep> steps;
     std::vector<Omission> omissions;

@@ -47,11 +47,10 @@ void Planner::single_scattering() {
                   jobs() * mie_seconds(request_.scene.particles, jobs_nm_.front(), whole_phase_));
     }
     if (repeated > 0) {
-        leave_out(
-            "same spheres",
-            fmt::format("{} Mie run(s) have index, wavelength and sizes of others before them",
-                        repeated),
-            repeated_s);
+        leave_out("same spheres",
+                  fmt::format("{} with index, wavelength and sizes of others before",
+                              counted(repeated, "Mie run")),
+                  repeated_s);
     }
     if (!whole_phase_) leave_out_phase_functions(count.size());
 }
@@ -63,10 +62,12 @@ void Planner::leave_out_phase_functions(std::size_t media) {
         full += mie_seconds(request_.scene.particles, nm, true) -
                 mie_seconds(request_.scene.particles, nm, false);
     }
-    leave_out("few moments",
-              fmt::format("{} moments serve {} streams; no phase function at every angle",
-                          2 * streams_, streams_),
-              full * static_cast<double>(media));
+    const int moments = demand_of(reduced_, phase_demand(quantity_)).highest_moment;
+    leave_out(
+        "few moments",
+        fmt::format("no phase function at every angle; {} moments, no more than {} streams use",
+                    moments, moments / 2),
+        full * static_cast<double>(media));
 }
 
 }  // namespace miebrdf

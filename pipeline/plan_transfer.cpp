@@ -39,8 +39,12 @@ void Planner::radiative_transfer() {
         static_cast<double>(shared) * orders() * order_seconds(streams_, 1, cosines());
     plan_.steps.push_back(
         {"radiative transfer",
-         fmt::format("{} order(s) of a half-space and {} coat(s), about {} streams, {} cosines",
-                     orders(), visible_.coats.size(), streams_, cosines()),
+         fmt::format("{}{} of a half-space and {}, {}{} streams, {}",
+                     orders() == 1 || most_orders(reduced_.scene) > 0 ? "" : "about ",
+                     counted(static_cast<std::size_t>(orders()), "order"),
+                     counted(visible_.coats.size(), "coat"),
+                     request_.solver.streams > 0 ? "" : "about ", streams_,
+                     counted(cosines(), "cosine")),
          jobs_nm_.size(), jobs() * transfer_cost(orders(), layers()) - shared_s});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
@@ -87,15 +91,15 @@ void Planner::leave_out_orders() {
         leave_out("zenith", "all mu_in or all mu_out are 1: order 0 alone", saved);
     } else if (most_orders(visible_) > 0) {
         leave_out("few orders",
-                  fmt::format("the moments of these media end: {} order(s) at most",
-                              most_orders(visible_)),
+                  fmt::format("the moments of these media end: {} at most",
+                              counted(static_cast<std::size_t>(most_orders(visible_)), "order")),
                   jobs() * std::max(0.0, transfer_cost(kTypicalOrders, layers()) -
                                              transfer_cost(orders(), layers())));
     } else {
         leave_out("listed directions",
-                  fmt::format("orders end where they no longer show at these {} directions, "
-                              "within {} of the tolerance",
-                              distinct_.computed(), kToleranceShares.orders),
+                  fmt::format("orders end where they no longer show at {}, within {} of the "
+                              "tolerance",
+                              counted(distinct_.computed(), "direction"), kToleranceShares.orders),
                   jobs() * std::max(0, 2 * streams_ - orders()) *
                       order_seconds(streams_, layers(), cosines()));
     }
@@ -120,7 +124,11 @@ void Planner::surface() {
     const double wavelengths = static_cast<double>(request_.wavelength_nm.size());
     const double values = static_cast<double>(distinct_.computed()) * wavelengths * lobe_seconds();
     const bool whole = is_albedo() || request_.parts.total;
-    const double rho = whole ? static_cast<double>(cosines()) * wavelengths * rho_seconds() : 0.0;
+    // Albedos want rho for the mean over incidences too, and at the nodes of both solutions.
+    constexpr double mean_nodes = 32.0;
+    const double more = is_albedo() ? wavelengths * mean_nodes + jobs() * streams_ * 5.0 / 3.0 : 0.0;
+    const double rho =
+        whole ? (static_cast<double>(cosines()) * wavelengths + more) * rho_seconds() : 0.0;
     const bool lobe = is_albedo() ? request_.scene.surface.has_value()
                                   : wants_lobe(request_.scene, request_.parts);
     if (!lobe) {
@@ -131,7 +139,7 @@ void Planner::surface() {
                   values / 2);
     }
     if (lobe) {
-        const char* what = is_albedo() ? "rho at every cosine"
+        const char* what = is_albedo() ? "rho at every cosine, at the nodes and for its mean"
                            : whole     ? "lobe at every direction, and rho"
                                        : "lobe at every direction";
         plan_.steps.push_back({"surface", what, request_.wavelength_nm.size(), values + rho});

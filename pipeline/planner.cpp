@@ -137,9 +137,9 @@ void Planner::hide_layers() {
         }
         saved += jobs() * orders() * order_seconds(streams_, c + 1, cosines());
         leave_out("hidden layers",
-                  fmt::format("coat {} of optical depth {} shows nothing of the {} layer(s) "
-                              "below within {} of the tolerance",
-                              describe(coat.medium), coat.optical_depth, c + 1,
+                  fmt::format("coat {} of optical depth {} shows nothing of the {} below within {} of "
+                              "the tolerance",
+                              describe(coat.medium), coat.optical_depth, counted(c + 1, "layer"),
                               kToleranceShares.hidden_layers),
                   saved);
         visible_.base = coat.medium;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "materials/errors.h"
 #include "materials/sha256.h"
 #include "materials/sqlite.h"
 #include "pipeline/solver_version.h"
@@ -111,6 +112,18 @@ void ResultCache::open() {
     fs::create_directories(file_.parent_path(), ignored);
     try {
         database_ = std::make_unique<Database>(file_);
+    } catch (const materials::DamagedDatabase&) {
+        start_again();
+    } catch (const std::exception&) {
+        database_.reset();
+    }
+}
+
+void ResultCache::start_again() {
+    database_.reset();
+    remove_files(file_);
+    try {
+        database_ = std::make_unique<Database>(file_);
     } catch (const std::exception&) {
         database_.reset();
     }
@@ -135,6 +148,9 @@ std::optional<std::vector<double>> ResultCache::find(const std::string& hash) {
         std::vector<double> numbers(bytes.size() / sizeof(double));
         std::memcpy(numbers.data(), bytes.data(), bytes.size());
         return numbers;
+    } catch (const materials::DamagedDatabase&) {
+        start_again();
+        return std::nullopt;
     } catch (const std::exception&) {
         return std::nullopt;
     }
@@ -156,6 +172,8 @@ void ResultCache::store(const std::string& hash, std::span<const double> numbers
             .bind(now_s())
             .run();
         forget_oldest();
+    } catch (const materials::DamagedDatabase&) {
+        start_again();
     } catch (const std::exception&) {
         // Nothing is remembered this time: the disk is full, or another process held the lock.
     }

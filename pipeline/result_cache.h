@@ -30,9 +30,9 @@ class JobKey {
     std::string bytes_;
 };
 
-/// Never in the way: an entry that is damaged is forgotten, a file that is locked, full or cannot
-/// be written only means that nothing is remembered. May be used from several threads and
-/// processes.
+/// Never in the way: an entry that is damaged is forgotten, a file that is damaged is begun anew,
+/// one that is locked, full or cannot be written only means that nothing is remembered. May be used
+/// from several threads and processes.
 class ResultCache {
   public:
     static constexpr std::int64_t kDefaultLimit_bytes = std::int64_t{256} << 20;
@@ -63,6 +63,8 @@ class ResultCache {
   private:
     struct Database;
     void open();
+    /// Forgets a file that is no longer a whole database.
+    void start_again();
     void forget_oldest();
 
     std::filesystem::path file_;

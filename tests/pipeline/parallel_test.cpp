@@ -1,7 +1,9 @@
 #include "pipeline/parallel.h"
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "tests/support/catch.h"
@@ -53,6 +55,30 @@ TEST_CASE("a raised flag stops the jobs that have not begun", "[pipeline][parall
                                  }),
                     Cancelled);
     CHECK(calls <= threads);  // those that had passed the check on their thread
+}
+
+TEST_CASE("when one job fails, no other goes on with pieces that were left out",
+          "[pipeline][parallel]") {
+    // TBB skips what belongs to a group that was stopped; Mie theory then read what was never written.
+    const int threads = GENERATE(1, 2);
+    std::atomic<int> incomplete = 0;
+    for (int repeat = 0; repeat < 20; ++repeat) {
+        const RunControl control{.threads = threads};
+        const auto pieces = pieces_of_job(control);
+        CHECK_THROWS_WITH(
+            run_parallel("fail", 8, control,
+                         [&](std::size_t job) {
+                             std::atomic<int> done = 0;
+                             pieces(40, [&](int) {
+                                 std::this_thread::sleep_for(std::chrono::microseconds(50));
+                                 ++done;
+                             });
+                             if (done != 40) ++incomplete;
+                             if (job == 1) throw std::runtime_error("job 1");
+                         }),
+            "job 1");
+    }
+    CHECK(incomplete == 0);
 }
 
 TEST_CASE("an exception of a job reaches the caller", "[pipeline][parallel][errors]") {

@@ -78,6 +78,35 @@ TEST_CASE("a file that is no cache is replaced, a place that cannot be written i
     CHECK_FALSE(impossible.info().usable);
 }
 
+TEST_CASE("a cache whose pages are damaged is begun anew by who finds it", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    {
+        ResultCache cache(file);
+        for (int i = 0; i < 50; ++i) {
+            cache.store("job " + std::to_string(i), std::vector<double>(300, i));
+        }
+    }
+    std::string bytes = support::read_file(file);
+    REQUIRE(bytes.size() > 20'000);
+    // The header stays, so that the file still begins as databases do.
+    for (std::size_t i = 100; i < bytes.size(); i += 7) bytes[i] = char(~bytes[i]);
+    folder.write("results.sqlite", bytes);
+    for (int process = 0; process < 2; ++process) {
+        ResultCache cache(file);
+        for (int i = 0; i < 50; ++i) {
+            const std::string job = "job " + std::to_string(i);
+            if (process == 0) {
+                CHECK_FALSE(cache.find(job));
+                cache.store(job, std::vector<double>(300, i));
+            }
+            CHECK(cache.find(job) == std::vector<double>(300, i));
+        }
+        CHECK(cache.info().usable);
+        CHECK(cache.info().entries == 50);
+    }
+}
+
 TEST_CASE("the oldest results make room when the limit is reached", "[pipeline][cache]") {
     const support::TemporaryFolder folder;
     ResultCache cache(folder / "results.sqlite", 100 * 1000);

@@ -66,6 +66,24 @@ const char* const kCacheFile = "miebrdf/results.sqlite";
 
 }  // namespace
 
+TEST_CASE("Ctrl-C between the Mie jobs of a scene file ends it cleanly", "[program][interrupt]") {
+    // Pieces of jobs under way were once left out, and what they had not written was read.
+    const int signal = GENERATE(SIGINT, SIGTERM);
+    const support::TemporaryFolder folder, cache;
+    const std::string scene = folder.write(
+        "scene.toml",
+        "mu-in = 1\nmu-out = 1\nwavelengths = \"400:700:2\"\nbase = \"TiO2\"\n"
+        "[[result]]\ncommand = \"brdf\"\noutput = \"" + (folder / "first.csv") + "\"\n"
+        "[[result]]\ncommand = \"brdf\"\nbase = \"GaP\"\noutput = \"" + (folder / "second.csv") + "\"\n");
+    Background program({"run", scene}, cache.path(), cache / "err");
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    REQUIRE(program.running());
+    program.send(signal);
+    CHECK(program.wait() == 128 + signal);
+    CHECK_THAT(support::read_file(cache / "err"), Catch::Contains("interrupted"));
+    CHECK(folder.count() == 1);  // the scene file
+}
+
 TEST_CASE("Ctrl-C and SIGTERM stop a long job within a second, leave no file and keep the cache",
           "[program][interrupt]") {
     const int signal = GENERATE(SIGINT, SIGTERM);

@@ -1,6 +1,8 @@
 // miebrdf plan: what a command or a scene file would compute, what it leaves out and why.
 #include <fmt/format.h>
 
+#include <string>
+
 #include "pipeline/error.h"
 #include "pipeline/plan.h"
 #include "tools/miebrdf/command.h"
@@ -11,15 +13,18 @@
 namespace miebrdf::program {
 namespace {
 
+/// An estimate within a factor of three is not written to sixteen digits.
+double estimate(double seconds) { return std::stod(fmt::format("{:.2g}", seconds)); }
+
 /// Adds one plan to a table; `result` numbers the results of a scene file.
 void add_plan(Table& table, const Plan& plan, const std::string& result) {
     for (const PlannedStep& step : plan.steps) {
         table.rows.push_back({result, std::string("compute"), step.stage, step.what,
-                              static_cast<double>(step.jobs), step.seconds});
+                              static_cast<double>(step.jobs), estimate(step.seconds)});
     }
     for (const Omission& omission : plan.omissions) {
         table.rows.push_back({result, std::string("leave out"), omission.rule, omission.reason,
-                              Cell(), omission.saved_s});
+                              Cell(), estimate(omission.saved_s)});
     }
     table.facts.emplace_back("estimate",
                              fmt::format("{}: {:.2g} s on one thread", result, plan.seconds()));

@@ -31,9 +31,10 @@ void ProgressLine::update(const std::string& stage, std::size_t done, std::size_
     const auto now = Clock::now();
     if (stage != stage_) {
         stage_ = stage;
-        stage_start_ = now;
+        stage_start_ = last_update_;
         last_print_ = {};
     }
+    last_update_ = now;
     if (done < total && now - last_print_ < kInterval) return;
     last_print_ = now;
     print(done, total, std::chrono::duration<double>(now - stage_start_).count());

@@ -30,7 +30,9 @@ class ProgressLine {
 
     ProgressStyle style_;
     std::string stage_;
-    Clock::time_point stage_start_;
+    /// A stage begins where the one before it ended: its first job counts too.
+    Clock::time_point stage_start_ = Clock::now();
+    Clock::time_point last_update_ = stage_start_;
     Clock::time_point last_print_;
     bool line_shown_ = false;
 };

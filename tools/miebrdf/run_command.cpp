@@ -84,9 +84,10 @@ int run(const std::string& path, const Shell& shell) {
     SharedWork shared;
     expect(lines, shared);
     int worst = kGood;
-    for (const std::vector<std::string>& line : lines) {
-        shell.note(command_line_of(line));
-        const int code = run_program(line, &shared);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        shell.note(
+            fmt::format("result {} of {}: {}", i + 1, lines.size(), command_line_of(lines[i])));
+        const int code = run_program(lines[i], &shared);
         if (code != kGood && code != kNotConverged) return code;
         worst = std::max(worst, code);
     }
