@@ -105,14 +105,16 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<float>& 
                                largest_chunk_count, least_chunk_size);
         for (int i = 0; i < parts.count(); ++i) chunks.push_back({family, parts.blocks(i)});
     }
-    // Large spheres first: the last to end are short.
-    std::sort(chunks.begin(), chunks.end(), [](const Chunk& a, const Chunk& b) {
-        return a.blocks.front().first > b.blocks.front().first;
+    // From small to large spheres.
+    std::stable_sort(chunks.begin(), chunks.end(), [](const Chunk& a, const Chunk& b) {
+        return a.blocks.front().first < b.blocks.front().first;
     });
     std::vector<Intensity> parts(chunks.size());
-    run(static_cast<int>(chunks.size()), [&](int job) {
-        const Chunk& chunk = chunks[job];
-        parts[job] = intensity_of(relative_index_, sizes[chunk.family], chunk.blocks, angular);
+    const int count = static_cast<int>(chunks.size());
+    run(count, [&](int job) {
+        const int i = chunk_of_job(job, count);
+        parts[i] =
+            intensity_of(relative_index_, sizes[chunks[i].family], chunks[i].blocks, angular);
     });
     FamilyIntensity total{Eigen::MatrixXd::Zero(angular.angle_count(), 2), {0, 0}};
     const int families = family_count_ - first_family;

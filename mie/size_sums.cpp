@@ -95,8 +95,7 @@ SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes
     const SizeChunks chunks(count, most_chunks(count, options), least_chunk_size);
     std::vector<SizeSums> parts(chunks.count());
     run(chunks.count(), [&](int job) {
-        const int chunk =
-            chunks.count() - 1 - job;  // large spheres first: the last to end are short
+        const int chunk = chunk_of_job(job, chunks.count());
         const auto blocks = chunks.blocks(chunk);
         parts[chunk] = options.single_precision && !options.angles
                            ? sum_over_blocks<float>(relative_index, sizes, options, blocks)

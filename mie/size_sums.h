@@ -54,6 +54,11 @@ class SizeChunks {
     int size_count_, count_, per_chunk_;
 };
 
+/// Which of `count` chunks, listed from small to large spheres, a job takes: large and small ones
+/// in turn, so that both halves of the jobs (that is how an executor shares them out) cost the
+/// same.
+inline int chunk_of_job(int job, int count) { return job % 2 == 0 ? count - 1 - job / 2 : job / 2; }
+
 constexpr int most_sizes_per_block = 40;
 
 /// Sums over all sizes, in chunks of blocks that do not depend on the executor.
