@@ -9,8 +9,6 @@
 namespace miebrdf::rte {
 namespace {
 
-// Of the tolerance, what an iterated half-space may leave.
-constexpr double share_of_half_space = 0.01;
 // Orders of a coarser solution are taken over once they agree to this share of the tolerance.
 constexpr double share_of_coarser_orders = 0.01;
 // Orders of larger tables are not kept: 30 of them would take 10 MB.
