@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <new>
 
 namespace miebrdf::math {
@@ -34,7 +35,9 @@ class Scratch : public Eigen::Map<Plain> {
     }
 
     void resize(Eigen::Index rows, Eigen::Index cols = 1) {
-        if (rows * cols > memory_.size()) memory_.resize(rows * cols);
+        // Never a null pointer: Eigen forms references into empty matrices, too.
+        const Eigen::Index size = std::max<Eigen::Index>(1, rows * cols);
+        if (size > memory_.size()) memory_.resize(size);
         ::new (static_cast<View*>(this)) View(memory_.data(), rows, cols);
     }
 
