@@ -39,6 +39,16 @@ double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
     return change;
 }
 
+// What an error of the absorption does to the albedo of a half-space, 1 - A about
+// sqrt(6 (1 - omega) / (1 - omega g)) below 1: d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
+double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
+    if (!(a.one_minus_albedo > 0 && b.one_minus_albedo > 0)) return 0;
+    const double similar =
+        b.one_minus_albedo / (1 - b.single_scattering_albedo * std::min(b.asymmetry, 1.0));
+    const double sensitivity = std::min(0.15, 0.5 * std::sqrt(6 * similar));
+    return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
+}
+
 }  // namespace
 
 EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor& run)
@@ -146,7 +156,8 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const bool single = refinement_->rule() == Rule::single;
     optics_.error_estimate = optics_.phase_error_estimate = single ? rounding : 1.0;
     if (single || refinement_->pass() == 0) return;
-    const double change = largest_change(before, optics_);
+    const double absorption = change_by_absorption(before, optics_);
+    const double change = std::max(largest_change(before, optics_), absorption);
     if (request_.sizes.kind == SizeDistributionKind::tabulated) {
         // Bends between the rows converge slowly, and there is no exact extinction to compare with.
         optics_.error_estimate = std::max(2 * change, least);
@@ -159,9 +170,14 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
         // hard. Over 336 transparent ensembles the error of the moments was below 2.0 times this in
         // 95 %.
         const double missed = exact_known_ ? std::abs(optics_.q_ext / exact_q_ext_ - 1) : change;
-        optics_.error_estimate = std::max({missed, change / 4, least});
+        // Resonances absorb, too, and the exact extinction does not tell which ones were missed:
+        // two levels may agree by chance, so that the error is not believed to fall by more than
+        // half.
+        optics_.error_estimate =
+            std::max({missed, change / 4, absorption, absorption_before_ / 2, least});
     }
     change_before_ = change;
+    absorption_before_ = std::max(absorption, absorption_before_ / 2);
     double phase_change = 0;
     for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
         phase_change = std::max(phase_change, std::abs(before.phase[i] / optics_.phase[i] - 1));
@@ -187,7 +203,7 @@ void EnsembleAverage::tabulate_phase() {
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = safe_band_width + 1;
-        options.moment_tolerance = 0.5 * request_.tolerance;
+        options.moment_tolerance = 0.15 * request_.tolerance;
     }
     PhaseTabulation tabulation(relative_index_, request_.sizes, range_, wave_number_per_um_,
                                options, run_);

@@ -44,7 +44,7 @@ class EnsembleAverage {
     std::optional<MomentTransform> transform_;  // tables that all passes share
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
-    double change_before_ = 0;
+    double change_before_ = 0, absorption_before_ = 0;
     bool exact_known_ = false;
     double exact_q_ext_ = 0;  // of the even rule
     EnsembleOptics optics_;

@@ -116,11 +116,16 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
     const double width = largest - smallest;
     const double damping = 2 * (std::abs(m.real() - 1) * height + m.imag() * smallest);
     const double periods = damping > 12 ? 0.0 : width * std::abs(m.real() - 1) / std::numbers::pi;
-    const int count = static_cast<int>(56 + 2.2 * periods) / lane_count * lane_count;
-    const math::Quadrature rule = math::gauss_legendre(count, smallest, largest);
-    for (int i = 0; i < count; ++i) {
-        path.x.emplace_back(rule.nodes[i], height);
-        path.weight.emplace_back(rule.weights[i]);
+    constexpr double most_per_piece = 2000;  // large grains of ice have thousands of periods
+    const int pieces = 1 + static_cast<int>(2.2 * periods / most_per_piece);
+    const int count = static_cast<int>(56 + 2.2 * periods / pieces) / lane_count * lane_count;
+    for (int piece = 0; piece < pieces; ++piece) {
+        const math::Quadrature rule = math::gauss_legendre(count, smallest + width * piece / pieces,
+                                                           smallest + width * (piece + 1) / pieces);
+        for (int i = 0; i < count; ++i) {
+            path.x.emplace_back(rule.nodes[i], height);
+            path.weight.emplace_back(rule.weights[i]);
+        }
     }
     add_cap(largest, -1);
     return path;

@@ -102,7 +102,8 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
     }
     slice.mie_error_estimate = optics.mie_error_estimate;
     slice.error_estimate = slice.report.error_estimate + optics.mie_error_estimate;
-    slice.converged = slice.report.converged && optics.converged;
+    slice.converged = slice.report.converged && optics.converged &&
+                      slice.error_estimate <= request.solver.tolerance;
     return slice;
 }
 

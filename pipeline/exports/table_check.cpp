@@ -130,7 +130,9 @@ std::vector<TableAlbedo> table_albedos(const BrdfFile& file, const ListedDirecti
             const double cosines = cosine_integral(lists.mu_out, second, sums.fine[c]);
             const double azimuths = cosine_integral(lists.mu_out, every, sums.coarse[c]);
             found.albedo.push_back(best);
-            found.error_estimate.push_back(std::abs(cosines - best) + std::abs(azimuths - best));
+            // Twice: peaks that the table does not resolve converge slowly.
+            found.error_estimate.push_back(2 *
+                                           (std::abs(cosines - best) + std::abs(azimuths - best)));
         }
         albedos.push_back(std::move(found));
     }

@@ -104,7 +104,7 @@ TEST_CASE("Ctrl-C and SIGTERM stop a long job within a second, leave no file and
     CHECK(seconds <= 1.0);
     CHECK(folder.count() == 0);
     const std::string said = support::read_file(cache / "err");
-    CHECK_THAT(said, Catch::Contains("interrupted; nothing was written"));
+    CHECK_THAT(said, Catch::Contains("interrupted; nothing unfinished was written"));
 }
 
 TEST_CASE("a run that is interrupted keeps the wavelengths it has finished",

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "pipeline/colour.h"
 #include "pipeline/number_list.h"
 #include "pipeline/plot/lobe.h"
@@ -84,6 +86,7 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
 int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     Request request = arguments.scene.parse();
+    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
     const std::vector<double> incidence_deg = incidences(arguments);
     request.directions.mu_in = cosines_of(incidence_deg);
     const ObserverWeights weights = observer_weights(request.wavelength_nm);
@@ -110,8 +113,7 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
         }
     }
     arguments.plot.save(
-        plot::draw_spectrum(spectra, "albedo",
-                            arguments.plot.caption(shell, title_of(all_scenes))),
+        plot::draw_spectrum(spectra, "albedo", arguments.plot.caption(shell, title_of(all_scenes))),
         shell);
     return converged ? kGood : kNotConverged;
 }

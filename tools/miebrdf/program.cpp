@@ -38,7 +38,14 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
     } catch (const CLI::ParseError& error) {
         return complain(kUsage, std::string(error.what()) + " (see miebrdf --help)");
     }
-    return shell.run();
+    const int code = shell.run();
+    if (code == kNotConverged) {
+        shell.note(
+            "not converged: the estimated error is above the tolerance (`miebrdf brdf` says "
+            "where); "
+            "exit code 4");
+    }
+    return code;
 }
 
 }  // namespace
@@ -83,7 +90,7 @@ int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
     try {
         return parse_and_run(arguments, shared);
     } catch (const Cancelled&) {
-        return complain(interrupt_exit_code(), "interrupted; nothing was written");
+        return complain(interrupt_exit_code(), "interrupted; nothing unfinished was written");
     } catch (const UsageError& error) {
         return complain(kUsage, error.what());
     } catch (const InputError& error) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,7 @@ constexpr int kHighestMoment = 128;
 
 int export_albedo(const std::string& format, Request request, const Shell& shell) {
     request.directions.mu_in = {1.0};
+    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());
     const AlbedoResult result = compute_albedo(request, shell.control());
     exports::Spectrum spectrum;
     for (const AlbedoSlice& slice : result.slices) {
