@@ -43,3 +43,21 @@ TEST_CASE("extinction off the real axis agrees with sizes on it", "[mie][extinct
                                                2 * std::numbers::pi / 0.55);
     CHECK(sampled.q_ext == Approx(exact).epsilon(1e-8));
 }
+
+TEST_CASE("extinction of large grains is that of rays and edges", "[mie][extinction]") {
+    // Ice of 300 um, log-normal: thousands of periods of the wave through the sphere. Nussenzveig &
+    // Wiscombe 1980: Q_ext = 2 + 1.9924 x^(-2/3), next terms below 1/x.
+    mie::SizeDistribution sizes;
+    sizes.kind = mie::SizeDistributionKind::log_normal;
+    sizes.effective_radius_um = 300;
+    sizes.effective_variance = 0.2;
+    const double wave_number = 2 * std::numbers::pi / 0.55;
+    const mie::RadiusRange range = mie::radius_range(sizes, 2e-5, 1 / wave_number);
+    const double sampled = mie::exact_extinction({1.31, 1e-8}, sizes, range, wave_number) /
+                           mie::area_share_within(sizes, range);
+    // <x^(4/3)> / <x^2> of a log-normal of effective radius r and variance v: x_r^(-2/3) (1 +
+    // v)^(7/9).
+    const double x = wave_number * sizes.effective_radius_um;
+    const double edges = 1.9924 * std::pow(x, -2.0 / 3.0) * std::pow(1.2, 5.0 / 9.0);
+    CHECK(std::abs(sampled - 2 - edges) <= 1 / x + 2e-5);
+}

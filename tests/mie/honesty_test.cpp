@@ -110,3 +110,23 @@ TEST_CASE("the error estimate is honest for every kind of sizes", "[mie][ensembl
     CAPTURE(honest, cases);
     CHECK(honest >= 0.95 * cases);
 }
+
+TEST_CASE("the error of weak absorption is in the estimate", "[mie][honesty]") {
+    // Of nearly transparent spheres, 1 - albedo converges slowly, and a half-space amplifies it:
+    // d(1 - A) = (1 - A)/2 d ln(1 - omega), 1 - A about sqrt(6 (1 - omega)/(1 - omega g)).
+    mie::EnsembleRequest request;
+    request.sizes.kind = mie::SizeDistributionKind::gamma;
+    request.sizes.effective_radius_um = 20;
+    request.sizes.effective_variance = 0.2;
+    request.wavelength_nm = 550;
+    request.refractive_index = {1.31, GENERATE(1e-7, 1e-6)};
+    request.tolerance = 1e-5;
+    const auto truth = mie::average_over_sizes(request);
+    request.tolerance = GENERATE(1e-3, 2e-4);
+    const auto optics = mie::average_over_sizes(request);
+    const double loss = std::sqrt(6 * truth.one_minus_albedo / (1 - truth.asymmetry));
+    const double error =
+        0.5 * loss * std::abs(std::log(optics.one_minus_albedo / truth.one_minus_albedo));
+    CAPTURE(request.refractive_index, request.tolerance, optics.error_estimate, error);
+    CHECK(error <= 3 * (optics.error_estimate + truth.error_estimate));
+}

@@ -190,6 +190,15 @@ TEST_CASE("Mie theory and streams together stay within the tolerance", "[pipelin
     CHECK(result.error_estimate <= request.solver.tolerance);
 }
 
+TEST_CASE("what Mie theory leaves open is not called converged", "[pipeline][brdf]") {
+    Request request = request_of("index:1.5,0");
+    request.scene.particles.sizes.effective_radius_um = 5;
+    request.scene.particles.tolerance = 1e-2;  // ten times the tolerance of the whole
+    const BrdfResult result = compute_brdf(request);
+    REQUIRE(result.slices[0].mie_error_estimate > request.solver.tolerance);
+    CHECK_FALSE(result.converged);
+}
+
 TEST_CASE("complete albedo lies between the layers' own and 1", "[pipeline][albedo]") {
     Request request = request_of("TiO2");
     request.scene.particles.sizes.effective_radius_um = 2;

@@ -184,3 +184,11 @@ TEST_CASE("run finds a mistake in a later result before it computes the first",
     const std::string good = folder.write("scene.toml", first + "base = \"hg:0.9,0.5\"\n");
     check_one_line(support::run_program("run " + good + " -o x.csv"), kUsage, {"output"});
 }
+
+TEST_CASE("exit code 4 is explained on stderr", "[program][errors]") {
+    // Three nodes cannot resolve such a peak.
+    const auto run = support::run_program("brdf --base hg:0.9,0.9 --streams 3" + kDirections);
+    CHECK(run.exit_code == 4);
+    CHECK_THAT(run.err, Catch::Contains("not converged"));
+    CHECK_THAT(run.out, Catch::Contains("# not converged"));
+}

@@ -121,3 +121,10 @@ TEST_CASE("damaged points are refused with file and line", "[program][plot][erro
     CHECK(run.exit_code == 3);
     CHECK(run.err.find(wanted) != std::string::npos);
 }
+
+TEST_CASE("a spectrum is drawn of wavelengths in any order", "[program][plot]") {
+    const TemporaryFolder folder;
+    const auto run = run_program("plot spectrum --base hg:0.9,0.4 -o " + (folder / "spectrum.svg"));
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 0);
+}
