@@ -203,7 +203,7 @@ void EnsembleAverage::tabulate_phase() {
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = safe_band_width + 1;
-        options.moment_tolerance = 0.15 * request_.tolerance;
+        options.moment_tolerance = 0.08 * request_.tolerance;
     }
     PhaseTabulation tabulation(relative_index_, request_.sizes, range_, wave_number_per_um_,
                                options, run_);
