@@ -73,6 +73,9 @@ int coarser_streams(int streams) {
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
 
+// What is below a coat as deep as this does not show in double precision, absorbing or not.
+constexpr double deepest_coat = 1e100;
+
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
     ScaledStack scaled;
     scaled.moments = moments;
@@ -81,7 +84,9 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     const auto add = [&](const Optics& optics, double optical_depth) {
         ScaledOptics medium = scale_optics(optics, moments, delta_m);
-        const double depth = optical_depth * medium.depth_factor;
+        // The light through a lossless coat falls with its depth, whose square must not overflow.
+        const double most = std::isinf(optical_depth) ? infinite : deepest_coat;
+        const double depth = std::min(optical_depth * medium.depth_factor, most);
         ForwardPeak narrow;
         if (medium.truncated > 0.0) {
             narrow = split_forward_peak(optics.chi, medium.first_cutoff);
