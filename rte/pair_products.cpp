@@ -2,15 +2,21 @@
 
 namespace miebrdf::rte {
 
+void PairProducts::gather(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                          const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                          const RequestedDirections& requested) {
+    gather_rows(extra, requested.out, extra_out_);
+    gather_rows(extra, requested.in, extra_in_);
+    weighted_.resize(extra_in_.rows(), extra_in_.cols());
+    weighted_ = extra_in_ * strengths.asDiagonal();
+}
+
 void PairProducts::add(const Eigen::Ref<const Eigen::VectorXd>& strengths,
                        const Eigen::Ref<const Eigen::MatrixXd>& extra,
                        const Eigen::Ref<const Eigen::MatrixXd>& first_out,
                        const Eigen::Ref<const Eigen::MatrixXd>& first_in,
                        const RequestedDirections& requested, Eigen::MatrixXd& sum) {
-    gather_rows(extra, requested.out, extra_out_);
-    gather_rows(extra, requested.in, extra_in_);
-    weighted_.resize(extra_in_.rows(), extra_in_.cols());
-    weighted_ = extra_in_ * strengths.asDiagonal();
+    gather(strengths, extra, requested);
     sum.noalias() += first_out * weighted_.transpose();
     weighted_ += first_in * strengths.asDiagonal();
     sum.noalias() += extra_out_ * weighted_.transpose();
@@ -22,10 +28,7 @@ void PairProducts::subtract_below(const Eigen::Ref<const Eigen::VectorXd>& stren
                                   const Eigen::Ref<const Eigen::MatrixXd>& first_out,
                                   const Eigen::Ref<const Eigen::MatrixXd>& first_in,
                                   const RequestedDirections& requested, Eigen::MatrixXd& sum) {
-    gather_rows(extra, requested.out, extra_out_);
-    gather_rows(extra, requested.in, extra_in_);
-    weighted_.resize(extra_in_.rows(), extra_in_.cols());
-    weighted_ = extra_in_ * strengths.asDiagonal();
+    gather(strengths, extra, requested);
     product_.resize(sum.rows(), sum.cols());
     product_.noalias() = first_out * weighted_.transpose();
     for (Eigen::Index i = 0; i < sum.cols(); ++i) {

@@ -32,6 +32,11 @@ class PairProducts {
                         const RequestedDirections& requested, Eigen::MatrixXd& sum);
 
   private:
+    /// Fills extra_out_, extra_in_ and weighted_ = s_l extra_in_.
+    void gather(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                const RequestedDirections& requested);
+
     math::ScratchMatrix extra_out_, extra_in_, weighted_, product_;
 };
 
