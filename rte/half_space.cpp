@@ -58,8 +58,7 @@ void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
 bool solve_by_modes(const ScatteringMode& medium, const PhaseMode& mode, const ZenithGrid& grid,
                     const RequestedDirections& requested, double tolerance, OrderWork& work,
                     Reflector& result) {
-    const TransferModes& modes =
-        work.decomposition.find(mode, medium.strengths, medium.one_minus_albedo, grid, tolerance);
+    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
     if (!modes.physical) return false;
     work.decomposition.function(modes.rates.array(), work.square);
     work.square.diagonal().array() += 1.0;

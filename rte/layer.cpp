@@ -106,8 +106,7 @@ void solve_layer(double optical_depth, const ScatteringMode& medium, const Phase
                  double tolerance, OrderWork& work, LayerOperator& layer) {
     const double tau = optical_depth;
     layer.physical = false;
-    const TransferModes& modes =
-        work.decomposition.find(mode, medium.strengths, medium.one_minus_albedo, grid, tolerance);
+    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
     if (!modes.physical) return;
     work.tanh_rates = modes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
     work.sinh_rates = modes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });

@@ -31,9 +31,11 @@ void require_options(const SolverOptions& options) {
         throw std::invalid_argument(
             fmt::format("tolerance {}; allowed: (0, 1)", options.tolerance));
     }
-    if (!(options.streams == 0 || (options.streams >= 2 && options.streams <= 256))) {
-        throw std::invalid_argument(fmt::format(
-            "{} streams; allowed: 2 to 256, or 0 to choose from the tolerance", options.streams));
+    if (!(options.streams == 0 ||
+          (options.streams >= fewest_nodes && options.streams <= most_nodes))) {
+        throw std::invalid_argument(
+            fmt::format("{} streams; allowed: {} to {}, or 0 to choose from the tolerance",
+                        options.streams, fewest_nodes, most_nodes));
     }
     if (!(options.coat_substeps >= 1 && options.coat_substeps <= 1000000)) {
         throw std::invalid_argument(

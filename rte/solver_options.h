@@ -6,6 +6,10 @@
 
 namespace miebrdf::rte {
 
+/// Zenith nodes per hemisphere.
+inline constexpr int fewest_nodes = 2;
+inline constexpr int most_nodes = 256;
+
 class SolvedHalfSpaces;
 
 enum class GridKind { automatic, gauss, mapped_gauss, paper };

@@ -1,5 +1,6 @@
 #include "rte/stack_solver.h"
 
+#include <cmath>
 #include <utility>
 
 #include "rte/coat_steps.h"
@@ -25,8 +26,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
 
 const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky) {
     make_phase_mode(order, stack_.moments, grid_, requested_, memory_.mode);
-    solve_base();
-    const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
+    const std::size_t first_coat = solve_lowest();
     bool has_sky = false;
     for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
         const bool is_top = c + 1 == stack_.media.size();
@@ -50,6 +50,31 @@ void StackSolver::set_medium(const ScaledMedium& medium) {
         memory_.medium.strengths[c] =
             l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
     }
+}
+
+bool StackSolver::hides_what_is_below(const ScaledMedium& coat) {
+    if (options_.coat_method != CoatMethod::automatic ||
+        options_.half_space_method != HalfSpaceMethod::automatic) {
+        return false;
+    }
+    // With q = strongest(): U and V are at least (1 - q) M^-1, so that nothing decays more slowly
+    // than exp(-(1 - q) tau). Down and up, with some room for what the coat reflects itself.
+    constexpr double room = 4.0;
+    set_medium(coat);
+    const double slowest = 1.0 - memory_.medium.strongest();
+    return slowest > 0.0 && room * std::exp(-2.0 * slowest * coat.optical_depth) <= tolerance_;
+}
+
+std::size_t StackSolver::solve_lowest() {
+    const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
+    for (std::size_t c = stack_.media.size(); c-- > first_coat;) {
+        if (!hides_what_is_below(stack_.media[c])) continue;
+        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_,
+                         requested_, tolerance_, memory_.work, memory_.reflector);
+        return c + 1;
+    }
+    solve_base();
+    return first_coat;
 }
 
 void StackSolver::solve_base() {

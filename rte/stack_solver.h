@@ -33,7 +33,11 @@ class StackSolver {
     const Reflector& solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky = {});
 
   private:
+    /// What light sees below the first coat to be put on, whose index is returned: the base, or a
+    /// coat so deep for this order that it is a half-space itself.
+    std::size_t solve_lowest();
     void solve_base();
+    bool hides_what_is_below(const ScaledMedium& coat);
     void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
     /// Degrees that a medium has no moments for scatter nothing.
     void set_medium(const ScaledMedium& medium);

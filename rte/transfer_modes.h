@@ -2,9 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
+#include "rte/math/symmetric_eigen.h"
 #include "rte/phase_mode.h"
+#include "rte/scattering_mode.h"
 
 namespace miebrdf::rte {
 
@@ -32,13 +33,10 @@ struct TransferModes {
 /// Finds the modes of one order after the other in the same memory.
 class ModeDecomposition {
   public:
-    /// @param strengths         alpha (2l+1) chi_l for the columns l = m ... L - 1 of `mode`
-    /// @param one_minus_albedo  its own number; 0 for a conservative medium
-    /// @param tolerance         of X: orders above 0 are left as the eigensolver finds them when
-    ///                          that is ten times better
-    const TransferModes& find(const PhaseMode& mode,
-                              const Eigen::Ref<const Eigen::VectorXd>& strengths,
-                              double one_minus_albedo, const ZenithGrid& grid, double tolerance);
+    /// @param tolerance  of X: orders above 0 are left as the eigensolver or a short refinement
+    ///                   finds them when that is ten times better
+    const TransferModes& find(const PhaseMode& mode, const ScatteringMode& medium,
+                              const ZenithGrid& grid, double tolerance);
 
     const TransferModes& modes() const { return modes_; }
 
@@ -53,13 +51,16 @@ class ModeDecomposition {
   private:
     void form_matrices(const PhaseMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
                        const ZenithGrid& grid);
-    double refine();
+    bool refine_nodes(const ZenithGrid& grid, double tolerance);
+    double refine(double steepest);
+    double find_correction(double steepest);
     void append(const Eigen::VectorXd& vector, double rate_squared);
 
     TransferModes modes_;
     math::ScratchMatrix scaled_;
     Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+    Eigen::VectorXd root_;  ///< of the nodes
+    math::SymmetricEigen eigen_;
 };
 
 }  // namespace miebrdf::rte

@@ -12,8 +12,9 @@ namespace miebrdf::rte {
 namespace {
 
 void require_count(int count) {
-    if (!(count >= 2 && count <= 256)) {
-        throw std::invalid_argument(fmt::format("{} zenith nodes; allowed: 2 to 256", count));
+    if (!(count >= fewest_nodes && count <= most_nodes)) {
+        throw std::invalid_argument(fmt::format("{} zenith nodes; allowed: {} to {}", count,
+                                                fewest_nodes, most_nodes));
     }
 }
 

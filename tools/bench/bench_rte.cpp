@@ -152,6 +152,26 @@ void coat_on_base(benchmark::State& state) {
 }
 BENCHMARK(coat_on_base)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32}, {0, 10, 1000}});
 
+// A coat as peaked as the half-space under it, which takes as many orders. Arguments: 100 g, 100
+// times its optical depth (0: no coat).
+void coat_like_its_base(benchmark::State& state) {
+    const double g = double(state.range(0)) * 1e-2;
+    rte::Stack stack{.base = rte::henyey_greenstein_optics(0.95, g)};
+    if (state.range(1) > 0) {
+        stack.coats = {{rte::henyey_greenstein_optics(0.9, g), double(state.range(1)) * 1e-2}};
+    }
+    rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
+    for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
+    const rte::SolverOptions options{.tolerance = 1e-5, .streams = 32};
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(rte::reflect(stack, directions, options).reflection.data());
+    }
+    report(state, NAN, NAN, error_of(stack, options.streams, options.tolerance));
+}
+BENCHMARK(coat_like_its_base)
+    ->Unit(benchmark::kMicrosecond)
+    ->ArgsProduct({{46, 70, 80}, {0, 10, 100, 1000}});
+
 // Azimuthal orders of coats on a base, one after the other in the same memory: time of one order
 // and allocations in it (nan where they cannot be counted). Arguments: nodes, coats.
 void orders_of_a_stack(benchmark::State& state) {
