@@ -1,5 +1,7 @@
 #include "pipeline/layers.h"
 
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -14,6 +16,7 @@
 #include "pipeline/tolerance.h"
 #include "pipeline/visible_layers.h"
 #include "rte/layered_brdf.h"
+#include "rte/stack_memory.h"
 
 namespace miebrdf {
 
@@ -76,11 +79,18 @@ rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_
     return solver;
 }
 
+/// What wavelengths have in common.
+struct Common {
+    rte::SolvedHalfSpaces* half_spaces;
+    rte::StackMemory* memory;
+};
+
 LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
-                 LayerQuantity quantity, double wavelength_nm, rte::SolvedHalfSpaces* half_spaces) {
+                 LayerQuantity quantity, double wavelength_nm, const Common& common) {
     rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
     solver.half_space_tolerance = kToleranceShares.iteration * request.solver.tolerance;
-    solver.half_spaces = half_spaces;
+    solver.half_spaces = common.half_spaces;
+    solver.memory = common.memory;
     const rte::Stack stack = with_black_ground(optics.stack);
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
         return black(request, quantity);
@@ -149,10 +159,12 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
     SharedWork own;  // wavelengths may lie on the same half-space, too
     if (control.shared == nullptr) own.expect(reduced, media, quantity, list);
     SharedWork* shared = control.shared != nullptr ? control.shared : &own;
+    tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t j = missing[i];
         const SharedBase base(shared, jobs[j].base_hash);
-        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i], base.get());
+        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i],
+                          {base.get(), &memories.local()});
         if (control.cache != nullptr) control.cache->store(jobs[j].hash, packed(solved[j]));
     });
     std::vector<LayerSlice> slices;

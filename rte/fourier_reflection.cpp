@@ -124,7 +124,7 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
                               const RequestedDirections& requested,
                               std::span<const double> azimuth_deg, double tail_tolerance,
                               const SolverOptions& options) {
-    StackMemory memory;
+    StackMemory memory = memory_for_one();
     return sum_orders(stack, grid, requested, azimuth_deg, tail_tolerance, options, memory, {});
 }
 

@@ -80,7 +80,7 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
                      const Discretisation& discretisation, StackMemory& memory, OrderList& orders,
                      FirstOrderSum& first_order) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
-    const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
+    const ZenithGrid& grid = memory.tables.grid(discretisation.grid, discretisation.streams);
     MultipleScattering multiple =
         sum_orders(scaled, grid, requested, azimuth_deg, share_of_orders * options.tolerance,
                    options, memory, orders);
@@ -101,7 +101,7 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
                     StackMemory& memory, const Boundary& boundary) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
-    const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
+    const ZenithGrid& grid = memory.tables.grid(discretisation.grid, discretisation.streams);
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd let_in = D;
@@ -153,7 +153,8 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const Directions& judged = probes.directions();
     const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
-    StackMemory memory;
+    StackMemory own = memory_for_one();
+    StackMemory& memory = options.memory != nullptr ? *options.memory : own;
     OrderList orders;  // of the solution before, with fewer nodes
     FirstOrderSum first_order(judged, options);
     Attempt attempt =
@@ -178,7 +179,8 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     require_options(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
-    StackMemory memory;
+    StackMemory own = memory_for_one();
+    StackMemory& memory = options.memory != nullptr ? *options.memory : own;
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
             return albedo_with(stack, requested, options, discretisation, memory, boundary);

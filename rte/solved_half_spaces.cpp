@@ -43,24 +43,24 @@ SolvedHalfSpaces::Key SolvedHalfSpaces::key_of(const HalfSpaceProblem& problem) 
     return key;
 }
 
-Reflector SolvedHalfSpaces::solve(const HalfSpaceProblem& problem) {
+void SolvedHalfSpaces::solve(const HalfSpaceProblem& problem, OrderWork& work, Reflector& result) {
     Key key = key_of(problem);
     {
         const std::lock_guard lock(mutex_);
         if (const auto known = known_.find(key); known != known_.end()) {
             ++found_;
-            return known->second;
+            result = known->second;
+            return;
         }
     }
-    Reflector solved = solve_half_space(problem.method, problem.medium, problem.mode, problem.grid,
-                                        problem.requested, problem.tolerance);
+    solve_half_space(problem.method, problem.medium, problem.mode, problem.grid, problem.requested,
+                     problem.tolerance, work, result);
     const std::lock_guard lock(mutex_);
-    const std::int64_t bytes = bytes_of(key, solved);
+    const std::int64_t bytes = bytes_of(key, result);
     if (!known_.contains(key) && budget_->take(bytes)) {
         taken_bytes_ += bytes;
-        known_.emplace(std::move(key), solved);
+        known_.emplace(std::move(key), result);
     }
-    return solved;
 }
 
 std::size_t SolvedHalfSpaces::kept() const {

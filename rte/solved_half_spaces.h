@@ -47,7 +47,8 @@ class SolvedHalfSpaces {
     SolvedHalfSpaces& operator=(const SolvedHalfSpaces&) = delete;
 
     /// The half-space as solved before, or solved now and kept if there is room.
-    Reflector solve(const HalfSpaceProblem& problem);
+    /// @param result  overwritten
+    void solve(const HalfSpaceProblem& problem, OrderWork& work, Reflector& result);
 
     int found() const { return found_; }  ///< how many solutions were not repeated
     std::size_t kept() const;             ///< how many there are

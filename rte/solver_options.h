@@ -11,6 +11,7 @@ inline constexpr int fewest_nodes = 2;
 inline constexpr int most_nodes = 256;
 
 class SolvedHalfSpaces;
+struct StackMemory;
 
 enum class GridKind { automatic, gauss, mapped_gauss, paper };
 enum class HalfSpaceMethod { automatic, fixed_point, doubling };
@@ -31,6 +32,10 @@ struct SolverOptions {
     /// Where stacks share half-spaces (solved_half_spaces.h); null: each solves its own. The result
     /// is the same to the last bit.
     SolvedHalfSpaces* half_spaces = nullptr;
+    /// Where stacks that are solved one after the other, wavelengths for instance, share matrices,
+    /// grids and Legendre tables (stack_memory.h); null: each solution has its own. Not for two
+    /// threads at a time. The result is the same to the last bit.
+    StackMemory* memory = nullptr;
 };
 
 /// How a result came about; numbers to read, not exceptions.

@@ -25,7 +25,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
       memory_(memory) {}
 
 const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky) {
-    make_phase_mode(order, stack_.moments, grid_, requested_, memory_.mode);
+    mode_ = &memory_.tables.mode(order, stack_.moments, grid_, requested_);
     const std::size_t first_coat = solve_lowest();
     bool has_sky = false;
     for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
@@ -43,10 +43,10 @@ const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen
 void StackSolver::set_medium(const ScaledMedium& medium) {
     const ScaledOptics& scaled = medium.scaled;
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
-    memory_.medium.lowest_degree = memory_.mode.order;
-    memory_.medium.strengths.resize(memory_.mode.at_nodes.cols());
+    memory_.medium.lowest_degree = mode_->order;
+    memory_.medium.strengths.resize(mode_->at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
-        const Eigen::Index l = memory_.mode.order + c;
+        const Eigen::Index l = mode_->order + c;
         memory_.medium.strengths[c] =
             l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
     }
@@ -69,8 +69,8 @@ std::size_t StackSolver::solve_lowest() {
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
     for (std::size_t c = stack_.media.size(); c-- > first_coat;) {
         if (!hides_what_is_below(stack_.media[c])) continue;
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_,
-                         requested_, tolerance_, memory_.work, memory_.reflector);
+        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, *mode_, grid_, requested_,
+                         tolerance_, memory_.work, memory_.reflector);
         return c + 1;
     }
     solve_base();
@@ -80,8 +80,7 @@ std::size_t StackSolver::solve_lowest() {
 void StackSolver::solve_base() {
     switch (stack_.base) {
         case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, memory_.mode, grid_, requested_,
-                              memory_.reflector);
+            lambertian_ground(stack_.ground_albedo, *mode_, grid_, requested_, memory_.reflector);
             return;
         case BaseKind::none:
             no_reflection(grid_, requested_, memory_.reflector);
@@ -93,12 +92,12 @@ void StackSolver::solve_base() {
     const double tolerance =
         options_.half_space_tolerance > 0.0 ? options_.half_space_tolerance : tolerance_;
     if (options_.half_spaces != nullptr) {
-        memory_.reflector =
-            options_.half_spaces->solve({options_.half_space_method, memory_.medium, memory_.mode,
-                                         grid_, requested_, tolerance});
+        options_.half_spaces->solve(
+            {options_.half_space_method, memory_.medium, *mode_, grid_, requested_, tolerance},
+            memory_.work, memory_.reflector);
         return;
     }
-    solve_half_space(options_.half_space_method, memory_.medium, memory_.mode, grid_, requested_,
+    solve_half_space(options_.half_space_method, memory_.medium, *mode_, grid_, requested_,
                      tolerance, memory_.work, memory_.reflector);
 }
 
@@ -110,13 +109,13 @@ void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eig
                                               stack_.media.begin() + std::ptrdiff_t(index));
         memory_.reflector =
             step_through_coat(options_.coat_method, options_.coat_substeps, coat.optical_depth,
-                              memory_.medium, first_order_of(below, memory_.mode, requested_),
-                              memory_.mode, grid_, requested_, std::move(memory_.reflector));
+                              memory_.medium, first_order_of(below, *mode_, requested_), *mode_,
+                              grid_, requested_, std::move(memory_.reflector));
         return;
     }
     OrderWork& work = memory_.work;
-    solve_layer(coat.optical_depth, memory_.medium, memory_.mode, grid_, requested_, parts,
-                tolerance_, work, memory_.layer);
+    solve_layer(coat.optical_depth, memory_.medium, *mode_, grid_, requested_, parts, tolerance_,
+                work, memory_.layer);
     if (!memory_.layer.physical) {
         memory_.reflector.physical = false;
         return;

@@ -3,21 +3,11 @@
 
 #include <vector>
 
-#include "rte/half_space.h"
-#include "rte/layer.h"
 #include "rte/scaled_stack.h"
 #include "rte/solver_options.h"
+#include "rte/stack_memory.h"
 
 namespace miebrdf::rte {
-
-/// All matrices that a stack takes, for one order and one number of nodes after the other.
-struct StackMemory {
-    PhaseMode mode;
-    ScatteringMode medium;
-    OrderWork work;
-    LayerOperator layer;
-    Reflector reflector, below;
-};
 
 /// Solves the base and puts the coats on it. Orders after the first find their matrices ready (but
 /// for the paper's methods, which are there for comparison).
@@ -48,6 +38,7 @@ class StackSolver {
     const SolverOptions& options_;
     double tolerance_;
     StackMemory& memory_;
+    const PhaseMode* mode_ = nullptr;  ///< of the order that is being solved
 };
 
 }  // namespace miebrdf::rte

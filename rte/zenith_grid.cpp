@@ -13,8 +13,8 @@ namespace {
 
 void require_count(int count) {
     if (!(count >= fewest_nodes && count <= most_nodes)) {
-        throw std::invalid_argument(fmt::format("{} zenith nodes; allowed: {} to {}", count,
-                                                fewest_nodes, most_nodes));
+        throw std::invalid_argument(
+            fmt::format("{} zenith nodes; allowed: {} to {}", count, fewest_nodes, most_nodes));
     }
 }
 

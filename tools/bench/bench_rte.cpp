@@ -172,6 +172,31 @@ BENCHMARK(coat_like_its_base)
     ->Unit(benchmark::kMicrosecond)
     ->ArgsProduct({{46, 70, 80}, {0, 10, 100, 1000}});
 
+// 31 wavelengths of a coat on a base, one thread: each with memory and tables of its own, or all with
+// the same. Arguments: nodes, shared.
+void wavelengths_of_a_coat(benchmark::State& state) {
+    std::vector<rte::Stack> stacks;
+    for (int w = 0; w < 31; ++w) {
+        stacks.push_back({.base = rte::henyey_greenstein_optics(0.95 - 1e-3 * w, 0.7 - 2e-3 * w),
+                          .coats = {{rte::henyey_greenstein_optics(0.9 - 2e-3 * w, 0.46), 0.1}}});
+    }
+    rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
+    for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
+    rte::StackMemory memory;
+    const rte::SolverOptions options{.tolerance = 1e-5,
+                                     .streams = int(state.range(0)),
+                                     .memory = state.range(1) == 1 ? &memory : nullptr};
+    for (auto _ : state) {
+        for (const rte::Stack& stack : stacks) {
+            benchmark::DoNotOptimize(rte::reflect(stack, directions, options).reflection.data());
+        }
+    }
+    report(state, NAN, NAN, error_of(stacks.back(), options.streams, options.tolerance));
+}
+BENCHMARK(wavelengths_of_a_coat)
+    ->Unit(benchmark::kMicrosecond)
+    ->ArgsProduct({{16, 32}, {0, 1}});
+
 // Azimuthal orders of coats on a base, one after the other in the same memory: time of one order
 // and allocations in it (nan where they cannot be counted). Arguments: nodes, coats.
 void orders_of_a_stack(benchmark::State& state) {
