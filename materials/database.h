@@ -83,6 +83,7 @@ class Database {
     /// The user's file over the embedded database; a file that does not exist yet is no error.
     static Database layered(const std::filesystem::path& user_file);
 
+    /// Every material of both layers, by name.
     std::vector<MaterialInfo> list() const;
     /// Best match first; every word must occur in name, alias, title, formula or provenance.
     std::vector<MaterialInfo> search(const std::string& text) const;
@@ -95,6 +96,7 @@ class Database {
     MaterialInfo info(const std::string& name) const;
     /// All datasets of a material, the default first.
     std::vector<DatasetInfo> datasets(const std::string& material) const;
+    /// Of the dataset that a name stands for, without its figures. @throws UnknownMaterial
     DatasetInfo dataset_info(const std::string& name) const;
     /// With its figures. @throws DatabaseError  when they do not fit their checksum
     Dataset dataset(const std::string& name) const;

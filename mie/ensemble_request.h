@@ -29,6 +29,7 @@ struct EnsembleRequest {
 /// @throws std::invalid_argument  with the value and what is allowed
 void validate(const EnsembleRequest& request);
 
+/// refractive_index / host_index, n + ik.
 std::complex<double> relative_index_of(const EnsembleRequest& request);
 
 /// 2 pi n_host / lambda: times a radius in um, the size parameter.

@@ -62,6 +62,9 @@ struct AlbedoResult {
     double phase_noise = 0.0;
 };
 
+/// Azimuthal order 0 alone; Request::directions.mu_out and azimuth_deg and Request::parts are not
+/// read.
+/// @throws UsageError, InputError, Cancelled
 AlbedoResult compute_albedo(const Request& request, const RunControl& control = {});
 
 }  // namespace miebrdf

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <bit>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/exports/binary_writer.h"
@@ -10,6 +12,29 @@
 #include "pipeline/exports/polar_grid.h"
 
 namespace miebrdf::exports {
+namespace {
+
+bool begin_with_hash(const std::vector<float>& values) {
+    for (const float value : values) {
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        for (int shift = 0; shift < 32; shift += 8) {  // little endian, as in the file
+            const std::uint32_t byte = (bits >> shift) & 0xff;
+            if (byte != ' ' && (byte < '\t' || byte > '\r')) return byte == '#';
+        }
+    }
+    return false;
+}
+
+/// libbsdf looks for comments after every line, that of DATA included: figures whose first byte
+/// after white space is '#' would be skipped up to the next line feed. Units in the last place of
+/// the first figure make it another byte.
+void keep_from_looking_like_a_comment(std::vector<float>& values) {
+    while (begin_with_hash(values)) {
+        values[0] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(values[0]) + 1);
+    }
+}
+
+}  // namespace
 
 void write_ssdd(const BrdfSource& source, int intervals, std::ostream& out,
                 const RunControl& control) {
@@ -39,7 +64,9 @@ void write_ssdd(const BrdfSource& source, int intervals, std::ostream& out,
         }
         const auto stage = fmt::format("azimuth {} of {}", a + 1, grid.azimuth_deg.size());
         const std::vector<double> values = evaluate_all(source, directions, stage, control);
-        binary.put_all(std::vector<float>(values.begin(), values.end()));
+        std::vector<float> figures(values.begin(), values.end());
+        if (a == 0) keep_from_looking_like_a_comment(figures);
+        binary.put_all(figures);
     }
 }
 

@@ -48,14 +48,14 @@ TEST_CASE("in the half-space suite the closed form beats the short cuts", "[benc
         if (contender.method == "Kubelka-Munk") kubelka_munk = error;
         if (contender.method == "paper: eq. 3 on its grid") paper = std::min(paper, error);
     }
-    // Mapped Gauss with 32 nodes resolves isotropic scattering to rounding.
-    CHECK(best <= 1e-12);
-    // The paper's iteration stops at 1e-6 on 32 nodes.
-    CHECK(paper <= 1e-5);
+    // Mapped Gauss with 32 nodes resolves isotropic scattering to rounding, which 64 nodes add up.
+    CHECK(best <= 1e-14);
+    // The paper's iteration on its grid of 32 nodes: 9.4e-9 seen.
+    CHECK(paper <= 5e-8);
     // A constant for a function that varies by a factor of 3 over these directions.
     CHECK(kubelka_munk >= 0.2);
-    // 10,000 photons: 1 % a piece, largest of 16, grazing.
-    CHECK(photons <= 0.15);
+    // 10,000 photons: 1 % a piece, largest of 16, a factor of 1.5 at grazing.
+    CHECK(photons <= 0.05);
 }
 
 TEST_CASE("the surface suite's truth owes nothing to the solver and agrees with it",

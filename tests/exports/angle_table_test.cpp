@@ -1,4 +1,8 @@
 // SSDD and ASTM: tables over polar angles.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <sstream>
 
 #include "pipeline/error.h"
@@ -38,6 +42,34 @@ TEST_CASE("ssdd: entries stand in the order of the specification, values are bin
         last = at;
     }
     CHECK(content.size() - content.find("DATA binary\n") - 12 == 4 * 7 * 10 * 10 * 10);
+}
+
+TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", "[exports][ssdd]") {
+    /// The same bits in every direction and at every wavelength.
+    class Constant : public support::TestMaterial {
+      public:
+        explicit Constant(std::uint32_t bits)
+            : TestMaterial(support::seven_wavelengths(), 0.4), value_(std::bit_cast<float>(bits)) {}
+        void evaluate(std::span<const Direction>, std::span<double> values) const override {
+            std::fill(values.begin(), values.end(), value_);
+        }
+
+      private:
+        float value_;
+    };
+    // 0.3 or so, its lowest bytes '#'; white space and '#'; a tab and '#'; nothing to avoid.
+    const auto bits = GENERATE(0x3e99'9923u, 0x3e99'2320u, 0x3e23'0a09u, 0x3e99'9924u);
+    std::ostringstream out;
+    write_ssdd(Constant(bits), 9, out);
+    const std::string content = out.str();
+    const std::size_t start = content.find("DATA binary\n") + 12;
+    CHECK(content[content.find_first_not_of(" \t\n\v\f\r", start)] != '#');
+    float first = 0, second = 0;
+    std::memcpy(&first, content.data() + start, 4);
+    std::memcpy(&second, content.data() + start + 4, 4);
+    CHECK(std::abs(first / std::bit_cast<float>(bits) - 1) <= 6e-7);  // at most five units of 2^-23
+    CHECK(std::bit_cast<std::uint32_t>(second) == bits);
+    CHECK((first == second) == (bits == 0x3e99'9924u));
 }
 
 TEST_CASE("astm: the header names angles and wavelengths", "[exports][astm]") {

@@ -7,6 +7,7 @@
 #include <complex>
 #include <map>
 
+#include "materials/database.h"
 #include "materials/export.h"
 #include "materials/verify.h"
 #include "tests/support/catch.h"
@@ -173,6 +174,23 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
     }
 }
 
+TEST_CASE("embedded tables with even decimal steps are written as SOPRA", "[materials][export]") {
+    // 0.36, 0.365, ... um: each row rounded by itself, so not to the bit first + i * step.
+    for (const char* name : {"GaP", "SiO2", "TiO2"}) {
+        const Dataset original = Database::embedded().dataset(name);
+        const support::TemporaryFolder folder;
+        const auto file = folder.write("x.nk", export_dataset(original, Format::sopra)[0].text);
+        const Dataset back = read_file(file, {.format = Format::sopra});
+        CAPTURE(name);
+        CHECK(back.n->y == original.n->y);
+        CHECK(back.k->y == original.k->y);
+        REQUIRE(back.n->x.size() == original.n->x.size());
+        for (std::size_t i = 0; i < back.n->x.size(); ++i) {
+            CHECK(std::abs(back.n->x[i] / original.n->x[i] - 1) <= 1e-15);
+        }
+    }
+}
+
 TEST_CASE("exports refuse what the format cannot say", "[materials][export][errors]") {
     const auto refusal = [](const char* name, Format format) {
         return [=] { export_dataset(read_file(samples / name), format); };
@@ -181,6 +199,9 @@ TEST_CASE("exports refuse what the format cannot say", "[materials][export][erro
     CHECK_THROWS_WITH(refusal("two_parts.csv", Format::tfcalc)(),
                       Catch::Contains("different grids"));
     CHECK_THROWS_WITH(refusal("imd.nk", Format::sopra)(), Catch::Contains("no unit angstrom"));
+    Dataset uneven = read_file(samples / "sopra_nm.nk");
+    for (Series* series : {&*uneven.n, &*uneven.k}) series->x[1] *= 1 + 1e-13;
+    CHECK_THROWS_WITH(export_dataset(uneven, Format::sopra), Catch::Contains("not uniform"));
     Dataset d = read_file(samples / "table.csv");
     d.k.reset();
     CHECK_THROWS_WITH(export_dataset(d, Format::tfcalc), Catch::Contains("k is unknown"));

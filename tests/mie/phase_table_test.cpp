@@ -65,7 +65,9 @@ TEST_CASE("the phase table agrees with P at listed angles and with the moments",
     REQUIRE(optics.phase_table);
     const auto& table = *optics.phase_table;
     CAPTURE(request.refractive_index, request.sizes.effective_radius_um, table.angle_count());
-    CHECK(table.interpolation_error() <= 1e-2);
+    // Claims this small (1.1e-3 and 8.4e-3 seen) keep the bounds below from being empty.
+    CHECK(table.interpolation_error() <= 3e-3);
+    CHECK(table.size_error() <= 1.5e-2);
     for (std::size_t i = 0; i < request.angles_deg.size(); ++i) {
         CAPTURE(request.angles_deg[i]);
         const double mu = std::cos(request.angles_deg[i] * pi / 180);

@@ -102,7 +102,10 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
 }
 
 TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
-    for (const char* command : {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "export", "check", "plan", "run"}) {
+    for (const char* command :
+         {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "materials nk",
+          "export", "check", "plan", "plan brdf", "plan albedo", "run", "plot", "plot nk",
+          "plot slice", "bench", "stress", "cache", "cache info", "cache clear"}) {
         CAPTURE(command);
         const auto help = support::run_program(std::string(command) + " --help");
         CHECK(help.exit_code == 0);
@@ -110,6 +113,19 @@ TEST_CASE("every command explains itself with an example and tells its version",
         const auto version = support::run_program(std::string(command) + " --version");
         CHECK(version.exit_code == 0);
         CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
+    }
+}
+
+TEST_CASE("render is known in every build: it draws, or says which packages it needs", "[program]") {
+    const auto help = support::run_program("render --help");
+    CHECK(help.exit_code == 0);
+    const auto run = support::run_program("render --object no_such.obj --base hg:0.9,0.5 -o no.png");
+    if (help.out.find("not in this build") == std::string::npos) {
+        CHECK(run.exit_code == 3);
+        CHECK_THAT(run.err, Catch::Contains("no_such.obj"));
+    } else {
+        CHECK(run.exit_code == 2);
+        CHECK_THAT(run.err, Catch::Contains("libembree-dev"));
     }
 }
 

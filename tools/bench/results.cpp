@@ -124,6 +124,11 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
 #else
     const char* build = "not optimised";
 #endif
+#ifdef __clang__
+    const char* compiler = "";  // its version string begins with its name
+#else
+    const char* compiler = "g++ ";
+#endif
 #ifdef __AVX2__
     const char* vectors = "AVX2";
 #else
@@ -132,7 +137,7 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
     return {{"version", fmt::format("miebrdf {}", kVersion)},
             {"processor", fmt::format("{}, {} hardware threads, 1 used", processor_name(),
                                       std::thread::hardware_concurrency())},
-            {"compiler", fmt::format("{}, {} build, {}", __VERSION__, build, vectors)},
+            {"compiler", fmt::format("{}{}, {} build, {}", compiler, __VERSION__, build, vectors)},
             {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))},
             {"units",
              "error: largest relative error; seconds: CPU time; memory: bytes; half_width: of the "

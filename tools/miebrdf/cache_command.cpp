@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/result_cache.h"
+#include "pipeline/version.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
@@ -30,6 +31,7 @@ int run_clear(const Shell& shell) {
 void add_cache_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("cache", "results remembered between runs");
     command->require_subcommand(1);
+    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     command->footer("Example:\n  miebrdf cache info");
     auto* info = command->add_subcommand("info", "where it is and how much is in it");
     shell.add_common_options(*info);

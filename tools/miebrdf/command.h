@@ -77,7 +77,7 @@ void add_materials_command(CLI::App& program, Shell& shell);
 void add_export_command(CLI::App& program, Shell& shell);
 void add_check_command(CLI::App& program, Shell& shell);
 void add_plot_command(CLI::App& program, Shell& shell);
-void add_render_command(CLI::App& program, Shell& shell);  // only where built (docs/rendering.md)
+void add_render_command(CLI::App& program, Shell& shell);  // docs/rendering.md has what it needs
 void add_plan_command(CLI::App& program, Shell& shell);
 void add_run_command(CLI::App& program, Shell& shell);
 void add_cache_command(CLI::App& program, Shell& shell);

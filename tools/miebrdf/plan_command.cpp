@@ -66,6 +66,9 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name) {
     auto* command = plan.add_subcommand(name, "the plan of miebrdf " + name + ", same options");
     auto arguments = std::make_shared<Arguments>();
     arguments->add_to(*command);
+    const bool brdf = std::is_same_v<Arguments, BrdfArguments>;
+    command->footer(fmt::format("Example:\n  miebrdf plan {} --base TiO2 --coat AlGaAs7@0.1{}",
+                                name, brdf ? " --mu-in 1 --mu-out 0.1:1:0.1" : ""));
     shell.add_common_options(*command);
     shell.on_run(*command, [arguments, name, &shell] {
         Table table = empty_table();

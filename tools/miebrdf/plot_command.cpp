@@ -1,6 +1,10 @@
 // miebrdf plot: charts of media and scenes.
 #include "tools/miebrdf/plot_command.h"
 
+#include <fmt/format.h>
+
+#include "pipeline/version.h"
+
 namespace miebrdf::program {
 
 void PlotArguments::add_to(CLI::App& command) {
@@ -32,6 +36,7 @@ void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const
 void add_plot_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("plot", "charts as SVG or PNG");
     command->require_subcommand(1);
+    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     command->footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
     add_scene_plots(*command, shell);
     add_profile_plot(*command, shell);

@@ -63,9 +63,7 @@ void add_commands(CLI::App& program, Shell& shell) {
     add_plot_command(program, shell);
     add_bench_command(program, shell);
     add_stress_command(program, shell);
-#ifdef MIEBRDF_HAS_RENDER
     add_render_command(program, shell);
-#endif
     add_plan_command(program, shell);
     add_run_command(program, shell);
     add_cache_command(program, shell);

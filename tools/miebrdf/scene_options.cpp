@@ -68,7 +68,8 @@ void MaterialArguments::add_to(CLI::App& command, const std::string& default_wav
         ->type_name("LIST")
         ->capture_default_str();
     command.add_option("--database", database_,
-                       "materials database; default: $MIEBRDF_DATABASE, else the embedded one")
+                       "the user's materials, over the embedded ones; default: $MIEBRDF_DATABASE, else "
+                       "$XDG_DATA_HOME/miebrdf/materials.sqlite")
         ->type_name("FILE");
 }
 

@@ -1,0 +1,22 @@
+// miebrdf render in a build without its packages: says which they are.
+#include "pipeline/error.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+namespace {
+
+constexpr char kReason[] =
+    "this build cannot render; install libembree-dev, libtinyobjloader-dev, libopenexr-dev and "
+    "libpng-dev, then configure and build again";
+
+}  // namespace
+
+void add_render_command(CLI::App& program, Shell& shell) {
+    auto* command = program.add_subcommand(
+        "render", "a picture of a lit object of these materials (not in this build)");
+    command->allow_extras();  // its options are not known here, and not to blame
+    command->footer(kReason);
+    shell.on_run(*command, []() -> int { throw UsageError(kReason); });
+}
+
+}  // namespace miebrdf::program
