@@ -8,8 +8,7 @@ namespace {
 
 constexpr int enough = 2;  // orders in a row
 
-}  // namespace
-
+// Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
 double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
                        const RequestedDirections& requested) {
     double largest = 0.0;
@@ -21,6 +20,8 @@ double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
     }
     return largest;
 }
+
+}  // namespace
 
 void CoarserOrders::compare(int order, const Eigen::MatrixXd& finer,
                             const RequestedDirections& requested) {

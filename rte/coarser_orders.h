@@ -11,10 +11,6 @@ namespace miebrdf::rte {
 /// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.
 using OrderList = std::vector<Eigen::MatrixXd>;
 
-/// Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
-double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
-                       const RequestedDirections& requested);
-
 /// A finer solution repeats the orders of a coarser one until two in a row differ by less than a
 /// tolerance, relative to order 0, or order 0 itself by less than a tenth of it; the rest it takes
 /// over. Both converge alike in every order as long as the phase functions are smooth: of 442

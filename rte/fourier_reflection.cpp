@@ -88,6 +88,7 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
 
     StackSolver solver(stack, grid, requested, options, memory);
     OrderTail tail(tail_tolerance);
+    OrderSizes sizes;
     CoarserOrders coarser(coarser_orders, share_of_coarser_orders * options.tolerance);
     Eigen::VectorXd cosines;
     int m = 0;
@@ -109,7 +110,7 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
         sum.orders = m + 1;
         const auto asked = asked_part(*multiple, requested);
         add_order(m, azimuth_deg, asked, cosines, sum.reflection);
-        ended = tail.ends_with(largest_bounded(asked, requested));
+        ended = tail.ends_with(sizes.next(asked));
         if (keep) {
             sum.by_order.resize(std::size_t(m) + 1);
             sum.by_order.back() = *multiple;

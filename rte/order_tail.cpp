@@ -13,6 +13,16 @@ double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
 }  // namespace
 
+double OrderSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
+    const Eigen::VectorXd largest = reflection.cwiseAbs().colwise().maxCoeff().transpose();
+    if (of_order_zero_.size() == 0) of_order_zero_ = largest;
+    double size = 0.0;
+    for (Eigen::Index i = 0; i < largest.size(); ++i) {
+        if (largest[i] > 0.0) size = std::max(size, largest[i] / of_order_zero_[i]);
+    }
+    return size;
+}
+
 bool OrderTail::ends_with(double largest) {
     if (count_ == 0) order_zero_ = largest;
     const double fall = std::max(ratio(largest, last_), ratio(last_, before_last_));

@@ -173,3 +173,27 @@ TEST_CASE("a boundary that lets nothing in gives albedo 0, not 0 / 0", "[rte][al
     const auto mirror = [](double) { return rte::BoundaryWeights{.in = 0, .out = 0}; };
     CHECK(rte::albedo(stack, {0.5}, {}, mirror).spherical_albedo == 0.0);
 }
+
+TEST_CASE("an incidence gets its orders whatever brighter ones it is asked for with",
+          "[rte][layered]") {
+    // A peak in both directions: light comes back at azimuth 180 in many orders.
+    rte::Optics optics;
+    optics.single_scattering_albedo = 0.9;
+    optics.one_minus_albedo = 0.1;
+    for (int l = 1; l < 400; ++l) {
+        optics.chi.push_back(0.7 * std::pow(0.97, l) + 0.3 * std::pow(-0.97, l));
+    }
+    const rte::Stack stack{.base = optics,
+                           .coats = {{rte::henyey_greenstein_optics(0.3, 0.9), 0.1}}};
+    const rte::SolverOptions options{.tolerance = 1e-3, .streams = 64};
+    const double mu = GENERATE(0.05, 0.1, 0.2);
+    const auto alone = rte::reflect(stack, {{mu}, {mu}, {0.0, 175.0, 180.0}}, options);
+    const auto beside = rte::reflect(stack, {{mu, 1.0}, {mu, 1.0}, {0.0, 175.0, 180.0}}, options);
+    const double scale = *std::max_element(alone.reflection.begin(), alone.reflection.end());
+    for (std::size_t k = 0; k < alone.reflection.size(); ++k) {
+        CAPTURE(mu, k, alone.report.azimuthal_orders, beside.report.azimuthal_orders);
+        // Each may leave out a quarter of the tolerance.
+        CHECK(std::abs(alone.reflection[k] - beside.reflection[k]) <=
+              0.5 * options.tolerance * scale);
+    }
+}
