@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 
 #include "materials/provenance.h"
@@ -78,7 +80,9 @@ std::string sopra(const Dataset& d, const ExportOptions& options) {
     for (int i = 0; i <= intervals; ++i) {
         const std::size_t row = ascending(static_cast<std::size_t>(i));
         const double expected = i == intervals ? last : first + (last - first) * i / intervals;
-        if (table.n.x[row] != expected) {
+        // Even steps in decimals are not even to the last bit of their doubles.
+        const double rounding = 4 * std::numeric_limits<double>::epsilon() * last;
+        if (!(std::abs(table.n.x[row] - expected) <= rounding)) {
             refuse(d, Format::sopra,
                    fmt::format("its grid is not uniform ({} {} where {} is expected)",
                                table.n.x[row], name_of(table.n.unit), expected));

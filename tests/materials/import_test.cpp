@@ -173,6 +173,29 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
     }
 }
 
+TEST_CASE("a grid that is even in decimals is even for SOPRA, too", "[materials][export]") {
+    // 0.36, 0.365, ... um: the doubles next to these are not evenly spaced to the last bit.
+    const support::TemporaryFolder folder;
+    Dataset original = read_file(samples / "table.csv");
+    std::vector<double> x, y;
+    for (int i = 0; i <= 96; ++i) {
+        x.push_back((360 + 5 * i) / 1000.0);
+        y.push_back(2.5 - 0.001 * i);
+    }
+    original.n = original.k = make_table(Unit::micrometre, x, y);
+    const auto files = export_dataset(original, Format::sopra);
+    const auto path = folder.write("even.nk", files.front().text);
+    const Dataset back = read_file(path, {.format = Format::sopra});
+    CHECK(back.n->y == original.n->y);
+    REQUIRE(back.n->x.size() == original.n->x.size());
+    for (std::size_t i = 0; i < back.n->x.size(); ++i) {
+        CHECK(std::abs(back.n->x[i] - original.n->x[i]) <= 4 * 2.3e-16 * 0.84);
+    }
+    original.n->x[40] += 1e-9;
+    original.k->x[40] += 1e-9;
+    CHECK_THROWS_WITH(export_dataset(original, Format::sopra), Catch::Contains("not uniform"));
+}
+
 TEST_CASE("exports refuse what the format cannot say", "[materials][export][errors]") {
     const auto refusal = [](const char* name, Format format) {
         return [=] { export_dataset(read_file(samples / name), format); };
