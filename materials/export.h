@@ -24,7 +24,8 @@ struct ExportFile {
 ///
 /// CSV keeps the native unit and n and k on grids of their own; YAML keeps formulas. Both keep the
 /// provenance. A format in another unit than the dataset's keeps n and k bit for bit and
-/// wavelengths to the rounding of the conversion (one unit in the last place). spd gives two files.
+/// wavelengths to the rounding of the conversion (one unit in the last place); SOPRA, which states
+/// only the ends of its grid, to four times the rounding of the last. spd gives two files.
 /// @throws std::invalid_argument  naming what the format cannot express: formulas (all but YAML), n
 ///         and k on different grids (SOPRA, TFCalc, IMD), a grid that is not uniform (SOPRA), no n
 std::vector<ExportFile> export_dataset(const Dataset& dataset, Format format,

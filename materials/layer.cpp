@@ -19,6 +19,12 @@ std::vector<std::pair<std::string, std::string>> pairs(sqlite::Statement& statem
     return found;
 }
 
+std::vector<std::string> texts(sqlite::Statement& statement) {
+    std::vector<std::string> found;
+    while (statement.step()) found.push_back(statement.text(0));
+    return found;
+}
+
 Unit stored_unit(const std::string& text) {
     const std::optional<Unit> unit = parse_unit(text);
     if (!unit) throw DatabaseError(fmt::format("materials database: unknown unit '{}'", text));
@@ -92,10 +98,7 @@ std::vector<LayerMaterial> Database::Layer::materials() const {
 std::vector<std::string> Database::Layer::aliases(std::int64_t material_id) const {
     sqlite::Statement row =
         connection.prepare("SELECT text FROM alias WHERE material_id = ? ORDER BY text");
-    row.bind(material_id);
-    std::vector<std::string> found;
-    while (row.step()) found.push_back(row.text(0));
-    return found;
+    return texts(row.bind(material_id));
 }
 
 std::vector<std::pair<std::string, std::string>> Database::Layer::spellings(
@@ -145,10 +148,7 @@ std::vector<std::string> Database::Layer::materials_with_key(const std::string& 
     sqlite::Statement row = connection.prepare(
         "SELECT DISTINCT m.name FROM dataset d JOIN material m ON m.id = d.material_id "
         "WHERE d.source_key = ? COLLATE NOCASE");
-    row.bind(key);
-    std::vector<std::string> found;
-    while (row.step()) found.push_back(row.text(0));
-    return found;
+    return texts(row.bind(key));
 }
 
 std::vector<std::string> Database::Layer::full_text(const std::string& query) const {
@@ -156,10 +156,7 @@ std::vector<std::string> Database::Layer::full_text(const std::string& query) co
     sqlite::Statement row = connection.prepare(
         "SELECT m.name FROM material_text t JOIN material m ON m.id = t.rowid "
         "WHERE material_text MATCH ? ORDER BY bm25(material_text, 20, 10, 5, 10, 1), m.name");
-    row.bind(query);
-    std::vector<std::string> found;
-    while (row.step()) found.push_back(row.text(0));
-    return found;
+    return texts(row.bind(query));
 }
 
 std::optional<Series> Database::Layer::series(std::int64_t dataset_id, char quantity) const {

@@ -1,4 +1,4 @@
-// SQLite with C++ lifetimes and our errors; the only files that include sqlite3.h are these two.
+// SQLite with C++ lifetimes and our errors: nothing outside of sqlite*.cpp includes sqlite3.h.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mie/ensemble_change.h"
 #include "mie/exact_extinction.h"
 #include "mie/phase_tabulation.h"
 #include "mie/terms.h"
@@ -27,26 +28,6 @@ double tail_for(const EnsembleRequest& request) {
     const bool endless = request.sizes.kind == SizeDistributionKind::gamma ||
                          request.sizes.kind == SizeDistributionKind::log_normal;
     return endless ? std::clamp(0.02 * request.tolerance, 1e-16, 1e-6) : 0.0;
-}
-
-double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
-    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
-                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
-                              std::abs(a.asymmetry - b.asymmetry)});
-    for (std::size_t l = 0; l < a.chi.size(); ++l) {
-        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
-    }
-    return change;
-}
-
-// What an error of the absorption does to the albedo of a half-space, 1 - A about
-// sqrt(6 (1 - omega) / (1 - omega g)) below 1: d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
-double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
-    if (!(a.one_minus_albedo > 0 && b.one_minus_albedo > 0)) return 0;
-    const double similar =
-        b.one_minus_albedo / (1 - b.single_scattering_albedo * std::min(b.asymmetry, 1.0));
-    const double sensitivity = std::min(0.15, 0.5 * std::sqrt(6 * similar));
-    return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
 }
 
 }  // namespace
@@ -178,11 +159,7 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     }
     change_before_ = change;
     absorption_before_ = std::max(absorption, absorption_before_ / 2);
-    double phase_change = 0;
-    for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
-        phase_change = std::max(phase_change, std::abs(before.phase[i] / optics_.phase[i] - 1));
-    }
-    optics_.phase_error_estimate = std::max(phase_change, least);
+    optics_.phase_error_estimate = std::max(phase_change(before, optics_), least);
 }
 
 // Extinction, and with it the albedo, need not carry the error of the nodes.

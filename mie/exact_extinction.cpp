@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "mie/area_density.h"
 #include "mie/inside_wave.h"
 #include "mie/lanes.h"
 #include "mie/terms.h"

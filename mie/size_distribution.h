@@ -1,7 +1,6 @@
 // How the radii of the spheres in an ensemble are distributed.
 #pragma once
 
-#include <complex>
 #include <vector>
 
 namespace miebrdf::mie {
@@ -48,22 +47,5 @@ double area_share_within(const SizeDistribution& distribution, const RadiusRange
 
 /// <r^3>/<r^2>: of a table its own, otherwise the parameter.
 double effective_radius_of(const SizeDistribution& distribution);
-
-/// Share of the geometric cross-section per micrometre of radius: n(r) r^2 over its integral.
-class AreaDensity {
-  public:
-    /// @throws std::invalid_argument  as radius_range; and for mono, which has no density
-    explicit AreaDensity(const SizeDistribution& distribution);
-    double operator()(double radius_um) const;
-    /// Its analytic continuation, for Re radius > 0; not for tabulated, which has none.
-    std::complex<double> operator()(std::complex<double> radius_um) const;
-
-  private:
-    SizeDistribution distribution_;
-    RadiusRange range_;
-    double log_ratio_;
-    double log_norm_ = 0;    ///< of the analytic continuation
-    double table_area_ = 0;  ///< integral of n r^2 of a table
-};
 
 }  // namespace miebrdf::mie

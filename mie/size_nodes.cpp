@@ -5,6 +5,7 @@
 #include <boost/math/distributions/lognormal.hpp>
 #include <cmath>
 
+#include "mie/area_density.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {

@@ -7,8 +7,8 @@
 
 #include "materials/database.h"
 #include "materials/refractive_index.h"
+#include "pipeline/job_key.h"
 #include "pipeline/medium.h"
-#include "pipeline/result_cache.h"
 
 namespace miebrdf {
 

@@ -10,7 +10,6 @@
 #include "materials/errors.h"
 #include "materials/sha256.h"
 #include "materials/sqlite.h"
-#include "pipeline/solver_version.h"
 
 namespace miebrdf {
 namespace {
@@ -39,10 +38,6 @@ std::int64_t now_s() {
         .count();
 }
 
-std::string_view bytes_of(std::span<const double> numbers) {
-    return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
-}
-
 /// Whether a file exists that does not begin as SQLite files do.
 bool is_foreign(const fs::path& file) {
     constexpr std::string_view kMagic("SQLite format 3\0", 16);
@@ -59,24 +54,6 @@ void remove_files(const fs::path& file) {
 }
 
 }  // namespace
-
-JobKey::JobKey(std::string_view kind) {
-    add(kind);
-    add(std::string_view(kSolverVersion));
-}
-
-JobKey& JobKey::add(std::string_view text) {
-    // The length first: no two sequences of parts give the same bytes.
-    bytes_ += std::to_string(text.size()) + ":";
-    bytes_.append(text);
-    return *this;
-}
-
-JobKey& JobKey::add(double number) { return add(std::span<const double>(&number, 1)); }
-
-JobKey& JobKey::add(std::span<const double> numbers) { return add(bytes_of(numbers)); }
-
-std::string JobKey::hash() const { return materials::sha256_hex(bytes_); }
 
 struct ResultCache::Database {
     explicit Database(const fs::path& file) : connection(Connection::open_read_write(file)) {
@@ -160,7 +137,8 @@ void ResultCache::store(const std::string& hash, std::span<const double> numbers
     const std::lock_guard lock(mutex_);
     if (!database_) return;
     try {
-        const std::string_view bytes = bytes_of(numbers);
+        const std::string_view bytes(reinterpret_cast<const char*>(numbers.data()),
+                                     numbers.size_bytes());
         database_->connection
             .prepare(
                 "INSERT OR REPLACE INTO result (hash, numbers, bytes, checksum, "

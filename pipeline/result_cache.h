@@ -12,24 +12,6 @@
 
 namespace miebrdf {
 
-/// The text that identifies a job: everything its result depends on, in a fixed order, numbers to
-/// the last bit. Two jobs are the same if and only if their texts are.
-class JobKey {
-  public:
-    /// @param kind  which computation; the solver's version is part of it
-    explicit JobKey(std::string_view kind);
-    JobKey& add(std::string_view text);
-    JobKey& add(double number);
-    JobKey& add(int number) { return add(static_cast<double>(number)); }
-    JobKey& add(bool flag) = delete;  ///< so that no text literal becomes a flag
-    JobKey& add(std::span<const double> numbers);
-    /// SHA-256 of the text, in hexadecimal.
-    std::string hash() const;
-
-  private:
-    std::string bytes_;
-};
-
 /// Never in the way: an entry that is damaged is forgotten, a file that is damaged is begun anew,
 /// one that is locked, full or cannot be written only means that nothing is remembered. May be used
 /// from several threads and processes.

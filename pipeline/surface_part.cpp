@@ -74,7 +74,7 @@ SurfacePart surface_part(std::complex<double> index, const Scene& scene,
         part.out = unpacker.list();
         return part;
     }
-    const SurfacePart part = compute(index, scene, directions, demand);
+    SurfacePart part = compute(index, scene, directions, demand);
     control.cache->store(hash, NumberPacker().add(part.lobe).add(part.in).add(part.out).numbers());
     return part;
 }

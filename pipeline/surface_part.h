@@ -4,8 +4,8 @@
 #include <complex>
 #include <vector>
 
+#include "pipeline/job_key.h"
 #include "pipeline/request.h"
-#include "pipeline/result_cache.h"
 #include "pipeline/run_control.h"
 
 namespace miebrdf {

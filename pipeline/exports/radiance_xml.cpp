@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "pipeline/exports/metadata.h"
+#include "pipeline/markup.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -14,26 +15,6 @@ namespace {
 /// Linear sRGB to CIE XYZ (IEC 61966-2-1).
 constexpr double kXyz[3][3] = {
     {0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}};
-
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            default:
-                result += c;
-        }
-    }
-    return result;
-}
 
 }  // namespace
 
@@ -61,8 +42,8 @@ void write_radiance_head(const RgbSource& source, const std::string& definition,
            "xsi:schemaLocation=\"http://windows.lbl.gov/BSDF-v1.4.xsd\">\n"
            "<WindowElementType>System</WindowElementType>\n<FileType>BSDF</"
            "FileType>\n<Optical>\n<Layer>\n<Material>\n";
-    out << "<Name>" << escaped(source.provenance().title) << "</Name>\n<Manufacturer>"
-        << escaped(source.provenance().version)
+    out << "<Name>" << escape_markup(source.provenance().title) << "</Name>\n<Manufacturer>"
+        << escape_markup(source.provenance().version)
         << "</Manufacturer>\n<DeviceType>Other</DeviceType>\n</Material>\n";
     out << definition;
 }

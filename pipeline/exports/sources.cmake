@@ -28,13 +28,17 @@ set(miebrdf_export_sources
     exports/readers/exr_header.cpp
     exports/readers/exr_reader.cpp
     exports/readers/grid_file.cpp
+    exports/readers/klems_reader.cpp
     exports/readers/merl_reader.cpp
     exports/readers/npz_reader.cpp
     exports/readers/pbrt_reader.cpp
+    exports/readers/radiance_file.cpp
     exports/readers/radiance_reader.cpp
     exports/readers/rgl_reader.cpp
+    exports/readers/rgl_tables.cpp
     exports/readers/scatfun_tables.cpp
     exports/readers/tensor_file_reader.cpp
+    exports/readers/tensor_tree_reader.cpp
     exports/readers/text_table_reader.cpp
     exports/rgb_source.cpp
     exports/rgb_weights.cpp

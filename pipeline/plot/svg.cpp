@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "pipeline/markup.h"
+
 namespace miebrdf::plot {
 namespace {
 
@@ -55,33 +57,6 @@ std::string list(const std::vector<Point>& points) {
 }
 
 }  // namespace
-
-std::string escape_markup(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                // XML 1.0 has no other control characters, not even escaped.
-                if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
-        }
-    }
-    return out;
-}
 
 SvgDrawing::SvgDrawing(double width, double height) : width_(width), height_(height) {}
 

@@ -74,7 +74,4 @@ class SvgDrawing {
     std::string body_;
 };
 
-/// Text with <, >, & and quotes replaced, and without control characters, for SVG and HTML.
-std::string escape_markup(const std::string& text);
-
 }  // namespace miebrdf::plot

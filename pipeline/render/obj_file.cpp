@@ -4,6 +4,7 @@
 #include <tiny_obj_loader.h>
 
 #include <Eigen/Geometry>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -121,19 +122,38 @@ void require_finite(const std::vector<tinyobj::real_t>& values, const char* what
     }
 }
 
-/// tinyobjloader reads what is not a number (nan, text, nothing) as 0 without a word.
+[[noreturn]] void refuse(const std::string& path, int line, const std::string& wanted) {
+    throw InputError(fmt::format("{} line {}: {}", path, line, wanted));
+}
+
+/// Three corners or more, each an index that fits its type, perhaps with more after a slash.
+bool is_face(std::istream& words) {
+    std::string corner;
+    int corners = 0;
+    for (; words >> corner; ++corners) {
+        int index = 0;
+        const char* const end = corner.data() + corner.size();
+        const auto [after, error] = std::from_chars(corner.data(), end, index);
+        if (error != std::errc() || (after != end && *after != '/')) return false;
+    }
+    return corners >= 3;
+}
+
+/// tinyobjloader reads what is not a number (nan, text, nothing) as 0 without a word, and leaves
+/// out faces of two corners.
 void require_numbers(const std::string& path) {
     std::ifstream file(path);
     std::string line, word;
     for (int number = 1; std::getline(file, line); ++number) {
         std::istringstream words(line);
         words >> word;
+        if (words && word == "f" && !is_face(words))
+            refuse(path, number, "three or more indices of vertices are wanted after 'f'");
         if (!words || (word != "v" && word != "vn")) continue;
         for (int i = 0; i < 3; ++i) {
             double value = 0.0;  // streams do not read "nan" or "inf" as numbers
             if (words >> value) continue;
-            throw InputError(fmt::format("{} line {}: three finite numbers are wanted after '{}'",
-                                         path, number, word));
+            refuse(path, number, fmt::format("three finite numbers are wanted after '{}'", word));
         }
     }
 }
@@ -160,6 +180,7 @@ TriangleMesh build(const std::vector<Face>& faces, const tinyobj::attrib_t& attr
 
 TriangleMesh read_obj(const std::string& path) {
     if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
+    require_numbers(path);
     tinyobj::ObjReaderConfig config;
     config.triangulate = true;
     tinyobj::ObjReader reader;
@@ -167,7 +188,6 @@ TriangleMesh read_obj(const std::string& path) {
         throw InputError(
             fmt::format("{}: cannot be read as an OBJ file: {}", path, reader.Error()));
     }
-    require_numbers(path);
     const tinyobj::attrib_t& attrib = reader.GetAttrib();
     require_finite(attrib.vertices, "vertex", path);
     require_finite(attrib.normals, "normal", path);

@@ -13,15 +13,7 @@
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
-
-namespace {
-
-const support::TestMaterial& material() {
-    static const support::TestMaterial instance(support::seven_wavelengths(), 0.4);
-    return instance;
-}
-
-}  // namespace
+using support::material;
 
 TEST_CASE("ssdd: entries stand in the order of the specification, values are binary floats",
           "[exports][ssdd]") {

@@ -24,16 +24,11 @@
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
+using support::material;
 
 namespace {
 
 constexpr double kAny = std::numeric_limits<double>::max();
-
-/// Coloured, in closed form.
-const BrdfSource& material() {
-    static const support::TestMaterial instance(support::seven_wavelengths(), 0.4);
-    return instance;
-}
 
 /// The same kind of half-space, solved.
 const BrdfSource& solved() {

@@ -12,13 +12,9 @@
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
+using support::material;
 
 namespace {
-
-const support::TestMaterial& material() {
-    static const support::TestMaterial instance(support::seven_wavelengths(), 0.4);
-    return instance;
-}
 
 std::string spectral_file(int resolution) {
     std::ostringstream out;

@@ -19,13 +19,9 @@
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
+using support::material;
 
 namespace {
-
-const support::TestMaterial& material() {
-    static const support::TestMaterial instance(support::seven_wavelengths(), 0.4);
-    return instance;
-}
 
 const TableGrid& grid() {
     static const TableGrid instance{{0.1, 0.5, 1.0}, {0.05, 0.3, 0.6, 1.0}, {0, 45, 90, 180}};

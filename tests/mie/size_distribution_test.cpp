@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "mie/area_density.h"
 #include "mie/size_nodes.h"
 #include "tests/support/catch.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <thread>
 
+#include "pipeline/job_key.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

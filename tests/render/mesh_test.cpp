@@ -85,13 +85,18 @@ TEST_CASE("bad meshes are refused with their name and what is wrong", "[render][
                       Catch::Contains("missing.obj: no such file"));
     CHECK_THROWS_AS(read_obj(folder / "missing.obj"), InputError);
     for (const char* number : {"nan", "inf", "x", ""}) {
-        CHECK_THROWS_WITH(
-            reading("v 0 0 0\nv 1 0 " + std::string(number) + "\nv 0 1 0\nf 1 2 3\n"),
-            Catch::Contains("bad.obj line 2"));
+        CHECK_THROWS_WITH(reading("v 0 0 0\nv 1 0 " + std::string(number) + "\nv 0 1 0\nf 1 2 3\n"),
+                          Catch::Contains("bad.obj line 2"));
     }
     CHECK_THROWS_WITH(reading(""), Catch::Contains("bad.obj") && Catch::Contains("no triangles"));
     CHECK_THROWS_WITH(reading("v 0 0 0\nv 1 0 0\n"), Catch::Contains("no triangles"));
     CHECK_THROWS_AS(reading("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), InputError);
+    for (const char* face :
+         {"1 2", "", "1 2 x", "1 2 99999999999999999999", "1 2 3.5", "1 2 0x3"}) {
+        CHECK_THROWS_WITH(reading("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf " + std::string(face)),
+                          Catch::Contains("bad.obj line 5"));
+    }
+    CHECK(reading("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 -1\r\n").triangles.size() == 1);
     CHECK_THROWS_WITH(reading("v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n"),
                       Catch::Contains("no extent"));
     TriangleMesh plaque = make_plaque();

@@ -22,8 +22,8 @@ support::ProgramRun run_render(const std::vector<std::string>& arguments) {
 TEST_CASE("render writes a PNG and a spectral EXR that say how they were made",
           "[render][program]") {
     const support::TemporaryFolder folder;
-    const auto outcome = run_render({"--material=base=isotropic:0.9 coat=hg:0.1/0.9/0.93,0.5@0.1", "-o",
-                                 folder / "a.png", "--exr", folder / "a.exr"});
+    const auto outcome = run_render({"--material=base=isotropic:0.9 coat=hg:0.1/0.9/0.93,0.5@0.1",
+                                     "-o", folder / "a.png", "--exr", folder / "a.exr"});
     CAPTURE(outcome.err);
     REQUIRE(outcome.exit_code == 0);
     CHECK(support::read_file(folder / "a.png").find("coat=hg:0.1/0.9/0.93") != std::string::npos);
@@ -33,6 +33,43 @@ TEST_CASE("render writes a PNG and a spectral EXR that say how they were made",
     CHECK(picture.height == 16);
     // The red albedo of the paint is the lowest, so the middle of the sphere is bluish.
     CHECK(picture.pixel(12, 8)[2] > picture.pixel(12, 8)[0]);
+}
+
+TEST_CASE("render refuses lights that cannot be, naming them", "[render][program][errors]") {
+    const support::TemporaryFolder folder;
+    struct Case {
+        const char *light, *reason;
+        int exit_code;
+    };
+    const auto wrong =
+        GENERATE(Case{"moon:1", "allowed: directional:, area:", 2},
+                 Case{"directional:10", "1 numbers; wanted: 2 to 3", 2},
+                 Case{"directional:10,20,-1", "-1 is negative", 2},
+                 Case{"area:10,20,2,-3", "-3 is negative", 2}, Case{"uniform:nan", "nan", 2},
+                 Case{"sky:0,20", "the sun at 0 degrees; allowed: (0, 90]", 2},
+                 Case{"map:a,1,2", "wanted: map:FILE[,SCALE]", 2},
+                 Case{"map:missing.hdr", "missing.hdr: no such file", 3});
+    const auto outcome = run_render(
+        {"--base=isotropic:0.5", "-o", folder / "a.png", std::string("--light=") + wrong.light});
+    CAPTURE(wrong.light, outcome.err);
+    CHECK(outcome.exit_code == wrong.exit_code);
+    CHECK_THAT(outcome.err, Catch::Contains(wrong.reason));
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("render lights by a sun, a sky and a map of light", "[render][program]") {
+    const support::TemporaryFolder folder;
+    const std::string map =
+        folder.write("grey.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
+                                     "\x80\x80\x80\x80\x80\x80\x80\x80");
+    for (const std::string& light :
+         {std::string("directional:30,20"), std::string("sky:30,20"), "map:" + map + ",2"}) {
+        const auto outcome = run_render({"--base=isotropic:0.5", "-o", folder / "a.png", "--exr",
+                                         folder / "a.exr", "--light=" + light});
+        CAPTURE(light, outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        CHECK(render::read_exr(folder / "a.exr").pixel(12, 8)[1] > 0);
+    }
 }
 
 TEST_CASE("render refuses bad input with file, reason and exit code", "[render][program][errors]") {
@@ -49,7 +86,7 @@ TEST_CASE("render refuses bad input with file, reason and exit code", "[render][
 
     render::write_png(render::Image(10, 4, 3), {}, folder / "mask.png");
     const auto shape = run_render({"--material=base=isotropic:0.5", "--material=base=isotropic:0.6",
-                               "--mask", folder / "mask.png", "-o", png});
+                                   "--mask", folder / "mask.png", "-o", png});
     CHECK(shape.exit_code == 3);
     CHECK_THAT(shape.err, Catch::Contains("10 x 4"));
 

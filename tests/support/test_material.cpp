@@ -67,6 +67,11 @@ ColouredMaterial::ColouredMaterial()
     : spectral(seven_wavelengths(), 0.4),
       rgb(spectral, exports::nearest_wavelengths(seven_wavelengths())) {}
 
+const TestMaterial& material() {
+    static const TestMaterial instance(seven_wavelengths(), 0.4);
+    return instance;
+}
+
 std::vector<double> seven_wavelengths() { return {400, 450, 500, 550, 600, 650, 700}; }
 
 }  // namespace miebrdf::support

@@ -43,6 +43,9 @@ class SharpMaterial : public TestMaterial {
     double alpha_;
 };
 
+/// TestMaterial at the seven wavelengths below: coloured, asymmetry 0.4.
+const TestMaterial& material();
+
 /// TestMaterial at seven wavelengths, and as the three colours nearest to those of the paper.
 struct ColouredMaterial {
     TestMaterial spectral;

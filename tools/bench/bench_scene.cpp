@@ -221,4 +221,10 @@ std::vector<Contender> outside_methods(const BenchScene& scene, const Wanted& wa
     return all;
 }
 
+std::vector<Contender> all_methods(const BenchScene& scene, const Wanted& wanted) {
+    std::vector<Contender> methods = library_methods(scene, wanted);
+    for (Contender& other : outside_methods(scene, wanted)) methods.push_back(std::move(other));
+    return methods;
+}
+
 }  // namespace miebrdf::bench

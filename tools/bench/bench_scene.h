@@ -45,4 +45,7 @@ std::vector<Contender> stepwise_coats(const BenchScene& scene, const Wanted& wan
 /// Adding-doubling, discrete ordinates, photons, and the closed-form short cuts.
 std::vector<Contender> outside_methods(const BenchScene& scene, const Wanted& wanted);
 
+/// The library's methods, then those outside of it.
+std::vector<Contender> all_methods(const BenchScene& scene, const Wanted& wanted);
+
 }  // namespace miebrdf::bench

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/plot/svg.h"
+#include "pipeline/markup.h"
 #include "tools/bench/label_placer.h"
 #include "tools/bench/log_axis.h"
 #include "tools/bench/results.h"
 
 namespace miebrdf::bench {
 namespace {
-
-using plot::escape_markup;
 
 constexpr double kWidth = 1000, kHeight = 640, kLeft = 70, kRight = 730, kTop = 40, kBottom = 570;
 // Beyond these points are drawn at the edge; their tooltips and the table have the numbers.

@@ -113,7 +113,7 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
                                 error_table(results, suite, name));
     }
     if (!rule_savings(results).empty())
-        performance += "### rules\n\n" + rule_markdown(results) + "\n";
+        performance += fmt::format("### rules\n\n{}\n", rule_markdown(results));
     update_document(folder / "accuracy.md", "bench", accuracy);
     update_document(folder / "performance.md", "bench", performance);
 }

@@ -38,8 +38,7 @@ BenchCase isotropic() {
         }
     }
     const BenchScene scene{{0.9, 0, 0}, {}};
-    c.contenders = library_methods(scene, wanted);
-    for (auto& other : outside_methods(scene, wanted)) c.contenders.push_back(std::move(other));
+    c.contenders = all_methods(scene, wanted);
     return c;
 }
 
@@ -52,8 +51,7 @@ BenchCase conservative_albedo() {
     const Wanted wanted{{0.1, 0.5, 1}, {}, {}};
     c.true_values = {1, 1, 1};
     const BenchScene scene{{1.0, 0.9, 0}, {}};
-    c.contenders = library_methods(scene, wanted);
-    for (auto& other : outside_methods(scene, wanted)) c.contenders.push_back(std::move(other));
+    c.contenders = all_methods(scene, wanted);
     return c;
 }
 
@@ -88,8 +86,7 @@ BenchCase peaked(double g, double albedo) {
         }
     }
     const BenchScene scene{{albedo, g, 0}, {}};
-    c.contenders = library_methods(scene, wanted);
-    for (auto& other : outside_methods(scene, wanted)) c.contenders.push_back(std::move(other));
+    c.contenders = all_methods(scene, wanted);
     return c;
 }
 

@@ -29,6 +29,7 @@ std::vector<int> LogAxis::decades() const {
 std::vector<double> LogAxis::ticks() const {
     const std::vector<int> whole = decades();
     std::vector<double> result;
+    result.reserve(whole.size());
     for (const int d : whole) result.push_back(std::pow(10.0, d));
     if (whole.size() > 2) return result;
     for (int d = static_cast<int>(std::floor(low_)); d <= high_; ++d) {

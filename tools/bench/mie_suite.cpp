@@ -77,6 +77,7 @@ std::vector<double> moments_by_angles(std::complex<double> index, const math::Qu
         }
     }
     std::vector<double> chi;
+    chi.reserve(std::size(kMoments));
     for (const int l : kMoments) chi.push_back(sums[static_cast<std::size_t>(l)] / sums[0]);
     return chi;
 }
@@ -153,6 +154,7 @@ BenchCase moments(std::complex<double> index) {
         c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
                                     const auto optics = library(index, t, 64);
                                     std::vector<double> chi;
+                                    chi.reserve(std::size(kMoments));
                                     for (const int l : kMoments)
                                         chi.push_back(optics.chi[static_cast<std::size_t>(l)]);
                                     return chi;

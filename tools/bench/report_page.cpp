@@ -4,14 +4,12 @@
 
 #include <cmath>
 
-#include "pipeline/plot/svg.h"
+#include "pipeline/markup.h"
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/rule_savings.h"
 
 namespace miebrdf::bench {
 namespace {
-
-using plot::escape_markup;
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>miebrdf: error against run time</title>

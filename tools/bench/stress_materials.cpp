@@ -87,8 +87,10 @@ void check_many_wavelengths(StressLog& log, const StressOptions& options) {
     for (const int count : {1, 2, options.fast ? 1000 : 10000}) {
         const std::string name = fmt::format("{} wavelengths of a grey medium", count);
         log.run(name, [&] {
-            std::vector<double> wavelengths;
-            for (int i = 0; i < count; ++i) wavelengths.push_back(300 + 0.1 * i);
+            std::vector<double> wavelengths(static_cast<std::size_t>(count));
+            for (int i = 0; i < count; ++i) {
+                wavelengths[static_cast<std::size_t>(i)] = 300 + 0.1 * i;
+            }
             const auto result = compute_brdf(request_of("hg:0.9,0.5", wavelengths), {.threads = 1});
             double different = 0;
             for (const auto& slice : result.slices) {

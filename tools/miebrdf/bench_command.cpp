@@ -37,7 +37,7 @@ void write_file(const fs::path& path, const std::function<void(std::ostream&)>& 
 /// "half-space", "g 0.9, albedo 1" -> "half-space-g-0.9-albedo-1.svg"
 std::string file_name(const std::string& suite, const std::string& test_case) {
     std::string name;
-    for (const char c : suite + " " + test_case) {
+    for (const char c : fmt::format("{} {}", suite, test_case)) {
         const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.';
         if (plain) {
             name += c;
@@ -76,7 +76,8 @@ void write_folder(const fs::path& folder, const bench::Results& results,
         const auto points = bench::of_case(results, suite, name);
         write_file(folder / file_name(suite, name),
                    [&, suite = suite, name = name](std::ostream& out) {
-                       out << bench::curve_plot_svg(suite + ": " + name, points, styles);
+                       out << bench::curve_plot_svg(fmt::format("{}: {}", suite, name), points,
+                                                    styles);
                    });
     }
     if (!changes.empty()) {

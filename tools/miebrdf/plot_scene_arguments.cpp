@@ -39,6 +39,7 @@ double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 
 
 std::vector<double> cosines_of(const std::vector<double>& degrees) {
     std::vector<double> list;
+    list.reserve(degrees.size());
     for (const double angle : degrees) list.push_back(cosine_of(angle));
     return list;
 }

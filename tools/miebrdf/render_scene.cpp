@@ -67,6 +67,7 @@ class LightParser {
                                          parts.size(), least, most));
         }
         std::vector<double> values;
+        values.reserve(parts.size());
         for (const std::string& part : parts)
             values.push_back(parse_number(part, "light '" + text_ + "'"));
         return values;

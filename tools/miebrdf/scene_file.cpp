@@ -109,7 +109,7 @@ class SceneFile {
         if (node == nullptr || !node->is_string()) {
             refuse(result.source(), "a [[result]] needs a command, e.g. command = \"brdf\"");
         }
-        const std::string command = node->as_string()->get();
+        std::string command = node->as_string()->get();
         if (std::find(commands_.begin(), commands_.end(), command) == commands_.end()) {
             refuse(node->source(), fmt::format("unknown command '{}'; allowed: {}", command,
                                                fmt::join(commands_, ", ")));
@@ -124,6 +124,7 @@ class SceneFile {
         const auto found = node->is_string() ? known.find(node->as_string()->get()) : known.end();
         if (found != known.end()) return found->second;
         std::vector<std::string> names;
+        names.reserve(known.size());
         for (const auto& [name, scene] : known) names.push_back(name);
         refuse(node->source(), fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")));
     }
