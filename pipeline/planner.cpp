@@ -99,7 +99,7 @@ void Planner::list_jobs() {
     };
     several("same wavelength", "same layers as at another wavelength", repeated);
     several("nothing absorbs", "every layer has albedo 1, so the plane albedo is 1", closed);
-    several("in the cache", "computed before", cached);
+    several("in the cache", "reflection from the cache", cached);
     if (!needs_layers_) {
         leave_out("surface alone", "only the surface lobe was asked for: no layers",
                   static_cast<double>(request_.wavelength_nm.size()) * each);

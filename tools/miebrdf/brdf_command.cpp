@@ -25,7 +25,7 @@ std::vector<Cell> report_row(const Slice& slice) {
     const rte::SolverReport& report = slice.report;
     return {slice.wavelength_nm,    slice.converged ? std::string("yes") : std::string("no"),
             slice.error_estimate,   slice.mie_error_estimate,
-            slice.phase_noise,      double(report.streams),
+            slice.phase_noise.largest, double(report.streams),
             double(report.moments), double(report.azimuthal_orders)};
 }
 
@@ -75,15 +75,18 @@ void add_facts(Table& table, const Result& result, const Request& request,
                const std::string& units) {
     table.facts.emplace_back("units", units);
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
-    table.facts.emplace_back("tolerance", fmt::format("{}", request.solver.tolerance));
-    table.facts.emplace_back("error_estimate", fmt::format("{:.2e}", result.error_estimate));
-    if (result.phase_noise > 0.1 * request.solver.tolerance) {
+    table.facts.emplace_back("tolerance", request.solver.tolerance);
+    table.facts.emplace_back("error_estimate", rounded(result.error_estimate, 3));
+    const PhaseNoise& noise = result.phase_noise;
+    if (noise.largest > 0.1 * request.solver.tolerance) {
         table.facts.emplace_back(
             "phase_noise",
             fmt::format(
                 "{:.2e} at most, of single directions (rms, relative like error_estimate and "
-                "not in it), from the number of sphere sizes; a smaller --tolerance lowers it",
-                result.phase_noise));
+                "not in it), at {} nm, mu_in {}, mu_out {}, azimuth {}; from the number of sphere "
+                "sizes; a smaller --tolerance lowers it",
+                noise.largest, result.phase_noise_wavelength_nm, noise.mu_in, noise.mu_out,
+                noise.azimuth_deg));
     }
     table.facts.emplace_back("method", result.slices.front().report.method);
     for (const auto& slice : result.slices) {

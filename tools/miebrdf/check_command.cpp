@@ -87,10 +87,10 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
     }
 }
 
-std::vector<std::pair<std::string, std::string>> facts(const exports::BrdfFile& file,
+std::vector<std::pair<std::string, Cell>> facts(const exports::BrdfFile& file,
                                                        const std::string& path,
                                                        const exports::FileCheck& check) {
-    std::vector<std::pair<std::string, std::string>> lines = {
+    std::vector<std::pair<std::string, Cell>> lines = {
         {"file", path},
         {"format", file.format()},
         {"description", file.description()},

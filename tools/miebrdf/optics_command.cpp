@@ -41,6 +41,7 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     spectrum.wavelength_nm = arguments.materials.wavelengths_nm();
     MediumResolver resolver(arguments.materials.database());
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
+    require_contrast(medium, spectrum.wavelength_nm, particles);
     spectrum.source = medium.source;
     spectrum.optics.resize(spectrum.wavelength_nm.size());
     const mie::Executor pieces = pieces_of_job(control);
