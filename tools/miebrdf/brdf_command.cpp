@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "pipeline/brdf.h"
+#include "tools/miebrdf/albedo_colour.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 
@@ -143,6 +144,14 @@ int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {
     const Request request = arguments.parse();
     const AlbedoResult result = compute_albedo(request, shell.control());
     Table table;
+    if (const auto illuminant = arguments.illuminant()) {
+        add_facts(table, result, request,
+                  "mu_in: cosine from the normal; x, y, z: white of the illuminant has y = 1; lab: "
+                  "CIE 1976, white 100, 0, 0; srgb: encoded, not clipped");
+        add_colours(table, result, request.directions.mu_in, *illuminant);
+        shell.write(std::move(table));
+        return result.converged ? kGood : kNotConverged;
+    }
     add_facts(table, result, request,
               "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");
     table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};

@@ -14,12 +14,24 @@
 
 namespace miebrdf::program {
 
-void Shell::add_common_options(CLI::App& command) {
-    command.add_option("-o,--output", common_.output,
-                       "write to FILE instead of standard output (whole or not at all)")
+void Shell::add_common_options(CLI::App& command, Writes writes) {
+    command
+        .add_option_function<std::string>(
+            "-o,--output",
+            [this](const std::string& file) {
+                if (file.empty()) {
+                    throw CLI::ValidationError(
+                        "--output", "an empty name; give a FILE, or - for standard output");
+                }
+                common_.output = file;
+            },
+            "write to FILE instead of standard output (whole or not at all)")
         ->type_name("FILE");
-    command.add_flag("--json", common_.json, "write JSON instead of CSV");
-    command.add_option("--threads", common_.threads, "most threads to use, up to one per processor; 0: that many")
+    if (writes == Writes::table)
+        command.add_flag("--json", common_.json, "write JSON instead of CSV");
+    command
+        .add_option("--threads", common_.threads,
+                    "most threads to use, up to one per processor; 0: that many")
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");

@@ -25,6 +25,9 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
+/// What a command puts out: rows, as CSV or JSON, or a file whose format its own options choose.
+enum class Writes { table, file };
+
 /// What main() gives to commands and takes from them.
 class Shell {
   public:
@@ -33,8 +36,8 @@ class Shell {
     explicit Shell(std::string command_line, SharedWork* shared = nullptr)
         : command_line_(std::move(command_line)), shared_(shared) {}
 
-    /// Adds -o, --json, --threads, --quiet and --version to a command.
-    void add_common_options(CLI::App& command);
+    /// Adds -o, --json (of tables), --threads, --quiet and --version to a command.
+    void add_common_options(CLI::App& command, Writes writes = Writes::table);
 
     /// Runs `action` when this command is the one typed; what it returns is the exit code.
     void on_run(CLI::App& command, std::function<int()> action);

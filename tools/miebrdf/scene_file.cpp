@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "pipeline/error.h"
+#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {
@@ -16,9 +18,8 @@ using Arguments = std::vector<std::string>;
 
 class SceneFile {
   public:
-    SceneFile(const std::string& path, const std::vector<std::string>& commands,
-              const OptionLookup& lookup)
-        : path_(path), commands_(commands), lookup_(lookup) {
+    SceneFile(const std::string& path, const SceneCommands& commands)
+        : path_(path), commands_(commands) {
         if (!std::filesystem::is_regular_file(path)) {
             throw InputError(fmt::format("scene file '{}' does not exist", path));
         }
@@ -30,14 +31,14 @@ class SceneFile {
     }
 
     std::vector<Arguments> command_lines() const {
+        check_shared_keys(root_);
+        for (const auto& [name, scene] : scenes()) check_shared_keys(*scene);
         const toml::array* results = nullptr;
         if (const toml::node* node = root_.get("result")) results = node->as_array();
         if (results == nullptr || results->empty() || !results->is_array_of_tables()) {
             throw InputError(fmt::format("scene file '{}' asks for nothing; add a [[result]] with "
                                          "command = \"brdf\"", path_));
         }
-        check_shared_keys(root_);
-        for (const auto& [name, scene] : scenes()) check_shared_keys(*scene);
         std::vector<Arguments> lines;
         for (const toml::node& result : *results) lines.push_back(command_line(*result.as_table()));
         return lines;
@@ -45,8 +46,19 @@ class SceneFile {
 
   private:
     [[noreturn]] void refuse(const toml::source_region& where, const std::string& reason) const {
-        throw InputError(fmt::format("scene file '{}', line {}, column {}: {}", path_,
-                                     where.begin.line, where.begin.column, reason));
+        throw InputError(located(where, reason));
+    }
+
+    /// A word that is none of those known, where it stands.
+    [[noreturn]] void refuse_word(const toml::source_region& where, const std::string& reason,
+                                  std::string_view word,
+                                  const std::vector<std::string>& known) const {
+        throw UsageError(located(where, reason + did_you_mean(word, known)));
+    }
+
+    std::string located(const toml::source_region& where, const std::string& reason) const {
+        return fmt::format("scene file '{}', line {}, column {}: {}", path_, where.begin.line,
+                           where.begin.column, reason);
     }
 
     static bool is_structure(std::string_view key) {
@@ -69,12 +81,27 @@ class SceneFile {
     void check_shared_keys(const toml::table& table) const {
         for (const auto& [key, value] : table) {
             const std::string name(key.str());
+            if (name == "command") {
+                refuse(key.source(), "'command' belongs into a [[result]], one in each");
+            }
             if (is_structure(name)) continue;
-            const bool known = std::any_of(commands_.begin(), commands_.end(), [&](const auto& c) {
-                return lookup_(c, name).has_value();
-            });
-            if (!known) refuse(key.source(), fmt::format("unknown option '{}'", name));
+            const bool known =
+                std::any_of(commands_.names.begin(), commands_.names.end(),
+                            [&](const auto& c) { return commands_.kind_of(c, name).has_value(); });
+            if (!known) {
+                refuse_word(key.source(), fmt::format("unknown option '{}'", name), name,
+                            all_keys());
+            }
         }
+    }
+
+    /// Everything that may stand at the top of the file.
+    std::vector<std::string> all_keys() const {
+        std::set<std::string> keys = {"result", "scene"};
+        for (const std::string& command : commands_.names) {
+            for (std::string& option : commands_.options_of(command)) keys.insert(std::move(option));
+        }
+        return {keys.begin(), keys.end()};
     }
 
     Arguments command_line(const toml::table& result) const {
@@ -89,14 +116,16 @@ class SceneFile {
         merge(root_);
         if (const toml::table* scene = scene_of(result)) merge(*scene);
         for (const auto& [key, value] : result) {
-            if (is_structure(key.str()) || lookup_(command, std::string(key.str()))) continue;
-            refuse(key.source(), fmt::format("'{}' has no option '{}'", command, key.str()));
+            const std::string name(key.str());
+            if (is_structure(name) || commands_.kind_of(command, name)) continue;
+            refuse_word(key.source(), fmt::format("'{}' has no option '{}'", command, name), name,
+                        commands_.options_of(command));
         }
         merge(result);
 
         Arguments positional, arguments = {command};
         for (const auto& [key, value] : merged) {
-            if (const auto kind = lookup_(command, key)) {
+            if (const auto kind = commands_.kind_of(command, key)) {
                 append(key, *value, *kind, *kind == OptionKind::positional ? positional : arguments);
             }
         }
@@ -110,9 +139,12 @@ class SceneFile {
             refuse(result.source(), "a [[result]] needs a command, e.g. command = \"brdf\"");
         }
         const std::string command = node->as_string()->get();
-        if (std::find(commands_.begin(), commands_.end(), command) == commands_.end()) {
-            refuse(node->source(), fmt::format("unknown command '{}'; allowed: {}", command,
-                                               fmt::join(commands_, ", ")));
+        const auto& names = commands_.names;
+        if (std::find(names.begin(), names.end(), command) == names.end()) {
+            refuse_word(node->source(),
+                        fmt::format("unknown command '{}'; allowed: {}", command,
+                                    fmt::join(names, ", ")),
+                        command, names);
         }
         return command;
     }
@@ -125,7 +157,9 @@ class SceneFile {
         if (found != known.end()) return found->second;
         std::vector<std::string> names;
         for (const auto& [name, scene] : known) names.push_back(name);
-        refuse(node->source(), fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")));
+        refuse_word(node->source(),
+                    fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")),
+                    node->value_or(std::string()), names);
     }
 
     void append(const std::string& key, const toml::node& value, OptionKind kind,
@@ -165,17 +199,15 @@ class SceneFile {
     }
 
     std::string path_;
-    const std::vector<std::string>& commands_;
-    const OptionLookup& lookup_;
+    const SceneCommands& commands_;
     toml::table root_;
 };
 
 }  // namespace
 
 std::vector<std::vector<std::string>> read_scene_file(const std::string& path,
-                                                      const std::vector<std::string>& commands,
-                                                      const OptionLookup& lookup) {
-    return SceneFile(path, commands, lookup).command_lines();
+                                                      const SceneCommands& commands) {
+    return SceneFile(path, commands).command_lines();
 }
 
 }  // namespace miebrdf::program
