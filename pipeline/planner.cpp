@@ -94,7 +94,8 @@ void Planner::list_jobs() {
         if (count == 0) return;
         leave_out(
             rule,
-            fmt::format("{} of {} wavelengths: {}", count, request_.wavelength_nm.size(), reason),
+            fmt::format("{} of {}: {}", count,
+                        counted(request_.wavelength_nm.size(), "wavelength"), reason),
             static_cast<double>(count) * each);
     };
     several("same wavelength", "same layers as at another wavelength", repeated);

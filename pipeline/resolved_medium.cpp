@@ -44,7 +44,8 @@ std::optional<std::complex<double>> ResolvedMedium::index_at(double wavelength_n
         try {
             index = table->at(wavelength_nm);
         } catch (const std::out_of_range& error) {
-            throw InputError(error.what());
+            throw InputError(fmt::format(
+                "{}; `miebrdf materials import` takes a table that goes further", error.what()));
         }
     } else {
         return std::nullopt;

@@ -130,6 +130,22 @@ TEST_CASE("options that a format has no use for are refused with those that it t
     CHECK(folder.count() == 0);
 }
 
+TEST_CASE("check says which coupling is reciprocal where a file is not", "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string scene = "export --format csv --base hg:0.9,0.4 --wavelengths 550 --roughness "
+                              "0.2 --surface-index 1.5 -o " +
+                              (folder / "a.csv");
+    REQUIRE(support::run_program(scene).exit_code == 0);
+    const auto paper = support::run_program("check " + (folder / "a.csv"));
+    CHECK(paper.exit_code == 1);
+    CHECK_THAT(paper.err, Catch::Contains("--coupling reciprocal"));
+    REQUIRE(support::run_program(scene + " --coupling reciprocal").exit_code == 0);
+    const auto reciprocal = support::run_program("check " + (folder / "a.csv"));
+    CAPTURE(reciprocal.out);
+    CHECK_THAT(reciprocal.err, !Catch::Contains("not reciprocal"));
+    CHECK_THAT(reciprocal.out, Catch::Contains("reciprocity_error_rms (mu > 0.2)"));
+}
+
 TEST_CASE("every format lists wavelengths in one order", "[program][export]") {
     const std::string format = GENERATE("csv", "json", "npz", "exr");
     const support::TemporaryFolder folder;

@@ -75,6 +75,7 @@ TEST_CASE("words that no command knows are answered with the nearest that it doe
         {"albdo --base TiO2", {"'albdo'", "did you mean albedo?", "miebrdf --help"}},
         {"xyzzyx", {"'xyzzyx'", "allowed: brdf, albedo"}},
         {"plot hemi", {"'hemi'", "did you mean hemisphere?", "miebrdf plot --help"}},
+        {"plan brfd --base TiO2", {"'brfd'", "did you mean brdf?"}},
         {"materials serch oxide", {"'serch'", "did you mean search?"}},
         // Before what is missing: --base is required only because it was mistyped.
         {"brdf --bsae TiO2", {"'--bsae'", "did you mean --base?", "miebrdf brdf --help"}},
@@ -132,7 +133,7 @@ TEST_CASE("an unknown material is answered with the nearest names", "[program][e
 
 TEST_CASE("a wavelength outside the table is answered with the valid range", "[program][errors]") {
     check_one_line(support::run_program("optics TiO2 --wavelengths 5000"), kBadInput,
-                   {"TiO2", "5000", "360", "840"});
+                   {"TiO2", "5000", "360", "840", "materials import"});
 }
 
 TEST_CASE("a moments file that is wrong or missing is named", "[program][errors]") {

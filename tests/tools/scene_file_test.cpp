@@ -97,7 +97,8 @@ TEST_CASE("two results that name one file are refused before the first is comput
 TEST_CASE("a scene file exports in any format, and mistakes come first", "[program][scene]") {
     const support::TemporaryFolder folder;
     const std::string scene =
-        "base = \"hg:0.9,0.4\"\nwavelengths = \"rgb\"\n[[result]]\ncommand = \"export\"\nformat = "
+        // What is shared may hold options that only some formats take.
+        "base = \"hg:0.9,0.4\"\nwavelengths = \"rgb\"\nmu-out = [0.2, 1]\n[[result]]\ncommand = \"export\"\nformat = "
         "\"pbrt\"\noutput = \"" +
         (folder / "a.bsdf") +
         "\"\n[[result]]\ncommand = \"export\"\nformat = \"csv\"\nmu-in = [0.5, 1]\n";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/colour.h"
 #include "pipeline/error.h"
@@ -11,21 +12,19 @@
 namespace miebrdf::program {
 namespace {
 
+/// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
+Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
+
 std::vector<Cell> colour_row(const std::string& quantity, const Cell& mu_in, const Xyz& xyz,
                              Illuminant illuminant) {
     const Lab lab = to_lab(xyz, illuminant);
     const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
-    return {quantity,
-            mu_in,
-            xyz.x,
-            xyz.y,
-            xyz.z,
-            lab.l,
-            lab.a,
-            lab.b,
-            encode_srgb(rgb.red),
-            encode_srgb(rgb.green),
-            encode_srgb(rgb.blue)};
+    std::vector<Cell> row = {quantity, mu_in};
+    for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, encode_srgb(rgb.red),
+                               encode_srgb(rgb.green), encode_srgb(rgb.blue)}) {
+        row.push_back(decimals(value));
+    }
+    return row;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ Illuminant parse_illuminant(const std::string& name);
 void prepare_for_colour(Request& request);
 
 /// Columns quantity, mu_in, XYZ, Lab, encoded sRGB: a row for the plane albedo at each mu_in and
-/// one for the spherical albedo.
+/// one for the spherical albedo, to six decimals.
 /// @param result  at ascending wavelengths
 void add_colours(Table& table, const AlbedoResult& result, const std::vector<double>& mu_in,
                  Illuminant illuminant);

@@ -9,6 +9,7 @@
 #include "pipeline/error.h"
 #include "pipeline/shared_work.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/export_formats.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/scene_file.h"
 #include "tools/miebrdf/scene_requests.h"
@@ -129,7 +130,14 @@ std::vector<std::vector<std::string>> scene_command_lines(const std::string& pat
     const SceneCommands commands = {
         kCommands,
         [&](const auto& command, const auto& name) { return kind_of(probe, command, name); },
-        [&](const auto& command) { return option_names(*probe.get_subcommand(command)); }};
+        [&](const auto& command) { return option_names(*probe.get_subcommand(command)); },
+        [](const auto& command, const auto& format) {
+            std::vector<std::string> keys;
+            if (command != "export") return keys;
+            for (const std::string& option : ignored_options_of(format))
+                keys.push_back(option.substr(2));  // without its dashes
+            return keys;
+        }};
     return read_scene_file(path, commands);
 }
 

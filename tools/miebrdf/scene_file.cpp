@@ -121,6 +121,10 @@ class SceneFile {
             refuse_word(key.source(), fmt::format("'{}' has no option '{}'", command, name), name,
                         commands_.options_of(command));
         }
+        if (const toml::node* format = merged_format(merged, result)) {
+            const std::string name = format->value_or(std::string());
+            for (const std::string& key : commands_.useless_for(command, name)) merged.erase(key);
+        }
         merge(result);
 
         Arguments positional, arguments = {command};
@@ -131,6 +135,13 @@ class SceneFile {
         }
         arguments.insert(arguments.end(), positional.begin(), positional.end());
         return arguments;
+    }
+
+    static const toml::node* merged_format(const std::map<std::string, const toml::node*>& shared,
+                                           const toml::table& result) {
+        if (const toml::node* own = result.get("format")) return own;
+        const auto found = shared.find("format");
+        return found == shared.end() ? nullptr : found->second;
     }
 
     std::string command_of(const toml::table& result) const {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 
@@ -60,6 +61,26 @@ ParticleOptions ParticleArguments::parse() const {
     return options;
 }
 
+std::string describe_particles(const ParticleOptions& particles) {
+    using Kind = mie::SizeDistributionKind;
+    const mie::SizeDistribution& sizes = particles.sizes;
+    const std::map<Kind, std::string> kinds = {{Kind::power_law, "power-law"},
+                                               {Kind::gamma, "gamma"},
+                                               {Kind::log_normal, "log-normal"},
+                                               {Kind::mono, "mono"}};
+    std::string text =
+        fmt::format("{}, effective radius {} um", kinds.at(sizes.kind), sizes.effective_radius_um);
+    if (sizes.kind != Kind::mono)
+        text += fmt::format(", effective variance {}", sizes.effective_variance);
+    return text + fmt::format(", in a host of index {}", particles.host_index);
+}
+
+bool has_particles(const Scene& scene) {
+    return needs_mie(scene.base) ||
+           std::any_of(scene.coats.begin(), scene.coats.end(),
+                       [](const CoatMedium& coat) { return needs_mie(coat.medium); });
+}
+
 void MaterialArguments::add_to(CLI::App& command, const std::string& default_wavelengths) {
     wavelengths_ = default_wavelengths;
     command.add_option("--wavelengths", wavelengths_,
@@ -69,7 +90,8 @@ void MaterialArguments::add_to(CLI::App& command, const std::string& default_wav
         ->type_name("LIST")
         ->capture_default_str();
     command.add_option("--database", database_,
-                       "materials database; default: $MIEBRDF_DATABASE, else the embedded one")
+                       "the user's materials, over the embedded ones; default: $MIEBRDF_DATABASE, else "
+                       "$XDG_DATA_HOME/miebrdf/materials.sqlite")
         ->type_name("FILE");
 }
 

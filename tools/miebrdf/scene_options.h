@@ -68,6 +68,11 @@ class SceneArguments {
     MaterialArguments materials_;
 };
 
+/// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1"
+std::string describe_particles(const ParticleOptions& particles);
+/// Whether any layer goes through Mie theory, so that particles matter.
+bool has_particles(const Scene& scene);
+
 /// Reads the name of a --coat-method. @throws UsageError
 rte::CoatMethod parse_coat_method(const std::string& name);
 

@@ -52,8 +52,22 @@ std::string unknown_word(const std::string& word, const CLI::App& command) {
         nearest.empty() ? fmt::format("; allowed: {}", fmt::join(commands, ", ")) : nearest);
 }
 
+/// `plan brfd --base TiO2`: a mistyped command may have been taken for a scene file.
+std::optional<std::string> command_taken_for_file(const CLI::App& command) {
+    const std::vector<std::string> commands = command_names(command);
+    if (commands.empty() || typed_subcommand(command) != nullptr) return std::nullopt;
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_positional() || option->count() == 0) continue;
+        const std::string word = option->results().front();
+        if (!did_you_mean(word, commands).empty()) return unknown_word(word, command);
+    }
+    return std::nullopt;
+}
+
 std::optional<std::string> unknown_in(const CLI::App& command) {
     const std::vector<std::string> words = command.remaining();
+    if (words.empty()) return std::nullopt;
+    if (auto mistyped = command_taken_for_file(command)) return mistyped;
     const auto is_option = [](const std::string& word) {
         return word.size() > 1 && word.front() == '-';
     };
