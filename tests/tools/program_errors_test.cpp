@@ -149,7 +149,7 @@ TEST_CASE("a moments file that is wrong or missing is named", "[program][errors]
 TEST_CASE("an output that cannot be written leaves nothing behind", "[program][errors]") {
     check_one_line(
         support::run_program("brdf --base isotropic:0.9" + kDirections + "-o /no/such/dir/x.csv"),
-        kBadInput, {"/no/such/dir/x.csv"});
+        kBadInput, {"/no/such/dir/x.csv", "no folder '/no/such/dir'"});
     check_one_line(support::run_program("brdf --base isotropic:0.9" + kDirections + "-o /dev/full"),
                    kBadInput, {"/dev/full"});
 }

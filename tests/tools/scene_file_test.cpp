@@ -63,6 +63,9 @@ TEST_CASE("run finds a mistake in a later result before it computes the first",
         {"base = \"TiO2\"\nwavelengths = 50\n", kBadInput, {"result 2 (albedo)", "50"}},
         {"base = \"hg:2,0.5\"\n", kUsage, {"result 2 (albedo)", "2"}},
         {"", kUsage, {"result 2 (albedo)", "--base"}},
+        {"base = \"hg:0.9,0.5\"\noutput = \"/no/such/dir/x.csv\"\n",
+         kBadInput,
+         {"result 2 (albedo)", "/no/such/dir"}},
     };
     for (const Case& c : cases) {
         CAPTURE(c.second);

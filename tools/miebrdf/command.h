@@ -25,8 +25,9 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
-/// What a command puts out: rows, as CSV or JSON, or a file whose format its own options choose.
-enum class Writes { table, file };
+/// What a command puts out: rows, as CSV or JSON; a file whose format its own options choose; a
+/// folder, which it makes.
+enum class Writes { table, file, folder };
 
 /// What main() gives to commands and takes from them.
 class Shell {

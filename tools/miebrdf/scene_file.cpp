@@ -9,6 +9,7 @@
 #include <set>
 
 #include "pipeline/error.h"
+#include "tools/miebrdf/scene_values.h"
 #include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
@@ -130,7 +131,11 @@ class SceneFile {
         Arguments positional, arguments = {command};
         for (const auto& [key, value] : merged) {
             if (const auto kind = commands_.kind_of(command, key)) {
-                append(key, *value, *kind, *kind == OptionKind::positional ? positional : arguments);
+                auto& words = *kind == OptionKind::positional ? positional : arguments;
+                const auto more = option_words(
+                    key, *value, *kind,
+                    [this](const auto& where, const auto& reason) { refuse(where, reason); });
+                words.insert(words.end(), more.begin(), more.end());
             }
         }
         arguments.insert(arguments.end(), positional.begin(), positional.end());
@@ -171,42 +176,6 @@ class SceneFile {
         refuse_word(node->source(),
                     fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")),
                     node->value_or(std::string()), names);
-    }
-
-    void append(const std::string& key, const toml::node& value, OptionKind kind,
-                Arguments& arguments) const {
-        if (kind == OptionKind::flag) {
-            if (!value.is_boolean()) refuse(value.source(), fmt::format("'{}' is true or false", key));
-            if (value.as_boolean()->get()) arguments.push_back("--" + key);
-            return;
-        }
-        const std::vector<std::string> texts = texts_of(key, value);
-        if (kind == OptionKind::repeated) {
-            for (const std::string& text : texts) {
-                arguments.push_back(fmt::format("--{}={}", key, text));
-            }
-            return;
-        }
-        const std::string joined = fmt::format("{}", fmt::join(texts, ","));
-        arguments.push_back(kind == OptionKind::positional ? joined
-                                                           : fmt::format("--{}={}", key, joined));
-    }
-
-    std::vector<std::string> texts_of(const std::string& key, const toml::node& value) const {
-        std::vector<std::string> texts;
-        if (const toml::array* list = value.as_array()) {
-            for (const toml::node& item : *list) texts.push_back(text_of(key, item));
-        } else {
-            texts.push_back(text_of(key, value));
-        }
-        return texts;
-    }
-
-    std::string text_of(const std::string& key, const toml::node& value) const {
-        if (const auto* text = value.as_string()) return text->get();
-        if (const auto* integer = value.as_integer()) return fmt::format("{}", integer->get());
-        if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
-        refuse(value.source(), fmt::format("'{}' takes a number, a text or a list of them", key));
     }
 
     std::string path_;
