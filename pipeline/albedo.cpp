@@ -13,8 +13,9 @@ namespace {
 constexpr int kNodes = 32;
 
 /// Surface and layers together, as eq. 5 adds them: rho + (1 - rho) A. A is of the light that gets
-/// in and counts what gets out again (LayerQuantity::albedo_through_surface).
-double with_surface(double rho, double layers) { return rho + (1.0 - rho) * layers; }
+/// in and counts what gets out again (LayerQuantity::albedo_through_surface). In this form layers
+/// that absorb nothing give 1 to the last bit.
+double with_surface(double rho, double layers) { return layers + rho * (1.0 - layers); }
 
 /// Turns albedos of the layers into those of the whole.
 void add_surface(AlbedoSlice& slice, const rte::SurfaceLobe& lobe,

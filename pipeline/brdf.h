@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/phase_noise.h"
 #include "pipeline/physics_report.h"
 #include "pipeline/request.h"
 #include "pipeline/run_control.h"
@@ -23,7 +24,7 @@ struct SpectralSlice {
     PhysicsReport layers_physics;     ///< of subsurface
     PhysicsReport physics;            ///< of total, or of the one part that was asked for
     double mie_error_estimate = 0.0;  ///< largest of the media
-    double phase_noise = 0.0;  ///< largest of any direction (phase_noise.h); not in error_estimate
+    PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together
     bool converged = false;       ///< every step reached its tolerance
@@ -34,7 +35,8 @@ struct BrdfResult {
     std::vector<std::string> sources;   ///< where the figures come from, one line for each medium
     bool converged = false;
     double error_estimate = 0.0;  ///< largest over the wavelengths
-    double phase_noise = 0.0;     ///< the same
+    PhaseNoise phase_noise;       ///< the same
+    double phase_noise_wavelength_nm = 0.0;
 };
 
 /// Computes a request; wavelengths run in parallel, with the same result for any number of threads.
@@ -48,7 +50,7 @@ struct AlbedoSlice {
     std::vector<double> plane_albedo;  ///< one for each mu_in
     double spherical_albedo = 0.0;
     double mie_error_estimate = 0.0;
-    double phase_noise = 0.0;  ///< 0: an albedo averages it out
+    PhaseNoise phase_noise;  ///< none: an albedo averages it out
     rte::SolverReport report;
     double error_estimate = 0.0;
     bool converged = false;
@@ -59,7 +61,8 @@ struct AlbedoResult {
     std::vector<std::string> sources;
     bool converged = false;
     double error_estimate = 0.0;
-    double phase_noise = 0.0;
+    PhaseNoise phase_noise;
+    double phase_noise_wavelength_nm = 0.0;
 };
 
 /// Azimuthal order 0 alone; Request::directions.mu_out and azimuth_deg and Request::parts are not

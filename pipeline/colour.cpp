@@ -113,6 +113,17 @@ Xyz white_point(Illuminant illuminant) {
     return whites[static_cast<std::size_t>(illuminant)];
 }
 
+Lab to_lab(const Xyz& xyz, Illuminant illuminant) {
+    // f of ISO/CIE 11664-4: a cube root, and below (6/29)^3 its tangent.
+    const auto f = [](double t) {
+        constexpr double delta = 6.0 / 29.0;
+        return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29.0;
+    };
+    const Xyz white = white_point(illuminant);
+    const double fx = f(xyz.x / white.x), fy = f(xyz.y / white.y), fz = f(xyz.z / white.z);
+    return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
+}
+
 LinearSrgb to_linear_srgb(const Xyz& xyz, Illuminant illuminant) {
     const Eigen::Vector3d from = bradford() * vector_of(white_point(illuminant));
     const Eigen::Vector3d to = bradford() * srgb_white();

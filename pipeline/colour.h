@@ -14,6 +14,11 @@ struct Xyz {
     double x = 0.0, y = 0.0, z = 0.0;
 };
 
+/// CIE 1976 L*a*b* (ISO/CIE 11664-4): white is (100, 0, 0).
+struct Lab {
+    double l = 0.0, a = 0.0, b = 0.0;
+};
+
 /// Linear light in the primaries of sRGB (IEC 61966-2-1). Colours outside its gamut have
 /// components below 0 or above 1; nothing is clipped here.
 struct LinearSrgb {
@@ -39,6 +44,9 @@ Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectanc
 
 /// Of a reflectance of 1: the chromaticity of the illuminant.
 Xyz white_point(Illuminant illuminant);
+
+/// Relative to the white of the illuminant, without adaptation.
+Lab to_lab(const Xyz& xyz, Illuminant illuminant = Illuminant::d65);
 
 /// Seen by an eye adapted to the illuminant (Bradford, to the white of sRGB): a reflectance of 1 is
 /// (1, 1, 1) under each of them.

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "pipeline/distinct_directions.h"
@@ -85,6 +86,14 @@ struct Common {
     rte::StackMemory* memory;
 };
 
+/// Layers reflect no more than they get: an albedo above 1 by the rounding of its sum over nodes is 1.
+void remove_rounding(std::vector<double>& albedos) {
+    constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+    for (double& albedo : albedos) {
+        if (albedo > 1.0 && albedo <= 1.0 + kRounding) albedo = 1.0;
+    }
+}
+
 LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
                  LayerQuantity quantity, double wavelength_nm, const Common& common) {
     rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
@@ -103,11 +112,13 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
         slice.phase_noise =
             largest_phase_noise(stack, request.directions, slice.values, table.report.moments);
         slice.plane_albedo = std::move(table.plane_albedo);
+        remove_rounding(slice.plane_albedo);
     } else {
         rte::AlbedoTable table =
             solve_albedo(stack, request, solver, media, quantity, wavelength_nm);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
+        remove_rounding(slice.values);
         slice.report = table.report;
     }
     slice.mie_error_estimate = optics.mie_error_estimate;

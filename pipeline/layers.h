@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "pipeline/phase_noise.h"
 #include "pipeline/request.h"
 #include "pipeline/run_control.h"
 #include "pipeline/scene_optics.h"
@@ -26,7 +27,7 @@ struct LayerSlice {
     std::vector<double> values;        ///< laid out as in rte::ReflectionTable, or as said above
     std::vector<double> plane_albedo;  ///< at the request's mu_in, with `reflection` too
     double mie_error_estimate = 0.0;
-    double phase_noise = 0.0;  ///< see largest_phase_noise; of `reflection` only
+    PhaseNoise phase_noise;  ///< see largest_phase_noise; of `reflection` only
     rte::SolverReport report;
     double error_estimate = 0.0;  ///< of both steps together
     bool converged = false;       ///< every step reached its tolerance

@@ -1,8 +1,11 @@
 #include "pipeline/medium_optics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "mie/ensemble.h"
 #include "pipeline/error.h"
@@ -87,6 +90,18 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
     return result;
 }
 
+/// The average; what it refuses is a matter of sizes and wavelength together.
+mie::EnsembleOptics average(const mie::EnsembleRequest& request, const mie::Executor& run) {
+    try {
+        return mie::average_over_sizes(request, run);
+    } catch (const std::invalid_argument& error) {
+        throw UsageError(fmt::format(
+            "{} (--effective-radius {} um, --effective-variance {}, --host-index {}, at {} nm)",
+            error.what(), request.sizes.effective_radius_um, request.sizes.effective_variance,
+            request.host_index, request.wavelength_nm));
+    }
+}
+
 }  // namespace
 
 MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
@@ -94,7 +109,7 @@ MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
                            const mie::Executor& run) {
     if (const auto index = medium.index_at(wavelength_nm, particles.k_floor)) {
         const auto request = ensemble_request(*index, wavelength_nm, particles, demand);
-        return from_mie(mie::average_over_sizes(request, run), request);
+        return from_mie(average(request, run), request);
     }
     MediumOptics result;
     result.optics = analytic_optics(medium.medium);

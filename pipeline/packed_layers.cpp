@@ -31,8 +31,9 @@ std::vector<double> packed(const LayerSlice& slice) {
     packer.add(slice.values)
         .add(slice.plane_albedo)
         .add(slice.mie_error_estimate)
-        .add(slice.phase_noise)
         .add(slice.error_estimate);
+    const PhaseNoise& noise = slice.phase_noise;
+    packer.add(noise.largest).add(noise.mu_in).add(noise.mu_out).add(noise.azimuth_deg);
     packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
     packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
     packer.add(report.converged ? 1 : 0).add(report.method).add(report.share_within_tolerance);
@@ -46,8 +47,11 @@ LayerSlice unpacked_layers(const std::vector<double>& numbers) {
     slice.values = unpacker.list();
     slice.plane_albedo = unpacker.list();
     slice.mie_error_estimate = unpacker.number();
-    slice.phase_noise = unpacker.number();
     slice.error_estimate = unpacker.number();
+    slice.phase_noise.largest = unpacker.number();
+    slice.phase_noise.mu_in = unpacker.number();
+    slice.phase_noise.mu_out = unpacker.number();
+    slice.phase_noise.azimuth_deg = unpacker.number();
     slice.converged = unpacker.number() == 1;
     slice.report.streams = static_cast<int>(unpacker.number());
     slice.report.moments = static_cast<int>(unpacker.number());

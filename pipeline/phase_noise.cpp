@@ -42,8 +42,8 @@ double noise_of(const std::vector<NoisyLayer>& layers, double mu_in, double mu_o
 
 }  // namespace
 
-double largest_phase_noise(const rte::Stack& stack, const rte::Directions& directions,
-                           const std::vector<double>& reflection, int moments) {
+PhaseNoise largest_phase_noise(const rte::Stack& stack, const rte::Directions& directions,
+                               const std::vector<double>& reflection, int moments) {
     std::vector<NoisyLayer> layers;
     if (stack.base_kind == rte::BaseKind::half_space) {
         add_layer(stack.base, std::numeric_limits<double>::infinity(), moments, layers);
@@ -51,9 +51,9 @@ double largest_phase_noise(const rte::Stack& stack, const rte::Directions& direc
     for (const rte::Coat& coat : stack.coats) {
         add_layer(coat.optics, coat.optical_depth, moments, layers);
     }
-    if (layers.empty()) return 0.0;
+    if (layers.empty()) return {};
     const std::size_t per_incidence = directions.mu_out.size() * directions.azimuth_deg.size();
-    double largest = 0.0;
+    PhaseNoise worst;
     for (std::size_t i = 0; i < directions.mu_in.size(); ++i) {
         const auto first = reflection.begin() + static_cast<std::ptrdiff_t>(i * per_incidence);
         const double brightest =
@@ -62,13 +62,14 @@ double largest_phase_noise(const rte::Stack& stack, const rte::Directions& direc
         for (const double mu_out : directions.mu_out) {
             for (const double azimuth_deg : directions.azimuth_deg) {
                 const double cos_azimuth = std::cos(azimuth_deg * std::numbers::pi / 180);
-                largest =
-                    std::max(largest, noise_of(layers, directions.mu_in[i], mu_out, cos_azimuth) /
-                                          brightest);
+                const double noise =
+                    noise_of(layers, directions.mu_in[i], mu_out, cos_azimuth) / brightest;
+                if (noise > worst.largest)
+                    worst = {noise, directions.mu_in[i], mu_out, azimuth_deg};
             }
         }
     }
-    return largest;
+    return worst;
 }
 
 }  // namespace miebrdf

@@ -7,6 +7,14 @@
 
 namespace miebrdf {
 
+/// An rms relative to the largest value at its incidence, and the direction where it is largest.
+struct PhaseNoise {
+    double largest = 0.0;
+    double mu_in = 0.0;  ///< 0: there is no noise
+    double mu_out = 0.0;
+    double azimuth_deg = 0.0;
+};
+
 /// Transparent spheres ripple in size and angle: points of their averaged phase function err by a
 /// few parts in a thousand (mie::PhaseTable::noise), independently of each other, and light
 /// scattered once brings that into R. Moments, albedos and means over directions average it out, so
@@ -17,8 +25,7 @@ namespace miebrdf {
 ///
 /// @param reflection  R laid out as in rte::ReflectionTable
 /// @param moments     kept by delta-M (rte::SolverReport)
-/// @return the largest of all directions, relative to the largest value at its incidence
-double largest_phase_noise(const rte::Stack& stack, const rte::Directions& directions,
-                           const std::vector<double>& reflection, int moments);
+PhaseNoise largest_phase_noise(const rte::Stack& stack, const rte::Directions& directions,
+                               const std::vector<double>& reflection, int moments);
 
 }  // namespace miebrdf

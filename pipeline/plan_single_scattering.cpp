@@ -14,8 +14,8 @@ void Planner::single_scattering() {
     for (const CoatMedium& coat : visible_.coats) layers.push_back(coat.medium);
     std::set<std::string> given;
     std::map<std::string, std::size_t> count;
-    double repeated_s = 0.0;
-    std::size_t repeated = 0;
+    double repeated_s = 0.0, cached_s = 0.0;
+    std::size_t repeated = 0, cached = 0;
     const OpticsDemand demand = demand_of(reduced_, phase_demand(quantity_));
     MediumResolver resolver(request_.database);
     for (const Medium& layer : layers) {
@@ -27,11 +27,14 @@ void Planner::single_scattering() {
         for (const double wavelength_nm : jobs_nm_) {
             const std::string hash =
                 optics_hash(medium, wavelength_nm, request_.scene.particles, demand);
-            if (earlier_.optics.insert(hash).second) {
-                ++count[describe(layer)];
-            } else {
+            if (!earlier_.optics.insert(hash).second) {
                 ++repeated;
                 repeated_s += mie_cost(layer, wavelength_nm);
+            } else if (cache_ != nullptr && cache_->find(hash)) {
+                ++cached;
+                cached_s += mie_cost(layer, wavelength_nm);
+            } else {
+                ++count[describe(layer)];
             }
         }
     }
@@ -51,6 +54,10 @@ void Planner::single_scattering() {
                   fmt::format("{} with index, wavelength and sizes of others before",
                               counted(repeated, "Mie run")),
                   repeated_s);
+    }
+    if (cached > 0) {
+        leave_out("in the cache", fmt::format("{} from the cache", counted(cached, "Mie run")),
+                  cached_s);
     }
     if (!whole_phase_) leave_out_phase_functions(count.size());
 }

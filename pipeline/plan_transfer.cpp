@@ -144,7 +144,7 @@ void Planner::surface() {
                                        : "lobe at every direction";
         plan_.steps.push_back({"surface", what, request_.wavelength_nm.size(), values + rho});
     }
-    leave_out("no colour", "nothing in this request asks for XYZ or RGB", 0.0);
+    if (!is_albedo()) leave_out("no colour", "a table of a BRDF has no XYZ, Lab or RGB", 0.0);
 }
 
 }  // namespace miebrdf

@@ -94,12 +94,13 @@ void Planner::list_jobs() {
         if (count == 0) return;
         leave_out(
             rule,
-            fmt::format("{} of {} wavelengths: {}", count, request_.wavelength_nm.size(), reason),
+            fmt::format("{} of {}: {}", count,
+                        counted(request_.wavelength_nm.size(), "wavelength"), reason),
             static_cast<double>(count) * each);
     };
     several("same wavelength", "same layers as at another wavelength", repeated);
     several("nothing absorbs", "every layer has albedo 1, so the plane albedo is 1", closed);
-    several("in the cache", "computed before", cached);
+    several("in the cache", "reflection from the cache", cached);
     if (!needs_layers_) {
         leave_out("surface alone", "only the surface lobe was asked for: no layers",
                   static_cast<double>(request_.wavelength_nm.size()) * each);

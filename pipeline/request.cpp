@@ -19,25 +19,26 @@ void require_cosines(const std::vector<double>& cosines, const char* name) {
 
 void require_positive(double value, const char* name) {
     if (!(value > 0.0 && std::isfinite(value))) {
-        throw UsageError(fmt::format("{}: {} is out of range; allowed: > 0", name, value));
+        throw UsageError(
+            fmt::format("{}: {} is out of range; allowed: finite and > 0", name, value));
     }
 }
 
 }  // namespace
 
 void validate(const ParticleOptions& particles) {
-    require_positive(particles.sizes.effective_radius_um, "effective radius (um)");
+    require_positive(particles.sizes.effective_radius_um, "--effective-radius (um)");
     if (particles.sizes.kind != mie::SizeDistributionKind::mono) {
-        require_positive(particles.sizes.effective_variance, "effective variance");
+        require_positive(particles.sizes.effective_variance, "--effective-variance");
     }
-    require_positive(particles.host_index, "host index");
+    require_positive(particles.host_index, "--host-index");
     if (!(particles.k_floor >= 0.0 && std::isfinite(particles.k_floor))) {
         throw UsageError(
-            fmt::format("k floor: {} is out of range; allowed: >= 0", particles.k_floor));
+            fmt::format("--k-floor: {} is out of range; allowed: >= 0", particles.k_floor));
     }
     if (!(particles.tolerance >= 0.0 && particles.tolerance < 1.0)) {
-        throw UsageError(
-            fmt::format("Mie tolerance: {} is out of range; allowed: (0, 1)", particles.tolerance));
+        throw UsageError(fmt::format("--mie-tolerance: {} is out of range; allowed: (0, 1)",
+                                     particles.tolerance));
     }
 }
 
@@ -50,7 +51,7 @@ void validate(const Request& request) {
         }
     }
     for (const double wavelength_nm : request.wavelength_nm) {
-        require_positive(wavelength_nm, "wavelength (nm)");
+        require_positive(wavelength_nm, "--wavelengths (nm)");
     }
     if (request.wavelength_nm.empty()) throw UsageError("no wavelengths; write e.g. 400:700:10");
     require_cosines(request.directions.mu_in, "mu_in");
@@ -62,12 +63,12 @@ void validate(const Request& request) {
         }
     }
     if (!(request.solver.tolerance > 0.0 && request.solver.tolerance < 1.0)) {
-        throw UsageError(fmt::format("tolerance: {} is out of range; allowed: (0, 1)",
+        throw UsageError(fmt::format("--tolerance: {} is out of range; allowed: (0, 1)",
                                      request.solver.tolerance));
     }
     const int streams = request.solver.streams;
     if (!(streams == 0 || (streams >= 2 && streams <= 256))) {
-        throw UsageError(fmt::format("streams: {} is out of range; allowed: 2 to 256", streams));
+        throw UsageError(fmt::format("--streams: {} is out of range; allowed: 2 to 256", streams));
     }
     if (!(request.solver.coat_substeps >= 1 && request.solver.coat_substeps <= 1'000'000)) {
         throw UsageError(fmt::format("coat substeps: {} is out of range; allowed: 1 to 1000000",

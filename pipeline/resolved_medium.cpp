@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include "pipeline/error.h"
 
@@ -21,7 +22,13 @@ materials::Database open_database(const std::string& file) {
 }
 
 std::string source_line(const materials::MaterialInfo& info) {
-    std::string line = fmt::format("{}: {}; {}", info.name, info.title, info.reference);
+    // A table of one's own may come without title and reference.
+    std::vector<std::string> parts;
+    for (const std::string* part : {&info.title, &info.reference}) {
+        if (!part->empty()) parts.push_back(*part);
+    }
+    if (parts.empty()) parts = {fmt::format("dataset {}, {}", info.default_dataset, info.source)};
+    std::string line = fmt::format("{}: {}", info.name, fmt::join(parts, "; "));
     if (!info.k_known) line += "; k was not measured and is taken as 0";
     return line;
 }
@@ -37,12 +44,27 @@ std::optional<std::complex<double>> ResolvedMedium::index_at(double wavelength_n
         try {
             index = table->at(wavelength_nm);
         } catch (const std::out_of_range& error) {
-            throw InputError(error.what());
+            throw InputError(fmt::format(
+                "{}; `miebrdf materials import` takes a table that goes further", error.what()));
         }
     } else {
         return std::nullopt;
     }
     return std::complex<double>(index.real(), std::max(index.imag(), k_floor));
+}
+
+void require_contrast(const ResolvedMedium& medium, const std::vector<double>& wavelengths_nm,
+                      const ParticleOptions& particles) {
+    // Quotients of equal numbers are 1; what differs by rounding alone is no contrast either.
+    constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+    for (const double wavelength_nm : wavelengths_nm) {
+        const auto index = medium.index_at(wavelength_nm, particles.k_floor);
+        if (!index || std::abs(*index / particles.host_index - 1.0) > kRounding) continue;
+        throw UsageError(fmt::format(
+            "{}: its refractive index at {} nm is that of its host, {}: without contrast nothing "
+            "scatters; give another medium or another --host-index",
+            describe(medium.medium), wavelength_nm, particles.host_index));
+    }
 }
 
 void ResolvedMedium::add_to(JobKey& key, double wavelength_nm,

@@ -4,6 +4,7 @@
 #include <complex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "materials/database.h"
 #include "materials/refractive_index.h"
@@ -25,6 +26,12 @@ struct ResolvedMedium {
     /// Adds what the optics of this medium at a wavelength depend on.
     void add_to(JobKey& key, double wavelength_nm, const ParticleOptions& particles) const;
 };
+
+/// Refuses particles of the index of their host: without contrast nothing scatters, and an albedo
+/// has no meaning.
+/// @throws UsageError  naming index, host and wavelength; InputError as index_at
+void require_contrast(const ResolvedMedium& medium, const std::vector<double>& wavelengths_nm,
+                      const ParticleOptions& particles);
 
 /// Looks names up in a user's database file laid over the embedded database; an empty `file` is
 /// the default one (materials::default_user_database), which need not exist. The databases are

@@ -108,6 +108,8 @@ SceneMedia::SceneMedia(const Request& request) : scene_(without_empty_coats(requ
     MediumResolver resolver(request.database);
     media_.push_back(resolver.resolve(scene_.base));
     for (const CoatMedium& coat : scene_.coats) media_.push_back(resolver.resolve(coat.medium));
+    for (const ResolvedMedium& medium : media_)
+        require_contrast(medium, request.wavelength_nm, scene_.particles);
     if (!scene_.surface || scene_.surface_index) return;
     const Medium& top = top_medium(request.scene);
     if (!needs_mie(top)) {

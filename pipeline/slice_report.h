@@ -28,7 +28,9 @@ void summarise(Result& result) {
     for (const auto& slice : result.slices) {
         result.converged = result.converged && slice.converged;
         result.error_estimate = std::max(result.error_estimate, slice.error_estimate);
-        result.phase_noise = std::max(result.phase_noise, slice.phase_noise);
+        if (!(slice.phase_noise.largest > result.phase_noise.largest)) continue;
+        result.phase_noise = slice.phase_noise;
+        result.phase_noise_wavelength_nm = slice.wavelength_nm;
     }
 }
 

@@ -63,11 +63,22 @@ nlohmann::ordered_json json_of(const Cell& cell) {
     return nullptr;
 }
 
+/// A fact as it stands in a comment line.
+std::string text_of(const Cell& cell) {
+    if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+    const auto* number = std::get_if<double>(&cell);
+    return number == nullptr || std::isnan(*number) ? "" : fmt::format("{}", *number);
+}
+
 }  // namespace
+
+double rounded(double value, int digits) {
+    return std::stod(fmt::format("{:.{}g}", value, digits));
+}
 
 void write_csv(const Table& table, std::ostream& out) {
     for (const auto& [name, value] : table.facts) {
-        std::string line = value;
+        std::string line = text_of(value);
         for (char& c : line) {
             if (c == '\n' || c == '\r') c = ' ';
         }
@@ -82,10 +93,10 @@ void write_json(const Table& table, std::ostream& out) {
     auto& facts = json["facts"] = nlohmann::ordered_json::object();
     for (const auto& [name, value] : table.facts) {
         if (!facts.contains(name)) {
-            facts[name] = value;
+            facts[name] = json_of(value);
         } else {  // a fact may repeat (several sources): then it is a list
             if (!facts[name].is_array()) facts[name] = nlohmann::ordered_json::array({facts[name]});
-            facts[name].push_back(value);
+            facts[name].push_back(json_of(value));
         }
     }
     json["columns"] = table.columns;

@@ -11,13 +11,6 @@
 namespace miebrdf::exports {
 namespace {
 
-bool covers_the_visible(const std::vector<double>& wavelength_nm) {
-    constexpr std::size_t kFewest = 8;
-    constexpr double kBlue_nm = 430.0, kRed_nm = 650.0;
-    return wavelength_nm.size() >= kFewest && wavelength_nm.front() <= kBlue_nm &&
-           wavelength_nm.back() >= kRed_nm;
-}
-
 /// Colour is linear in the spectrum: the colour of a unit of each wavelength is its weight.
 RgbWeights cie_weights(const std::vector<double>& wavelength_nm) {
     if (!std::is_sorted(wavelength_nm.begin(), wavelength_nm.end(), std::less_equal<>())) {
@@ -36,6 +29,13 @@ RgbWeights cie_weights(const std::vector<double>& wavelength_nm) {
 }
 
 }  // namespace
+
+bool covers_the_visible(const std::vector<double>& wavelength_nm) {
+    constexpr std::size_t kFewest = 8;
+    constexpr double kBlue_nm = 430.0, kRed_nm = 650.0;
+    return wavelength_nm.size() >= kFewest && wavelength_nm.front() <= kBlue_nm &&
+           wavelength_nm.back() >= kRed_nm;
+}
 
 RgbWeights rgb_weights(const std::string& mode, const std::vector<double>& wavelength_nm) {
     if (mode == "cie") return cie_weights(wavelength_nm);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <sstream>
 
 #include "pipeline/atomic_file.h"
@@ -116,29 +117,34 @@ fs::path with_variant(const fs::path& path, const char* variant) {
     return result;
 }
 
-ExportedFile write_and_compare(const SampledFormat& format, const ExportJob& job,
-                               const fs::path& path) {
+/// A file that has passed, and waits for those that belong to it.
+struct PassedFile {
+    ExportedFile written;
+    std::unique_ptr<AtomicFile> file;
+};
+
+PassedFile write_and_compare(const SampledFormat& format, const ExportJob& job,
+                             const fs::path& path) {
     const int resolution = job.options.resolution > 0 ? job.options.resolution : format.resolution;
     const double bound =
         job.options.largest_error > 0 ? job.options.largest_error : format.largest_error;
     ExportedFile written{with_variant(path, format.variant), 0, {}};
-    AtomicFile file(written.path);
-    if (!fs::is_regular_file(file.temporary_path())) {
+    auto file = std::make_unique<AtomicFile>(written.path);
+    if (!fs::is_regular_file(file->temporary_path())) {
         throw UsageError(
             fmt::format("'{}' is no regular file, and format '{}' is read back after writing; "
                         "pipes and devices "
                         "take csv, json and npz",
                         written.path.string(), format.name));
     }
-    format.write(job, resolution, file.stream());
-    file.stream().flush();
-    written.bytes = fs::file_size(file.temporary_path());
+    format.write(job, resolution, file->stream());
+    file->stream().flush();
+    written.bytes = fs::file_size(file->temporary_path());
     written.deviation =
-        compare(*open_brdf_file(file.temporary_path().string()), job, format.spectral);
+        compare(*open_brdf_file(file->temporary_path().string()), job, format.spectral);
     if (!(judged(*written.deviation) <= bound))
         refuse(format, job, resolution, bound, *written.deviation);
-    file.commit();
-    return written;
+    return {std::move(written), std::move(file)};
 }
 
 }  // namespace
@@ -152,11 +158,16 @@ double accepted_error(const std::string& format) {
 }
 
 std::vector<ExportedFile> export_sampled(const ExportJob& job, const fs::path& path) {
-    std::vector<ExportedFile> files;
+    std::vector<PassedFile> passed;
     for (const SampledFormat& format : kSampled) {
-        if (job.options.format == format.name) {
-            files.push_back(write_and_compare(format, job, path));
-        }
+        if (job.options.format == format.name)
+            passed.push_back(write_and_compare(format, job, path));
+    }
+    // Not before all of them are there: half of a pair is of no use.
+    std::vector<ExportedFile> files;
+    for (PassedFile& one : passed) {
+        one.file->commit();
+        files.push_back(std::move(one.written));
     }
     return files;
 }

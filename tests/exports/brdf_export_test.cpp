@@ -1,5 +1,6 @@
 #include "pipeline/exports/brdf_export.h"
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/error.h"
@@ -28,6 +29,29 @@ TEST_CASE("every format is written, recognised by its content and close to the B
         CHECK(file.bytes == std::filesystem::file_size(file.path));
     }
     CHECK(folder.count() == files.size());
+}
+
+TEST_CASE("an rgl export that is stopped leaves neither of its two files",
+          "[exports][brdf_export]") {
+    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
+    const support::TemporaryFolder folder;
+    ExportOptions options;
+    options.format = "rgl";
+    options.resolution = 32;
+    std::atomic<bool> cancelled = false;
+    std::size_t calls = 0, last = 0;
+    RunControl control{.threads = 1};
+    control.cancelled = &cancelled;
+    control.progress = [&](const std::string&, std::size_t, std::size_t) {
+        if (++calls == last) cancelled = true;
+    };
+    export_brdf(material, options, folder / "whole", control);
+    CHECK(folder.count() == 2);
+    // Shortly before the end the spectral file is long written.
+    last = calls - 1;
+    calls = 0;
+    CHECK_THROWS_AS(export_brdf(material, options, folder / "stopped", control), Cancelled);
+    CHECK(folder.count() == 2);
 }
 
 TEST_CASE("every format says what its numbers are and where they come from",

@@ -205,3 +205,26 @@ TEST_CASE("colour refuses what has none", "[colour][errors]") {
     CHECK_THROWS_WITH(colour_quadrature(0), Catch::Contains("0") && Catch::Contains("1 to 40"));
     CHECK_THROWS_WITH(colour_quadrature(5, Illuminant::d65, 300, 700), Catch::Contains("300"));
 }
+
+TEST_CASE("Lab: white, greys in closed form, and the published values of sRGB red",
+          "[pipeline][colour]") {
+    for (const Illuminant illuminant : {Illuminant::d65, Illuminant::a, Illuminant::e}) {
+        const Xyz white = white_point(illuminant);
+        const Lab lab = to_lab(white, illuminant);
+        CHECK(std::abs(lab.l - 100) <= 1e-12);
+        CHECK(std::abs(lab.a) <= 1e-12);
+        CHECK(std::abs(lab.b) <= 1e-12);
+        // L = 116 Y^(1/3) - 16 above (6/29)^3, (29/3)^3 Y below (ISO/CIE 11664-4).
+        const auto grey = [&](double y) {
+            return to_lab({y * white.x, y * white.y, y * white.z}, illuminant);
+        };
+        CHECK(std::abs(grey(std::pow(66.0 / 116, 3)).l - 50) <= 1e-12);
+        CHECK(std::abs(grey(0.001).l - 24.389 / 27) <= 1e-12);
+        CHECK(std::abs(grey(0.001).a) <= 1e-12);
+    }
+    // sRGB red has L, a, b = 53.24, 80.09, 67.20 for the rounded white 0.95047, 1, 1.08883.
+    const Lab red = to_lab({0.4124564, 0.2126729, 0.0193339});
+    CHECK(std::abs(red.l - 53.24) <= 0.01);
+    CHECK(std::abs(red.a - 80.09) <= 0.02);
+    CHECK(std::abs(red.b - 67.20) <= 0.02);
+}

@@ -1,5 +1,7 @@
 #include "pipeline/plan.h"
 
+#include <algorithm>
+
 #include "pipeline/brdf.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
@@ -64,6 +66,28 @@ TEST_CASE("what is in the cache is planned as nothing, and done as nothing", "[p
     // One more wavelength: that one alone.
     const Plan more = make_plan(pair({450, 500, 550}), LayerQuantity::reflection, &cache);
     CHECK(step(more, "radiative transfer")->jobs == 1);
+}
+
+TEST_CASE("Mie theory in the cache is taken from there by other directions, and planned so",
+          "[pipeline][plan]") {
+    const support::TemporaryFolder folder;
+    ResultCache cache(folder / "results.sqlite");
+    RunControl control{.threads = 1};
+    control.cache = &cache;
+    compute_brdf(pair({450, 550}), control);
+    Request other = pair({450, 500, 550});
+    other.directions.mu_out = {0.123};
+    const Plan plan = make_plan(other, LayerQuantity::reflection, &cache);
+    REQUIRE(step(plan, "single scattering"));
+    std::size_t mie = 0;
+    for (const PlannedStep& s : plan.steps) mie += s.stage == "single scattering" ? s.jobs : 0;
+    CHECK(mie == 2);  // both materials at 500 nm
+    CHECK(step(plan, "radiative transfer")->jobs == 3);
+    const auto cached = std::find_if(plan.omissions.begin(), plan.omissions.end(),
+                                     [](const Omission& o) { return o.rule == "in the cache"; });
+    REQUIRE(cached != plan.omissions.end());
+    CHECK(cached->reason == "4 Mie runs from the cache");
+    CHECK(cached->saved_s > 0);
 }
 
 TEST_CASE("every saving is an estimate above or equal to zero", "[pipeline][plan]") {

@@ -13,7 +13,7 @@ namespace {
 
 Table sample() {
     Table table;
-    table.facts = {{"version", "0"}, {"source", "a"}, {"source", "b\nc"}};
+    table.facts = {{"version", "0"}, {"source", "a"}, {"source", "b\nc"}, {"tolerance", 0.001}};
     table.columns = {"name", "value"};
     table.rows = {{"plain", 0.1}, {"with, comma \"quoted\"", 1e-300}, {Cell(), std::nan("")}};
     return table;
@@ -26,7 +26,7 @@ TEST_CASE("CSV has comments, one header, quoted text and empty fields for what i
     std::ostringstream out;
     write_csv(sample(), out);
     CHECK(out.str() ==
-          "# version: 0\n# source: a\n# source: b c\nname,value\nplain,0.1\n"
+          "# version: 0\n# source: a\n# source: b c\n# tolerance: 0.001\nname,value\nplain,0.1\n"
           "\"with, comma \"\"quoted\"\"\",1e-300\n,\n");
 }
 
@@ -36,7 +36,7 @@ TEST_CASE("a report stands above the table in CSV and beside it in JSON", "[pipe
     table.report = {{1.0, 0.5}, {2.0, Cell()}};
     std::ostringstream csv, text;
     write_csv(table, csv);
-    CHECK(csv.str().find("b c\n# report: part,error\n# report: 1,0.5\n# report: 2,\nname,value\n") !=
+    CHECK(csv.str().find("b c\n# tolerance: 0.001\n# report: part,error\n# report: 1,0.5\n# report: 2,\nname,value\n") !=
           std::string::npos);
     write_json(table, text);
     const auto json = nlohmann::json::parse(text.str());
@@ -61,6 +61,7 @@ TEST_CASE("JSON is valid, keeps repeated facts and has null for what is unknown"
     write_json(sample(), out);
     const auto json = nlohmann::json::parse(out.str());
     CHECK(json["facts"]["source"] == nlohmann::json::array({"a", "b\nc"}));
+    CHECK(json["facts"]["tolerance"] == 0.001);
     CHECK(json["columns"] == nlohmann::json::array({"name", "value"}));
     CHECK(json["rows"][0][1] == 0.1);
     CHECK(json["rows"][2][0].is_null());

@@ -93,8 +93,18 @@ TEST_CASE("render refuses bad input with file, reason and exit code", "[render][
     CHECK(run_render({base}).exit_code == 2);       // nowhere to write
     CHECK(run_render({"-o", png}).exit_code == 2);  // no material
     CHECK(run_render({base, "--light=lamp:1", "-o", png}).exit_code == 2);
+    for (const auto& [option, wanted] : {std::pair("-o", ".png"), {"--exr", ".exr"}}) {
+        const auto ending = run_render({base, option, folder / "a.jpg"});
+        CHECK(ending.exit_code == 2);
+        CHECK_THAT(ending.err, Catch::Contains("'.jpg'") && Catch::Contains(wanted));
+    }
     const auto list = run_render({"--material=base=hg:0.1/0.2,0.5", "-o", png});
     CHECK(list.exit_code == 2);
     CHECK_THAT(list.err, Catch::Contains("2 values for 3 wavelengths"));
     CHECK_FALSE(std::filesystem::exists(png));
+}
+
+TEST_CASE("render's help states the wavelengths that it uses", "[render][program]") {
+    const auto help = support::run_program("render --help");
+    CHECK_THAT(help.out, Catch::Contains("400:700:20") && !Catch::Contains("LIST=rgb"));
 }

@@ -4,8 +4,10 @@
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/tools/one_line.h"
 
 using namespace miebrdf;
+using support::check_one_line;
 
 namespace {
 
@@ -99,6 +101,89 @@ TEST_CASE("export refuses what it cannot write, with the allowed choices", "[pro
                                                 "-o " + (folder / "x"));
     CHECK(component.exit_code == 2);
     CHECK(folder.count() == 0);
+}
+
+TEST_CASE("options that a format has no use for are refused with those that it takes",
+          "[program][export]") {
+    const support::TemporaryFolder folder;
+    struct Case {
+        const char* arguments;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"merl --resolution 8", {"merl", "--resolution", "--bin-centres, --rgb, --max-error"}},
+        {"pbrt --mu-in 1", {"pbrt", "--mu-in", "--resolution"}},
+        {"csv --max-error 0.1", {"csv", "--max-error", "--azimuth"}},
+        {"csv --rgb cie", {"csv", "--rgb"}},
+        {"astm --incident-angles 9", {"--incident-angles"}},
+        {"csv --resolution 8 --mu-in 1 --mu-out 1 --azimuth 0", {"--resolution"}},
+        {"spd --component subsurface", {"spd", "--component"}},
+        {"scattering --roughness 0.3", {"scattering", "--roughness"}},
+        {"npz --json", {"--json"}},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.arguments);
+        check_one_line(support::run_program(std::string("export --format ") + c.arguments + kScene +
+                                            "-o " + (folder / "x")),
+                       support::kUsage, c.words);
+    }
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("check says which coupling is reciprocal where a file is not", "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string scene = "export --format csv --base hg:0.9,0.4 --wavelengths 550 --roughness "
+                              "0.2 --surface-index 1.5 -o " +
+                              (folder / "a.csv");
+    REQUIRE(support::run_program(scene).exit_code == 0);
+    const auto paper = support::run_program("check " + (folder / "a.csv"));
+    CHECK(paper.exit_code == 1);
+    CHECK_THAT(paper.err, Catch::Contains("--coupling reciprocal"));
+    REQUIRE(support::run_program(scene + " --coupling reciprocal").exit_code == 0);
+    const auto reciprocal = support::run_program("check " + (folder / "a.csv"));
+    CAPTURE(reciprocal.out);
+    CHECK_THAT(reciprocal.err, !Catch::Contains("not reciprocal"));
+    CHECK_THAT(reciprocal.out, Catch::Contains("reciprocity_error_rms (mu > 0.2)"));
+}
+
+TEST_CASE("every format lists wavelengths in one order", "[program][export]") {
+    const std::string format = GENERATE("csv", "json", "npz", "exr");
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "table";
+    REQUIRE(support::run_program("export --format " + format +
+                                 " --base hg:0.9,0.4 --wavelengths rgb --resolution 4 -o " + file)
+                .exit_code == 0);
+    const auto checked = support::run_program("check " + file);
+    CAPTURE(format, checked.out);
+    CHECK_THAT(checked.out, Catch::Contains("# channels: 480, 535, 620") ||
+                                Catch::Contains("# channels: 480 nm, 535 nm, 620 nm"));
+}
+
+TEST_CASE("check reads what brdf writes, as CSV and as JSON", "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string brdf =
+        "brdf --base hg:0.9,0.4 --wavelengths 450,550 --mu-in 0.1:1:0.1 --mu-out 0.1:1:0.1 "
+        "--azimuth 0:180:20 -o " +
+        (folder / "table");
+    std::vector<std::string> rows;
+    for (const char* json : {"", " --json"}) {
+        REQUIRE(support::run_program(brdf + json).exit_code == 0);
+        const auto checked = support::run_program("check " + (folder / "table") +
+                                                  " --base hg:0.9,0.4");
+        CAPTURE(json, checked.out, checked.err);
+        CHECK(checked.exit_code == 0);
+        rows.push_back(checked.out.substr(checked.out.find("quantity,value")));
+    }
+    CHECK(rows[0] == rows[1]);
+    auto table = nlohmann::json::parse(support::read_file(folder / "table"));
+    table["rows"].erase(table["rows"].size() - 1);
+    folder.write("hole", table.dump());
+    CHECK(support::run_program("check " + (folder / "hole")).exit_code == 3);
+    table["columns"][4] = "reflection";
+    folder.write("other", table.dump());
+    const auto other = support::run_program("check " + (folder / "other"));
+    CHECK(other.exit_code == 3);
+    CHECK_THAT(other.err, Catch::Contains("'brdf'"));
 }
 
 TEST_CASE("spectra and single-scattering tables are exports too", "[program][export]") {

@@ -17,6 +17,9 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
              " --incidence 0,45 --component total,subsurface --roughness 0.3 --surface-index 1.5"},
         {"lobe", scene + " --log --decades 2 --cosine --compare isotropic:0.9"},
         {"hemisphere", scene + " --incidence 45 --log"},
+        {"hemisphere", " --base hg:0.9,0.5 --streams 8"},  // one wavelength by default
+        {"slice", " --base hg:0.9,0.5 --streams 8 --cells 20"},
+        {"profile", " --base hg:0.9,0.5"},
         {"slice", scene + " --log --cells 30"},
         {"slice", scene + " --phi-d 0 --cells 20 --component subsurface"},
         {"profile", scene + " --incidence 0,60 --compare-coat-method first-order --azimuth 0"},

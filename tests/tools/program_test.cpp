@@ -45,6 +45,97 @@ TEST_CASE("columns are those that scripts depend on", "[program]") {
                                                      "difference"});
 }
 
+TEST_CASE("a half-space that absorbs nothing reflects 1, printed as 1", "[program]") {
+    for (const char* surface : {"", " --roughness 0.3 --surface-index 1.5",
+                                " --roughness 0.1 --surface-index 2.6"}) {
+        const auto csv = csv_of(std::string("albedo --base hg:1,0.5 --coat hg:1,0.8@0.7") + surface);
+        CAPTURE(surface);
+        for (std::size_t row = 0; row < csv.size(); ++row) {
+            CHECK(csv.text(row, "plane_albedo") == "1");
+            CHECK(csv.text(row, "spherical_albedo") == "1");
+        }
+    }
+}
+
+TEST_CASE("outputs tell the particles that Mie theory took, defaults included", "[program]") {
+    const std::string wanted =
+        "# particles: power-law, effective radius 1 um, effective variance 0.2, in a host of index 1\n";
+    for (const char* command : {"optics index:1.5,0.1", "phase index:1.5,0.1",
+                                "albedo --base index:1.5,0.1", "albedo --base isotropic:0.5 "
+                                "--coat index:1.5,0.1@1"}) {
+        const auto run = support::run_program(std::string(command) +
+                                              " --wavelengths 550 --effective-radius 1");
+        CAPTURE(command, run.err);
+        CHECK_THAT(run.out, Catch::Contains(wanted));
+    }
+    CHECK_THAT(support::run_program("optics hg:0.9,0.5").out, !Catch::Contains("# particles"));
+}
+
+TEST_CASE("the largest albedo of layers that absorb nothing is reported as at most 1", "[program]") {
+    const std::string medium = GENERATE("hg:1,0.5", "hg:1,0.9", "rayleigh:1");
+    const auto run = support::run_program("brdf --base " + medium +
+                                          " --wavelengths 550 --mu-in 0.1:1:0.1 --mu-out 1 --json");
+    const auto report = nlohmann::json::parse(run.out)["report"][0];
+    CAPTURE(medium);
+    CHECK(report["largest_albedo"] <= 1.0);
+    // Conservation itself, to what the solution says of its error.
+    CHECK(report["largest_albedo"] >= 1.0 - report["error_estimate"].get<double>());
+}
+
+TEST_CASE("albedo --colour gives the colours of its spectra", "[program][colour]") {
+    const std::string scene = "albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 400:700:10";
+    const auto spectra = csv_of(scene);
+    const auto colours = csv_of(scene + " --colour d65");
+    CHECK(colours.columns() == Columns{"quantity", "mu_in", "x", "y", "z", "lab_l", "lab_a", "lab_b",
+                                       "srgb_red", "srgb_green", "srgb_blue"});
+    REQUIRE(colours.size() == 3);
+    // A grey: Y is the albedo, and neither a nor b are there; all to six decimals.
+    for (std::size_t row = 0; row < 3; ++row) {
+        const double albedo = row < 2 ? spectra.number(row, "plane_albedo")
+                                      : spectra.number(0, "spherical_albedo");
+        CHECK(std::abs(colours.number(row, "y") - albedo) <= 0.51e-6);
+        CHECK(std::abs(colours.number(row, "lab_l") - (116 * std::cbrt(albedo) - 16)) <= 0.51e-6);
+        CHECK(colours.text(row, "lab_a") == "0");
+        CHECK(colours.text(row, "lab_b") == "0");
+    }
+    CHECK(colours.text(2, "quantity") == "spherical_albedo");
+    // Wavelengths in any order.
+    const auto backward = csv_of("albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 700:400:-10 "
+                                 "--colour d65");
+    CHECK(backward.text(0, "lab_l") == colours.text(0, "lab_l"));
+    for (const char* options : {" --colour d50", " --colour d65 --wavelengths rgb",
+                                " --colour d65 --wavelengths 400:500:10"}) {
+        CAPTURE(options);
+        CHECK(support::run_program(std::string("albedo --base hg:0.9,0.5") + options).exit_code == 2);
+    }
+}
+
+TEST_CASE("facts that are numbers are numbers in JSON", "[program]") {
+    const auto run =
+        support::run_program("brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --tolerance 1e-4 --json");
+    const auto facts = nlohmann::json::parse(run.out)["facts"];
+    CHECK(facts["tolerance"] == 1e-4);
+    REQUIRE(facts["error_estimate"].is_number());
+    CHECK(facts["error_estimate"] <= 1e-4);
+}
+
+TEST_CASE("phase_noise names the direction where it is worst", "[program]") {
+    const auto run = support::run_program(
+        "brdf --base index:1.5,0 --effective-radius 5 --wavelengths 500,550 --mu-in 0.5 --mu-out "
+        "0.25,0.5 --azimuth 90,180");
+    const std::size_t at = run.out.find("# phase_noise:");
+    REQUIRE(at != std::string::npos);
+    const std::string line = run.out.substr(at, run.out.find('\n', at) - at);
+    CAPTURE(line);
+    CHECK_THAT(line, Catch::Contains(" nm, mu_in 0.5, mu_out 0.") && Catch::Contains("azimuth "));
+}
+
+TEST_CASE("a range ends with its last step that is not beyond its end", "[program]") {
+    CHECK(csv_of("optics hg:0.9,0.5 --wavelengths 400:705:100").size() == 4);
+    CHECK(csv_of("optics hg:0.9,0.5 --wavelengths 400:700:100").size() == 4);
+    CHECK(csv_of("optics hg:0.9,0.5 --wavelengths 700:400:-100").size() == 4);
+}
+
 TEST_CASE("an isotropic half-space agrees with Chandrasekhar's H-function", "[program]") {
     // R(1, 1) = alpha/8 H(1)^2 with the tabulated H(1) for albedo 0.5.
     const support::ReferenceTable table("rte/chandrasekhar_H_isotropic.csv");

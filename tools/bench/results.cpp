@@ -74,7 +74,7 @@ std::string verdict_of(const Change& c) {
 
 void write_results(const Results& results, std::ostream& out) {
     Table table;
-    table.facts = results.facts;
+    table.facts.assign(results.facts.begin(), results.facts.end());
     table.columns = kColumns;
     for (const Measurement& m : results.measurements) {
         table.rows.push_back({m.suite, m.test_case, m.method, m.parameter, m.error, m.seconds,

@@ -133,7 +133,7 @@ void add_bench_command(CLI::App& program, Shell& shell) {
         ->add_option("--docs", arguments->docs,
                      "rewrite the generated parts of accuracy.md and performance.md in this folder")
         ->type_name("FOLDER");
-    shell.add_common_options(*command);
+    shell.add_common_options(*command, Writes::folder);
     command->footer(
         "Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n"
         "  miebrdf bench --suite half-space -o bench-results");

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "pipeline/brdf.h"
+#include "tools/miebrdf/albedo_colour.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 
@@ -25,7 +26,7 @@ std::vector<Cell> report_row(const Slice& slice) {
     const rte::SolverReport& report = slice.report;
     return {slice.wavelength_nm,    slice.converged ? std::string("yes") : std::string("no"),
             slice.error_estimate,   slice.mie_error_estimate,
-            slice.phase_noise,      double(report.streams),
+            slice.phase_noise.largest, double(report.streams),
             double(report.moments), double(report.azimuthal_orders)};
 }
 
@@ -75,15 +76,20 @@ void add_facts(Table& table, const Result& result, const Request& request,
                const std::string& units) {
     table.facts.emplace_back("units", units);
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
-    table.facts.emplace_back("tolerance", fmt::format("{}", request.solver.tolerance));
-    table.facts.emplace_back("error_estimate", fmt::format("{:.2e}", result.error_estimate));
-    if (result.phase_noise > 0.1 * request.solver.tolerance) {
+    if (has_particles(request.scene))
+        table.facts.emplace_back("particles", describe_particles(request.scene.particles));
+    table.facts.emplace_back("tolerance", request.solver.tolerance);
+    table.facts.emplace_back("error_estimate", rounded(result.error_estimate, 3));
+    const PhaseNoise& noise = result.phase_noise;
+    if (noise.largest > 0.1 * request.solver.tolerance) {
         table.facts.emplace_back(
             "phase_noise",
             fmt::format(
                 "{:.2e} at most, of single directions (rms, relative like error_estimate and "
-                "not in it), from the number of sphere sizes; a smaller --tolerance lowers it",
-                result.phase_noise));
+                "not in it), at {} nm, mu_in {}, mu_out {}, azimuth {}; from the number of sphere "
+                "sizes; a smaller --tolerance lowers it",
+                noise.largest, result.phase_noise_wavelength_nm, noise.mu_in, noise.mu_out,
+                noise.azimuth_deg));
     }
     table.facts.emplace_back("method", result.slices.front().report.method);
     for (const auto& slice : result.slices) {
@@ -140,6 +146,14 @@ int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {
     const Request request = arguments.parse();
     const AlbedoResult result = compute_albedo(request, shell.control());
     Table table;
+    if (const auto illuminant = arguments.illuminant()) {
+        add_facts(table, result, request,
+                  "mu_in: cosine from the normal; x, y, z: white of the illuminant has y = 1; lab: "
+                  "CIE 1976, white 100, 0, 0; srgb: encoded, not clipped");
+        add_colours(table, result, request.directions.mu_in, *illuminant);
+        shell.write(std::move(table));
+        return result.converged ? kGood : kNotConverged;
+    }
     add_facts(table, result, request,
               "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");
     table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};

@@ -87,10 +87,10 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
     }
 }
 
-std::vector<std::pair<std::string, std::string>> facts(const exports::BrdfFile& file,
+std::vector<std::pair<std::string, Cell>> facts(const exports::BrdfFile& file,
                                                        const std::string& path,
                                                        const exports::FileCheck& check) {
-    std::vector<std::pair<std::string, std::string>> lines = {
+    std::vector<std::pair<std::string, Cell>> lines = {
         {"file", path},
         {"format", file.format()},
         {"description", file.description()},
@@ -134,6 +134,11 @@ int run_check(const CheckArguments& arguments, const Shell& shell) {
     }
     if (arguments.scene.given()) compare(*file, arguments, shell, verdict);
     shell.write(std::move(table));
+    if (check.reciprocity_rms && !(*check.reciprocity_rms <= arguments.largest_asymmetry)) {
+        shell.note(
+            "not reciprocal: a rough surface under --coupling paper (eq. 5 of the paper) is not; "
+            "--coupling reciprocal is");
+    }
     return verdict.good() ? kGood : kCheckFailed;
 }
 

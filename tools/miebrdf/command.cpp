@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -13,13 +14,38 @@
 #include "tools/miebrdf/progress_line.h"
 
 namespace miebrdf::program {
+namespace {
 
-void Shell::add_common_options(CLI::App& command) {
-    command.add_option("-o,--output", common_.output,
-                       "write to FILE instead of standard output (whole or not at all)")
+/// Before anything is computed for a file that could not be written.
+void require_folder_of(const std::string& file) {
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    std::error_code unreadable;  // is no folder either
+    if (folder.empty() || std::filesystem::is_directory(folder, unreadable)) return;
+    throw InputError(
+        fmt::format("cannot write '{}': there is no folder '{}'", file, folder.string()));
+}
+
+}  // namespace
+
+void Shell::add_common_options(CLI::App& command, Writes writes) {
+    command
+        .add_option_function<std::string>(
+            "-o,--output",
+            [this, writes](const std::string& file) {
+                if (file.empty()) {
+                    throw CLI::ValidationError(
+                        "--output", "an empty name; give a FILE, or - for standard output");
+                }
+                if (writes != Writes::folder) require_folder_of(file);
+                common_.output = file;
+            },
+            "write to FILE instead of standard output (whole or not at all)")
         ->type_name("FILE");
-    command.add_flag("--json", common_.json, "write JSON instead of CSV");
-    command.add_option("--threads", common_.threads, "most threads to use, up to one per processor; 0: that many")
+    if (writes == Writes::table)
+        command.add_flag("--json", common_.json, "write JSON instead of CSV");
+    command
+        .add_option("--threads", common_.threads,
+                    "most threads to use, up to one per processor; 0: that many")
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");

@@ -25,6 +25,10 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
+/// What a command puts out: rows, as CSV or JSON; a file whose format its own options choose; a
+/// folder, which it makes.
+enum class Writes { table, file, folder };
+
 /// What main() gives to commands and takes from them.
 class Shell {
   public:
@@ -33,8 +37,8 @@ class Shell {
     explicit Shell(std::string command_line, SharedWork* shared = nullptr)
         : command_line_(std::move(command_line)), shared_(shared) {}
 
-    /// Adds -o, --json, --threads, --quiet and --version to a command.
-    void add_common_options(CLI::App& command);
+    /// Adds -o, --json (of tables), --threads, --quiet and --version to a command.
+    void add_common_options(CLI::App& command, Writes writes = Writes::table);
 
     /// Runs `action` when this command is the one typed; what it returns is the exit code.
     void on_run(CLI::App& command, std::function<int()> action);

@@ -107,8 +107,8 @@ int run_diff(const DiffArguments& arguments, const Shell& shell) {
             "{} ({} to {} nm) and {} ({} to {} nm) have no range in common", arguments.first,
             a.shortest_nm(), a.longest_nm(), arguments.second, b.shortest_nm(), b.longest_nm()));
     }
-    table.facts.emplace_back("largest difference of n", fmt::format("{}", largest_n));
-    table.facts.emplace_back("largest difference of k", fmt::format("{}", largest_k));
+    table.facts.emplace_back("largest difference of n", largest_n);
+    table.facts.emplace_back("largest difference of k", largest_k);
     shell.write(std::move(table));
     return std::max(largest_n, largest_k) <= arguments.tolerance ? kGood : kCheckFailed;
 }

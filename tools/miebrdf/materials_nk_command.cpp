@@ -49,7 +49,7 @@ void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArgu
     if (!dataset.k_known) facts.emplace_back("k", "unknown (not measured); taken as 0");
     if (dataset.k_known && arguments.missing_k_zero)
         facts.emplace_back("k", "taken as 0 where it is unknown");
-    if (arguments.k_floor > 0) facts.emplace_back("k floor", fmt::format("{}", arguments.k_floor));
+    if (arguments.k_floor > 0) facts.emplace_back("k floor", arguments.k_floor);
 }
 
 int run_nk(const NkArguments& arguments, const Shell& shell) {

@@ -93,7 +93,7 @@ void add_materials_plot_command(CLI::App& materials, Shell& shell) {
         ->check(CLI::Range(0.1, 20.0))
         ->capture_default_str();
     arguments->database.add_to(*command);
-    shell.add_common_options(*command);
+    shell.add_common_options(*command, Writes::file);
     command->footer("Example:\n  miebrdf materials plot GaP TiO2 -o nk.svg");
     shell.on_run(*command, [arguments, &shell] { return run_plot(*arguments, shell); });
 }

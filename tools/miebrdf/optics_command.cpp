@@ -23,6 +23,7 @@ struct MediumArguments {
 
 struct MediumSpectrum {
     std::string source;
+    std::string particles;  ///< empty: no Mie theory
     std::vector<double> wavelength_nm;
     std::vector<MediumOptics> optics;
     bool converged = true;
@@ -41,7 +42,9 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     spectrum.wavelength_nm = arguments.materials.wavelengths_nm();
     MediumResolver resolver(arguments.materials.database());
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
+    require_contrast(medium, spectrum.wavelength_nm, particles);
     spectrum.source = medium.source;
+    if (needs_mie(medium.medium)) spectrum.particles = describe_particles(particles);
     spectrum.optics.resize(spectrum.wavelength_nm.size());
     const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
@@ -57,6 +60,7 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
 void add_facts(Table& table, const MediumSpectrum& spectrum, const std::string& units) {
     table.facts.emplace_back("units", units);
     table.facts.emplace_back("source", spectrum.source);
+    if (!spectrum.particles.empty()) table.facts.emplace_back("particles", spectrum.particles);
     if (!spectrum.converged) {
         table.facts.emplace_back("not converged", "the size average missed its tolerance");
     }

@@ -14,7 +14,7 @@ namespace miebrdf::program {
 namespace {
 
 /// An estimate within a factor of three is not written to sixteen digits.
-double estimate(double seconds) { return std::stod(fmt::format("{:.2g}", seconds)); }
+double estimate(double seconds) { return rounded(seconds, 2); }
 
 /// Adds one plan to a table; `result` numbers the results of a scene file.
 void add_plan(Table& table, const Plan& plan, const std::string& result) {
@@ -54,7 +54,7 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
                      result);
         } else {
             table.facts.emplace_back("not planned",
-                                     result + ": no radiative transfer to leave out");
+                                     result + ": plans are made of brdf and albedo");
         }
     }
     shell.write(std::move(table));

@@ -115,7 +115,8 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
 void add_map_plots(CLI::App& plot, Shell& shell) {
     auto hemisphere = std::make_shared<ScenePlotArguments>();
     auto* hemisphere_command =
-        add_scene_kind(plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere);
+        add_scene_kind(plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere,
+                       kOneWavelength);
     add_incidence_option(*hemisphere_command, "45", hemisphere);
     add_component_options(*hemisphere_command, hemisphere);
     hemisphere_command->footer(
@@ -126,7 +127,8 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
 
     auto slice = std::make_shared<SliceArguments>();
     auto* slice_command = add_scene_kind(
-        plot, shell, "slice", "BRDF over half and difference angle (Rusinkiewicz)", slice);
+        plot, shell, "slice", "BRDF over half and difference angle (Rusinkiewicz)", slice,
+        kOneWavelength);
     add_component_options(*slice_command, slice);
     slice_command
         ->add_option("--phi-d", slice->azimuth_deg, "azimuth of the difference angle, degrees")

@@ -135,7 +135,7 @@ CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const 
         ->required();
     arguments.materials.add_to(*command, wavelengths);
     arguments.plot.add_to(*command);
-    shell.add_common_options(*command);
+    shell.add_common_options(*command, Writes::file);
     return command;
 }
 

@@ -142,7 +142,8 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
 void add_profile_plot(CLI::App& plot, Shell& shell) {
     auto profile = std::make_shared<ProfileArguments>();
     auto* command =
-        add_scene_kind(plot, shell, "profile", "BRDF against the angle of reflection", profile);
+        add_scene_kind(plot, shell, "profile", "BRDF against the angle of reflection", profile,
+                       kOneWavelength);
     add_incidence_option(*command, "0,30,60", profile);
     add_component_options(*command, profile);
     command

@@ -11,11 +11,12 @@
 namespace miebrdf::program {
 
 CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
-                         const std::string& title, const ScenePlot& arguments) {
+                         const std::string& title, const ScenePlot& arguments,
+                         const std::string& default_wavelengths) {
     auto* command = plot.add_subcommand(kind, title);
-    arguments->scene.add_to(*command);
+    arguments->scene.add_to(*command, SceneArguments::Base::required, default_wavelengths);
     arguments->plot.add_to(*command);
-    shell.add_common_options(*command);
+    shell.add_common_options(*command, Writes::file);
     return command;
 }
 

@@ -24,7 +24,10 @@ using ScenePlot = std::shared_ptr<ScenePlotArguments>;
 
 /// A subcommand with the scene's options and the common ones.
 CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
-                         const std::string& title, const ScenePlot& arguments);
+                         const std::string& title, const ScenePlot& arguments,
+                         const std::string& default_wavelengths = "rgb");
+/// Of kinds that show one.
+inline constexpr char kOneWavelength[] = "550";
 void add_incidence_option(CLI::App& command, const std::string& incidence,
                           const ScenePlot& arguments);
 void add_component_options(CLI::App& command, const ScenePlot& arguments);

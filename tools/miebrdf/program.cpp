@@ -10,6 +10,7 @@
 #include "pipeline/version.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/interrupt.h"
+#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {
@@ -36,7 +37,7 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
     } catch (const CLI::Success& success) {
         return program.exit(success);  // --help, --version
     } catch (const CLI::ParseError& error) {
-        return complain(kUsage, std::string(error.what()) + " (see miebrdf --help)");
+        return complain(kUsage, explain(program, error));
     }
     const int code = shell.run();
     if (code == kNotConverged) {

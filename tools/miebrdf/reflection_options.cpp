@@ -6,6 +6,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/number_list.h"
+#include "tools/miebrdf/albedo_colour.h"
 
 namespace miebrdf::program {
 namespace {
@@ -42,9 +43,12 @@ Request BrdfArguments::parse() const {
                           parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0)};
     const std::vector<std::string> names = components();
     for (const std::string& name : names) {
+        if (std::count(names.begin(), names.end(), name) > 1) {
+            throw UsageError(fmt::format("component '{}' is named twice", name));
+        }
         if (name != "total" && name != "subsurface" && name != "surface") {
-            throw UsageError(fmt::format(
-                "unknown component '{}'; allowed: total, subsurface, surface", name));
+            throw UsageError(
+                fmt::format("unknown component '{}'; allowed: total, subsurface, surface", name));
         }
         if (name == "surface" && !request.scene.surface) {
             throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
@@ -64,11 +68,22 @@ Request BrdfArguments::parse() const {
 void AlbedoArguments::add_to(CLI::App& command) {
     scene_.add_to(command);
     add_list(command, "--mu-in", mu_in_, "cosines of incidence, in (0, 1]")->capture_default_str();
+    command
+        .add_option("--colour", colour_,
+                    "colours instead of spectra, under this illuminant: d65, a or e; XYZ, CIELAB, "
+                    "sRGB of the 1931 observer")
+        ->type_name("ILLUMINANT");
+}
+
+std::optional<Illuminant> AlbedoArguments::illuminant() const {
+    if (colour_.empty()) return std::nullopt;
+    return parse_illuminant(colour_);
 }
 
 Request AlbedoArguments::parse() const {
     Request request = scene_.parse();
     request.directions.mu_in = cosines(mu_in_, "mu_in");
+    if (illuminant()) prepare_for_colour(request);
     return request;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pipeline/cie_observer.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -33,10 +35,13 @@ class AlbedoArguments {
     void add_to(CLI::App& command);
     /// @throws UsageError, InputError
     Request parse() const;
+    /// The illuminant of the colours that take the place of spectra; empty: spectra.
+    std::optional<Illuminant> illuminant() const;
 
   private:
     SceneArguments scene_;
     std::string mu_in_ = "0.1:1:0.1";
+    std::string colour_;
 };
 
 }  // namespace miebrdf::program

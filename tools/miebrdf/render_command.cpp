@@ -5,6 +5,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/number_list.h"
+#include "pipeline/plan.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/version.h"
 #include "tools/miebrdf/command.h"
@@ -107,6 +108,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     if (shell.common().output.empty() && arguments.exr.empty()) {
         throw UsageError("a picture needs -o FILE.png or --exr FILE.exr");
     }
+    check_picture_paths(shell.common().output, arguments.exr);
     const std::vector<double> wavelength_nm = wavelengths_of(arguments);
     const auto [width, height] = parse_pair(arguments.size, "size");
     const auto [elevation, azimuth] = parse_pair(arguments.camera, "camera");
@@ -144,9 +146,9 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
                           notes, shell.common().output);
     }
     shell.note(
-        fmt::format("{} wavelengths; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
+        fmt::format("{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
                     "radiance; solver {}",
-                    wavelength_nm.size(), solve_s, render_s, picture.noise,
+                    counted(wavelength_nm.size(), "wavelength"), solve_s, render_s, picture.noise,
                     converged ? "converged" : "NOT converged"));
     return converged ? kGood : kNotConverged;
 }
@@ -158,10 +160,9 @@ void add_render_command(CLI::App& program, Shell& shell) {
         program.add_subcommand("render", "a picture of a lit object of these materials");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->command = command;
-    arguments->scene.add_to(*command);
-    command->get_option("--base")->required(false);
+    arguments->scene.add_to(*command, SceneArguments::Base::optional, kDefaultWavelengths);
     add_render_options(*command, *arguments);
-    shell.add_common_options(*command);
+    shell.add_common_options(*command, Writes::file);
     command->footer(
         "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o "
         "sphere.png");

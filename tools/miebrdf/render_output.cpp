@@ -3,13 +3,33 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 
 #include "pipeline/error.h"
 #include "pipeline/number_list.h"
 #include "pipeline/render/light_spectrum.h"
 
 namespace miebrdf::program {
+namespace {
+
+void check_ending(const std::string& path, const std::string& option, const std::string& wanted) {
+    if (path.empty()) return;
+    std::string ending = std::filesystem::path(path).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending != wanted) {
+        throw UsageError(fmt::format("picture '{}': unknown ending '{}'; allowed: {} with {}", path,
+                                     ending, wanted, option));
+    }
+}
+
+}  // namespace
+
+void check_picture_paths(const std::string& png, const std::string& exr) {
+    check_ending(png, "-o", ".png");
+    check_ending(exr, "--exr", ".exr");
+}
 
 render::Image compose(const render::SpectralPicture& picture,
                       const std::vector<double>& wavelength_nm, const std::string& background,

@@ -9,6 +9,10 @@
 
 namespace miebrdf::program {
 
+/// Refuses names whose ending says another format, before anything is computed. Empty: no such
+/// picture. @throws UsageError
+void check_picture_paths(const std::string& png, const std::string& exr);
+
 /// Linear RGB over the background, or with coverage as alpha.
 /// @param background  "R,G,B", "transparent" or "environment"
 /// @param exposure    brightens by powers of two

@@ -3,12 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <map>
+
 #include "pipeline/error.h"
 #include "pipeline/shared_work.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/export_formats.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/scene_file.h"
 #include "tools/miebrdf/scene_requests.h"
+#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {
@@ -18,7 +23,10 @@ const std::vector<std::string> kCommands = {
 #ifdef MIEBRDF_HAS_RENDER
     "render",
 #endif
-    "brdf", "albedo", "optics", "phase", "sphere", "table1"};
+    "brdf", "albedo", "export", "optics", "phase", "sphere", "table1"};
+
+/// Those whose rows may be JSON; the others' files have formats of their own.
+bool writes_table(const std::string& command) { return command != "render" && command != "export"; }
 
 /// The commands' own parsers are what knows their options.
 std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& command,
@@ -53,7 +61,7 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path, const Sh
     for (std::vector<std::string>& line : lines) {
         for (const auto& [flag, given] : {std::pair("--no-cache", common.no_cache),
                                           {"--quiet", common.quiet},
-                                          {"--json", common.json}}) {
+                                          {"--json", common.json && writes_table(line.front())}}) {
             if (given) line.emplace_back(flag);
         }
         if (common.threads > 0) override_option(line, "--threads", std::to_string(common.threads));
@@ -62,12 +70,30 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path, const Sh
     return lines;
 }
 
+/// Two results that name one file: the second would replace the first.
+void refuse_one_file_twice(const std::vector<std::vector<std::string>>& lines) {
+    std::map<std::filesystem::path, std::size_t> owner;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        for (const std::string& file : output_files(lines[i])) {
+            const auto path = std::filesystem::weakly_canonical(file);
+            if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
+                continue;  // pipes and devices take one after the other
+            const auto [other, first] = owner.emplace(path, i);
+            if (first) continue;
+            throw UsageError(fmt::format(
+                "results {} ({}) and {} ({}) would both write '{}'; give each its own 'output'",
+                other->second + 1, lines[other->second].front(), i + 1, lines[i].front(), file));
+        }
+    }
+}
+
 /// Tells what the results have in common. Mistakes in any of them come to light here, before the
 /// first is computed.
 void expect(const std::vector<std::vector<std::string>>& lines, SharedWork& shared) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
         const std::string result = fmt::format("result {} ({}): ", i + 1, lines[i].front());
         try {
+            check(lines[i]);
             if (const auto layers = layer_request(lines[i])) {
                 shared.expect(layers->request, layers->quantity);
             }
@@ -81,6 +107,7 @@ void expect(const std::vector<std::vector<std::string>>& lines, SharedWork& shar
 
 int run(const std::string& path, const Shell& shell) {
     const std::vector<std::vector<std::string>> lines = lines_of(path, shell);
+    refuse_one_file_twice(lines);
     SharedWork shared;
     expect(lines, shared);
     int worst = kGood;
@@ -100,9 +127,18 @@ std::vector<std::vector<std::string>> scene_command_lines(const std::string& pat
     CLI::App probe;
     Shell probe_shell("");
     add_commands(probe, probe_shell);
-    return read_scene_file(path, kCommands, [&](const auto& command, const auto& name) {
-        return kind_of(probe, command, name);
-    });
+    const SceneCommands commands = {
+        kCommands,
+        [&](const auto& command, const auto& name) { return kind_of(probe, command, name); },
+        [&](const auto& command) { return option_names(*probe.get_subcommand(command)); },
+        [](const auto& command, const auto& format) {
+            std::vector<std::string> keys;
+            if (command != "export") return keys;
+            for (const std::string& option : ignored_options_of(format))
+                keys.push_back(option.substr(2));  // without its dashes
+            return keys;
+        }};
+    return read_scene_file(path, commands);
 }
 
 void add_run_command(CLI::App& program, Shell& shell) {

@@ -7,7 +7,7 @@
 namespace miebrdf::program {
 
 /// One command line for each [[result]] of a scene file, the command's name first.
-/// @throws InputError  with file, line and column
+/// @throws UsageError, InputError  with file, line and column
 std::vector<std::vector<std::string>> scene_command_lines(const std::string& path);
 
 }  // namespace miebrdf::program

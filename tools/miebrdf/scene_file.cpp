@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "pipeline/error.h"
+#include "tools/miebrdf/scene_values.h"
+#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {
@@ -16,9 +19,8 @@ using Arguments = std::vector<std::string>;
 
 class SceneFile {
   public:
-    SceneFile(const std::string& path, const std::vector<std::string>& commands,
-              const OptionLookup& lookup)
-        : path_(path), commands_(commands), lookup_(lookup) {
+    SceneFile(const std::string& path, const SceneCommands& commands)
+        : path_(path), commands_(commands) {
         if (!std::filesystem::is_regular_file(path)) {
             throw InputError(fmt::format("scene file '{}' does not exist", path));
         }
@@ -30,14 +32,14 @@ class SceneFile {
     }
 
     std::vector<Arguments> command_lines() const {
+        check_shared_keys(root_);
+        for (const auto& [name, scene] : scenes()) check_shared_keys(*scene);
         const toml::array* results = nullptr;
         if (const toml::node* node = root_.get("result")) results = node->as_array();
         if (results == nullptr || results->empty() || !results->is_array_of_tables()) {
             throw InputError(fmt::format("scene file '{}' asks for nothing; add a [[result]] with "
                                          "command = \"brdf\"", path_));
         }
-        check_shared_keys(root_);
-        for (const auto& [name, scene] : scenes()) check_shared_keys(*scene);
         std::vector<Arguments> lines;
         for (const toml::node& result : *results) lines.push_back(command_line(*result.as_table()));
         return lines;
@@ -45,8 +47,19 @@ class SceneFile {
 
   private:
     [[noreturn]] void refuse(const toml::source_region& where, const std::string& reason) const {
-        throw InputError(fmt::format("scene file '{}', line {}, column {}: {}", path_,
-                                     where.begin.line, where.begin.column, reason));
+        throw InputError(located(where, reason));
+    }
+
+    /// A word that is none of those known, where it stands.
+    [[noreturn]] void refuse_word(const toml::source_region& where, const std::string& reason,
+                                  std::string_view word,
+                                  const std::vector<std::string>& known) const {
+        throw UsageError(located(where, reason + did_you_mean(word, known)));
+    }
+
+    std::string located(const toml::source_region& where, const std::string& reason) const {
+        return fmt::format("scene file '{}', line {}, column {}: {}", path_, where.begin.line,
+                           where.begin.column, reason);
     }
 
     static bool is_structure(std::string_view key) {
@@ -69,12 +82,27 @@ class SceneFile {
     void check_shared_keys(const toml::table& table) const {
         for (const auto& [key, value] : table) {
             const std::string name(key.str());
+            if (name == "command") {
+                refuse(key.source(), "'command' belongs into a [[result]], one in each");
+            }
             if (is_structure(name)) continue;
-            const bool known = std::any_of(commands_.begin(), commands_.end(), [&](const auto& c) {
-                return lookup_(c, name).has_value();
-            });
-            if (!known) refuse(key.source(), fmt::format("unknown option '{}'", name));
+            const bool known =
+                std::any_of(commands_.names.begin(), commands_.names.end(),
+                            [&](const auto& c) { return commands_.kind_of(c, name).has_value(); });
+            if (!known) {
+                refuse_word(key.source(), fmt::format("unknown option '{}'", name), name,
+                            all_keys());
+            }
         }
+    }
+
+    /// Everything that may stand at the top of the file.
+    std::vector<std::string> all_keys() const {
+        std::set<std::string> keys = {"result", "scene"};
+        for (const std::string& command : commands_.names) {
+            for (std::string& option : commands_.options_of(command)) keys.insert(std::move(option));
+        }
+        return {keys.begin(), keys.end()};
     }
 
     Arguments command_line(const toml::table& result) const {
@@ -89,19 +117,36 @@ class SceneFile {
         merge(root_);
         if (const toml::table* scene = scene_of(result)) merge(*scene);
         for (const auto& [key, value] : result) {
-            if (is_structure(key.str()) || lookup_(command, std::string(key.str()))) continue;
-            refuse(key.source(), fmt::format("'{}' has no option '{}'", command, key.str()));
+            const std::string name(key.str());
+            if (is_structure(name) || commands_.kind_of(command, name)) continue;
+            refuse_word(key.source(), fmt::format("'{}' has no option '{}'", command, name), name,
+                        commands_.options_of(command));
+        }
+        if (const toml::node* format = merged_format(merged, result)) {
+            const std::string name = format->value_or(std::string());
+            for (const std::string& key : commands_.useless_for(command, name)) merged.erase(key);
         }
         merge(result);
 
         Arguments positional, arguments = {command};
         for (const auto& [key, value] : merged) {
-            if (const auto kind = lookup_(command, key)) {
-                append(key, *value, *kind, *kind == OptionKind::positional ? positional : arguments);
+            if (const auto kind = commands_.kind_of(command, key)) {
+                auto& words = *kind == OptionKind::positional ? positional : arguments;
+                const auto more = option_words(
+                    key, *value, *kind,
+                    [this](const auto& where, const auto& reason) { refuse(where, reason); });
+                words.insert(words.end(), more.begin(), more.end());
             }
         }
         arguments.insert(arguments.end(), positional.begin(), positional.end());
         return arguments;
+    }
+
+    static const toml::node* merged_format(const std::map<std::string, const toml::node*>& shared,
+                                           const toml::table& result) {
+        if (const toml::node* own = result.get("format")) return own;
+        const auto found = shared.find("format");
+        return found == shared.end() ? nullptr : found->second;
     }
 
     std::string command_of(const toml::table& result) const {
@@ -110,9 +155,12 @@ class SceneFile {
             refuse(result.source(), "a [[result]] needs a command, e.g. command = \"brdf\"");
         }
         std::string command = node->as_string()->get();
-        if (std::find(commands_.begin(), commands_.end(), command) == commands_.end()) {
-            refuse(node->source(), fmt::format("unknown command '{}'; allowed: {}", command,
-                                               fmt::join(commands_, ", ")));
+        const auto& names = commands_.names;
+        if (std::find(names.begin(), names.end(), command) == names.end()) {
+            refuse_word(node->source(),
+                        fmt::format("unknown command '{}'; allowed: {}", command,
+                                    fmt::join(names, ", ")),
+                        command, names);
         }
         return command;
     }
@@ -126,57 +174,21 @@ class SceneFile {
         std::vector<std::string> names;
         names.reserve(known.size());
         for (const auto& [name, scene] : known) names.push_back(name);
-        refuse(node->source(), fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")));
-    }
-
-    void append(const std::string& key, const toml::node& value, OptionKind kind,
-                Arguments& arguments) const {
-        if (kind == OptionKind::flag) {
-            if (!value.is_boolean()) refuse(value.source(), fmt::format("'{}' is true or false", key));
-            if (value.as_boolean()->get()) arguments.push_back("--" + key);
-            return;
-        }
-        const std::vector<std::string> texts = texts_of(key, value);
-        if (kind == OptionKind::repeated) {
-            for (const std::string& text : texts) {
-                arguments.push_back(fmt::format("--{}={}", key, text));
-            }
-            return;
-        }
-        const std::string joined = fmt::format("{}", fmt::join(texts, ","));
-        arguments.push_back(kind == OptionKind::positional ? joined
-                                                           : fmt::format("--{}={}", key, joined));
-    }
-
-    std::vector<std::string> texts_of(const std::string& key, const toml::node& value) const {
-        std::vector<std::string> texts;
-        if (const toml::array* list = value.as_array()) {
-            for (const toml::node& item : *list) texts.push_back(text_of(key, item));
-        } else {
-            texts.push_back(text_of(key, value));
-        }
-        return texts;
-    }
-
-    std::string text_of(const std::string& key, const toml::node& value) const {
-        if (const auto* text = value.as_string()) return text->get();
-        if (const auto* integer = value.as_integer()) return fmt::format("{}", integer->get());
-        if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
-        refuse(value.source(), fmt::format("'{}' takes a number, a text or a list of them", key));
+        refuse_word(node->source(),
+                    fmt::format("no such scene; this file has: {}", fmt::join(names, ", ")),
+                    node->value_or(std::string()), names);
     }
 
     std::string path_;
-    const std::vector<std::string>& commands_;
-    const OptionLookup& lookup_;
+    const SceneCommands& commands_;
     toml::table root_;
 };
 
 }  // namespace
 
 std::vector<std::vector<std::string>> read_scene_file(const std::string& path,
-                                                      const std::vector<std::string>& commands,
-                                                      const OptionLookup& lookup) {
-    return SceneFile(path, commands, lookup).command_lines();
+                                                      const SceneCommands& commands) {
+    return SceneFile(path, commands).command_lines();
 }
 
 }  // namespace miebrdf::program

@@ -16,15 +16,23 @@ enum class OptionKind {
     positional,  ///< without a name
 };
 
-/// Asks whether a command has an option; empty when it has not.
-using OptionLookup =
-    std::function<std::optional<OptionKind>(const std::string& command, const std::string& option)>;
+/// The commands that a scene file may use, and what it may say to them.
+struct SceneCommands {
+    std::vector<std::string> names;
+    /// Whether a command has an option; empty when it has not.
+    std::function<std::optional<OptionKind>(const std::string& command, const std::string& option)>
+        kind_of;
+    std::function<std::vector<std::string>(const std::string& command)> options_of;
+    /// Options that `format` of a command has no use for: what is shared with other results may hold
+    /// them, the result itself may not.
+    std::function<std::vector<std::string>(const std::string& command, const std::string& format)>
+        useless_for;
+};
 
 /// Translates a scene file into command lines, one for each [[result]].
-/// @param commands  those a scene file may use
-/// @throws InputError  with file, line and column: no TOML, unknown keys, values of the wrong kind
+/// @throws UsageError  with file, line and column: unknown keys, commands and scenes
+/// @throws InputError  the same: no TOML, values of the wrong kind
 std::vector<std::vector<std::string>> read_scene_file(const std::string& path,
-                                                      const std::vector<std::string>& commands,
-                                                      const OptionLookup& lookup);
+                                                      const SceneCommands& commands);
 
 }  // namespace miebrdf::program

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 
@@ -60,10 +61,31 @@ ParticleOptions ParticleArguments::parse() const {
     return options;
 }
 
+std::string describe_particles(const ParticleOptions& particles) {
+    using Kind = mie::SizeDistributionKind;
+    const mie::SizeDistribution& sizes = particles.sizes;
+    const std::map<Kind, std::string> kinds = {{Kind::power_law, "power-law"},
+                                               {Kind::gamma, "gamma"},
+                                               {Kind::log_normal, "log-normal"},
+                                               {Kind::mono, "mono"}};
+    std::string text =
+        fmt::format("{}, effective radius {} um", kinds.at(sizes.kind), sizes.effective_radius_um);
+    if (sizes.kind != Kind::mono)
+        text += fmt::format(", effective variance {}", sizes.effective_variance);
+    return text + fmt::format(", in a host of index {}", particles.host_index);
+}
+
+bool has_particles(const Scene& scene) {
+    return needs_mie(scene.base) ||
+           std::any_of(scene.coats.begin(), scene.coats.end(),
+                       [](const CoatMedium& coat) { return needs_mie(coat.medium); });
+}
+
 void MaterialArguments::add_to(CLI::App& command, const std::string& default_wavelengths) {
     wavelengths_ = default_wavelengths;
     command.add_option("--wavelengths", wavelengths_,
-                       "list or range, in nm unless a unit is given: 450,550,650 or 400:700:10 or "
+                       "list or range first:last:step, in nm unless a unit is given: 450,550,650 or "
+                       "400:700:10 or "
                        "0.55um or 2.25eV; rgb is 620,535,480")
         ->type_name("LIST")
         ->capture_default_str();
@@ -83,7 +105,8 @@ std::string MaterialArguments::database() const {
     return variable == nullptr ? "" : variable;
 }
 
-void SceneArguments::add_to(CLI::App& command, Base base) {
+void SceneArguments::add_to(CLI::App& command, Base base,
+                            const std::string& default_wavelengths) {
     command.add_option("--base", base_,
                        "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
@@ -93,7 +116,7 @@ void SceneArguments::add_to(CLI::App& command, Base base) {
                        "a coat of paint; repeat it for more, each on top of the last")
         ->type_name("MEDIUM@OPTICAL_DEPTH")
         ->allow_extra_args(false);
-    materials_.add_to(command, "rgb");
+    materials_.add_to(command, default_wavelengths);
     add_surface_options(command);
     particles_.add_to(command);
     add_solver_options(command);
@@ -101,9 +124,11 @@ void SceneArguments::add_to(CLI::App& command, Base base) {
 
 void SceneArguments::add_surface_options(CLI::App& command) {
     auto* group = command.add_option_group("Surface");
-    group->add_option("--roughness", roughness_,
-                      "Beckmann slope parameter of a rough surface on top; 0: no surface lobe")
-        ->capture_default_str();
+    roughness_option_ =
+        group
+            ->add_option("--roughness", roughness_,
+                         "Beckmann slope parameter of a rough surface on top; 0: no surface lobe")
+            ->capture_default_str();
     group->add_option("--coupling", coupling_,
                       "how light enters and leaves: paper (eq. 5) or reciprocal")
         ->capture_default_str();
@@ -139,6 +164,11 @@ void SceneArguments::parse_surface(Scene& scene) const {
     if (!(roughness_ >= 0.0 && roughness_ <= 2.0)) {
         throw UsageError(fmt::format("roughness: {} is out of range; allowed: 0 (no lobe) to 2",
                                      roughness_));
+    }
+    // A roughness of 0 that was typed is a choice, with the rest of the surface ready for another.
+    if (!surface_index_.empty() && roughness_option_->count() == 0) {
+        throw UsageError(
+            "--surface-index belongs to a rough surface; give --roughness too, e.g. 0.3");
     }
     if (!surface_index_.empty()) scene.surface_index = parse_index(surface_index_, "surface index");
     if (roughness_ > 0.0) {

@@ -39,7 +39,8 @@ class MaterialArguments {
 class SceneArguments {
   public:
     enum class Base { required, optional };
-    void add_to(CLI::App& command, Base base = Base::required);
+    void add_to(CLI::App& command, Base base = Base::required,
+                const std::string& default_wavelengths = "rgb");
     /// Whether --base was typed.
     bool given() const { return !base_.empty(); }
     /// The request without directions and threads.
@@ -54,6 +55,7 @@ class SceneArguments {
     std::string base_;
     std::vector<std::string> coats_;
     double roughness_ = 0.0;
+    const CLI::Option* roughness_option_ = nullptr;  ///< of the command it was added to
     std::string coupling_ = "paper";
     std::string surface_index_;
     std::string grid_ = "auto";
@@ -65,6 +67,11 @@ class SceneArguments {
     ParticleArguments particles_;
     MaterialArguments materials_;
 };
+
+/// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1"
+std::string describe_particles(const ParticleOptions& particles);
+/// Whether any layer goes through Mie theory, so that particles matter.
+bool has_particles(const Scene& scene);
 
 /// Reads the name of a --coat-method. @throws UsageError
 rte::CoatMethod parse_coat_method(const std::string& name);

@@ -20,4 +20,11 @@ struct LayerRequest {
 /// @throws UsageError, InputError
 std::optional<LayerRequest> layer_request(const std::vector<std::string>& line);
 
+/// Refuses an export that could not be written, as the command itself would.
+/// @throws UsageError, InputError
+void check(const std::vector<std::string>& line);
+
+/// The files that a command line writes, as named in it; standard output is none.
+std::vector<std::string> output_files(const std::vector<std::string>& line);
+
 }  // namespace miebrdf::program

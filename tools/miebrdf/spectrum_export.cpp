@@ -45,10 +45,6 @@ int export_albedo(const std::string& format, Request request, const Shell& shell
 }
 
 int export_scattering(const Request& request, const Shell& shell) {
-    if (!request.scene.coats.empty()) {
-        throw UsageError(
-            "format 'scattering' describes one medium; give it with --base, without --coat");
-    }
     validate(request);
     const ResolvedMedium medium = MediumResolver(request.database).resolve(request.scene.base);
     OpticsDemand demand;

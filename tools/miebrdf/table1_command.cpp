@@ -67,7 +67,7 @@ Table table_of(const Table1Result& result, const Table1Request& request) {
         }
         table.rows.push_back(std::move(row));
     }
-    if (largest > 0.0) table.facts.emplace_back("largest difference", fmt::format("{:.5f}", largest));
+    if (largest > 0.0) table.facts.emplace_back("largest difference", rounded(largest, 3));
     return table;
 }
 

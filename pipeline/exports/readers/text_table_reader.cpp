@@ -1,6 +1,8 @@
 // Our own CSV and JSON tables.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/error.h"
@@ -43,6 +45,37 @@ void flatten(const nlohmann::json& json, std::span<const std::size_t> shape,
     for (const auto& element : json) flatten(element, shape.subspan(1), values);
 }
 
+/// The JSON of `miebrdf brdf`: columns by name, one list of numbers for each direction.
+std::unique_ptr<BrdfFile> read_json_rows(const nlohmann::json& json) {
+    const auto& columns = json["columns"];
+    const auto& rows = json["rows"];
+    if (!columns.is_array() || !rows.is_array())
+        throw InputError("json: 'columns' and 'rows' are lists");
+    std::array<std::size_t, 5> places{};
+    const char* const names[] = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "brdf"};
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const auto found = std::find(columns.begin(), columns.end(), names[k]);
+        if (found == columns.end()) {
+            throw InputError(
+                fmt::format("json: no column '{}'; a table of a BRDF has {}", names[k], kHeader));
+        }
+        places[k] = static_cast<std::size_t>(found - columns.begin());
+    }
+    GridCollector collector("json", 1, rows.size());
+    for (const auto& row : rows) {
+        std::array<double, 5> v{};
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            if (!row.is_array() || row.size() != columns.size() || !row[places[k]].is_number()) {
+                throw InputError(
+                    fmt::format("json: a row is no list of {} numbers", columns.size()));
+            }
+            v[k] = row[places[k]].get<double>();
+        }
+        collector.add(v[0], v[1], v[2], v[3], {&v[4], 1});
+    }
+    return make_grid_file(std::move(collector).table(Elevation::cosine));
+}
+
 }  // namespace
 
 bool looks_like_csv(std::string_view content) {
@@ -80,6 +113,7 @@ std::unique_ptr<BrdfFile> read_json(std::string content) {
     const auto json = nlohmann::json::parse(content, nullptr, false);
     if (json.is_discarded() || !json.is_object())
         throw InputError("json: this is no valid JSON object");
+    if (json.contains("columns") && json.contains("rows")) return read_json_rows(json);
     GridTable table;
     table.format = "json";
     table.wavelength_nm = number_list(json, "wavelength_nm");
