@@ -15,12 +15,12 @@ using Cell = std::variant<std::monostate, double, std::string>;
 
 struct Table {
     /// Facts about the whole table, in order: version, command, units, sources, reports.
-    std::vector<std::pair<std::string, Cell>> facts;
-    std::vector<std::string> columns;
-    std::vector<std::vector<Cell>> rows;
+    std::vector<std::pair<std::string, Cell>> facts = {};
+    std::vector<std::string> columns = {};
+    std::vector<std::vector<Cell>> rows = {};
     /// A second, small table about the first: how each part of it came about. May be empty.
-    std::vector<std::string> report_columns;
-    std::vector<std::vector<Cell>> report;
+    std::vector<std::string> report_columns = {};
+    std::vector<std::vector<Cell>> report = {};
 };
 
 /// A number to `digits` significant digits: estimates have no more.

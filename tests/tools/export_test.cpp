@@ -119,7 +119,6 @@ TEST_CASE("options that a format has no use for are refused with those that it t
         {"csv --resolution 8 --mu-in 1 --mu-out 1 --azimuth 0", {"--resolution"}},
         {"spd --component subsurface", {"spd", "--component"}},
         {"scattering --roughness 0.3", {"scattering", "--roughness"}},
-        {"npz --json", {"--json"}},
     };
     for (const Case& c : cases) {
         CAPTURE(c.arguments);
@@ -128,6 +127,25 @@ TEST_CASE("options that a format has no use for are refused with those that it t
                        support::kUsage, c.words);
     }
     CHECK(folder.count() == 0);
+}
+
+TEST_CASE("--json tells which files an export wrote, and how well", "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string format = GENERATE("npz", "pbrt", "rgl", "spd");
+    const auto run = support::run_program("export --format " + format +
+                                          " --base hg:0.9,0.4 --wavelengths rgb -o " +
+                                          (folder / "x.bsdf") + " --json");
+    CAPTURE(format, run.out, run.err);
+    REQUIRE(run.exit_code == 0);
+    const auto told = nlohmann::json::parse(run.out);
+    CHECK(told["facts"]["converged"] == "yes");
+    CHECK(told["rows"].size() == folder.count());
+    for (const auto& row : told["rows"]) {
+        const std::filesystem::path file = row[0].get<std::string>();
+        CHECK(std::filesystem::exists(file));
+        if (format != "spd") CHECK(row[1] == std::filesystem::file_size(file));
+        if (format == "rgl") CHECK(row[2] <= 2e-3);  // interpolation between its 32 cosines: 1.0e-3
+    }
 }
 
 TEST_CASE("check says which coupling is reciprocal where a file is not", "[program][export]") {

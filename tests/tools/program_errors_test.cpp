@@ -99,7 +99,7 @@ TEST_CASE("options without a use are refused", "[program][errors]") {
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 -o ''", {"--output", "empty name"}},
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --component total,total", {"total", "twice"}},
         {"albedo --base hg:0.9,0.5 --surface-index 1.5", {"--surface-index", "--roughness"}},
-        {"plot nk TiO2 --json", {"--json"}},
+        {"plot nk TiO2 --json", {"--json", "-o FILE"}},
     };
     for (const Case& c : cases) {
         CAPTURE(c.arguments);

@@ -107,7 +107,7 @@ TEST_CASE("a scene file exports in any format, and mistakes come first", "[progr
         "\"\n[[result]]\ncommand = \"export\"\nformat = \"csv\"\nmu-in = [0.5, 1]\n";
     const std::string output = "output = \"" + (folder / "a.csv") + "\"\n";
     const std::string good = folder.write("good.toml", scene + output);
-    const auto run = support::run_program("run " + good + " --json");  // holds for tables alone
+    const auto run = support::run_program("run " + good + " --json");  // one object each
     CAPTURE(run.err);
     CHECK(run.exit_code == 0);
     for (const char* file : {"a.bsdf", "a.csv"}) {

@@ -104,6 +104,9 @@ int run(const BenchArguments& arguments, const Shell& shell) {
         }
     }
     if (!arguments.docs.empty()) bench::update_bench_documents(arguments.docs, results);
+    shell.tell_written({.facts = {{"points", double(results.measurements.size())}},
+                        .columns = {"folder"},
+                        .rows = {{shell.common().output}}});
     shell.note(fmt::format("{} points in {}", results.measurements.size(), shell.common().output));
     return kGood;
 }

@@ -41,8 +41,9 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
             },
             "write to FILE instead of standard output (whole or not at all)")
         ->type_name("FILE");
-    if (writes == Writes::table)
-        command.add_flag("--json", common_.json, "write JSON instead of CSV");
+    command.add_flag("--json", common_.json,
+                     writes == Writes::table ? "write JSON instead of CSV"
+                                             : "tell on standard output what was written, as JSON");
     command
         .add_option("--threads", common_.threads,
                     "most threads to use, up to one per processor; 0: that many")
@@ -59,9 +60,20 @@ void Shell::on_run(CLI::App& command, std::function<int()> action) {
     command.callback([this, action = std::move(action)] { action_ = action; });
 }
 
-void Shell::write(Table table) const {
+void Shell::add_origin(Table& table) const {
     table.facts.insert(table.facts.begin(), {{"version", fmt::format("miebrdf {}", kVersion)},
                                              {"command", command_line_}});
+}
+
+void Shell::tell_written(Table files) const {
+    if (!common_.json) return;
+    add_origin(files);
+    write_json(files, std::cout);
+    std::cout.flush();
+}
+
+void Shell::write(Table table) const {
+    add_origin(table);
     std::ostringstream text;
     if (common_.json) {
         write_json(table, text);

@@ -37,7 +37,7 @@ class Shell {
     explicit Shell(std::string command_line, SharedWork* shared = nullptr)
         : command_line_(std::move(command_line)), shared_(shared) {}
 
-    /// Adds -o, --json (of tables), --threads, --quiet and --version to a command.
+    /// Adds -o, --json, --threads, --quiet and --version to a command.
     void add_common_options(CLI::App& command, Writes writes = Writes::table);
 
     /// Runs `action` when this command is the one typed; what it returns is the exit code.
@@ -53,6 +53,10 @@ class Shell {
     /// Writes text that is no table (an export, a plot) to -o FILE or standard output.
     void write_text(const std::string& text) const;
 
+    /// With --json: tells on standard output what a command has written that writes no table, one
+    /// row for each file; version and command line are put before its own facts.
+    void tell_written(Table files) const;
+
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
 
@@ -64,6 +68,8 @@ class Shell {
     int run() const { return action_ ? action_() : kGood; }
 
   private:
+    void add_origin(Table& table) const;
+
     std::string command_line_;
     SharedWork* shared_;
     CommonOptions common_;

@@ -23,6 +23,30 @@ std::string describe(const exports::ExportedFile& file) {
     return line + fmt::format(", {:.2g} near the mirror direction", file.deviation->lobe);
 }
 
+/// What `--json` tells of the files.
+Table table_of(const std::vector<exports::ExportedFile>& files,
+               const exports::SolverAccuracy& accuracy) {
+    Table table;
+    table.facts = {{"error_estimate", rounded(accuracy.error_estimate, 3)},
+                   {"tolerance", accuracy.tolerance},
+                   {"converged", std::string(accuracy.converged ? "yes" : "no")}};
+    table.columns = {"file", "bytes"};
+    for (const char* band : exports::kDeviationBands) {
+        table.columns.push_back(fmt::format("rms_deviation ({})", band));
+    }
+    table.columns.emplace_back("lobe_deviation");
+    for (const exports::ExportedFile& file : files) {
+        std::vector<Cell> row = {file.path.string(), double(file.bytes)};
+        row.resize(table.columns.size());  // empty: exact at its directions
+        for (std::size_t band = 0; file.deviation && band < 3; ++band) {
+            row[2 + band] = rounded(file.deviation->rms[band], 3);
+        }
+        if (file.deviation) row.back() = rounded(file.deviation->lobe, 3);
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
 int run_export(const ExportArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
     if (output.empty() || output == "-") throw UsageError("export needs -o FILE");
@@ -34,15 +58,16 @@ int run_export(const ExportArguments& arguments, const Shell& shell) {
     const exports::ExportOptions options = arguments.file(request.wavelength_nm);
     const exports::SolvedSource source(request, exports::parse_component(arguments.component()),
                                        shell.command_line(), shell.control());
+    std::vector<exports::ExportedFile> files;
     try {
-        for (const auto& file : exports::export_brdf(source, options, output, shell.control())) {
-            shell.note(describe(file));
-        }
+        files = exports::export_brdf(source, options, output, shell.control());
     } catch (const exports::TooCoarse& error) {
         shell.note(std::string("error: ") + error.what());
         return kCheckFailed;
     }
+    for (const auto& file : files) shell.note(describe(file));
     const exports::SolverAccuracy& accuracy = source.accuracy();
+    shell.tell_written(table_of(files, accuracy));
     shell.note(describe(accuracy) + (accuracy.converged ? "" : "; all values are written"));
     return accuracy.converged ? kGood : kNotConverged;
 }

@@ -76,6 +76,7 @@ int run_plot(const PlotArguments& arguments, const Shell& shell) {
     }
     const plot::Caption caption{"", shell.command_line()};
     plot::save_picture(plot::draw_nk(std::move(curves), caption), output, arguments.scale);
+    shell.tell_written({.columns = {"file"}, .rows = {{output}}});
     return kGood;
 }
 

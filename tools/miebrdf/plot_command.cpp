@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/error.h"
 #include "pipeline/version.h"
 
 namespace miebrdf::program {
@@ -21,7 +22,11 @@ plot::Caption PlotArguments::caption(const Shell& shell, const std::string& othe
 
 void PlotArguments::check(const Shell& shell) const {
     const std::string& output = shell.common().output;
-    if (!output.empty() && output != "-") plot::check_picture_path(output);
+    const bool to_file = !output.empty() && output != "-";
+    if (to_file) plot::check_picture_path(output);
+    if (shell.common().json && !to_file) {
+        throw UsageError("--json tells on standard output what was written: give -o FILE, too");
+    }
 }
 
 void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const {
@@ -30,6 +35,7 @@ void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const
         shell.write_text(picture.svg);
     } else {
         plot::save_picture(picture, output, scale_);
+        shell.tell_written({.columns = {"file"}, .rows = {{output}}});
     }
 }
 

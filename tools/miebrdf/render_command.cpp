@@ -145,6 +145,13 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
         render::write_png(compose(picture, wavelength_nm, arguments.background, arguments.exposure),
                           notes, shell.common().output);
     }
+    Table files{.facts = {{"noise", rounded(picture.noise, 3)},
+                          {"converged", std::string(converged ? "yes" : "no")}},
+                .columns = {"file"}};
+    for (const std::string& file : {shell.common().output, arguments.exr}) {
+        if (!file.empty()) files.rows.push_back({file});
+    }
+    shell.tell_written(std::move(files));
     shell.note(
         fmt::format("{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
                     "radiance; solver {}",

@@ -25,9 +25,6 @@ const std::vector<std::string> kCommands = {
 #endif
     "brdf", "albedo", "export", "optics", "phase", "sphere", "table1"};
 
-/// Those whose rows may be JSON; the others' files have formats of their own.
-bool writes_table(const std::string& command) { return command != "render" && command != "export"; }
-
 /// The commands' own parsers are what knows their options.
 std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& command,
                                   const std::string& name) {
@@ -61,7 +58,7 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path, const Sh
     for (std::vector<std::string>& line : lines) {
         for (const auto& [flag, given] : {std::pair("--no-cache", common.no_cache),
                                           {"--quiet", common.quiet},
-                                          {"--json", common.json && writes_table(line.front())}}) {
+                                          {"--json", common.json}}) {
             if (given) line.emplace_back(flag);
         }
         if (common.threads > 0) override_option(line, "--threads", std::to_string(common.threads));

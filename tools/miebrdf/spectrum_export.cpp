@@ -20,6 +20,12 @@ namespace {
 /// Moments of a single-scattering table; what radiative-transfer codes with 64 streams use.
 constexpr int kHighestMoment = 128;
 
+void tell_written(bool converged, const Shell& shell) {
+    shell.tell_written({.facts = {{"converged", std::string(converged ? "yes" : "no")}},
+                        .columns = {"file"},
+                        .rows = {{shell.common().output}}});
+}
+
 int export_albedo(const std::string& format, Request request, const Shell& shell) {
     request.directions.mu_in = {1.0};
     std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());
@@ -41,6 +47,7 @@ int export_albedo(const std::string& format, Request request, const Shell& shell
         exports::write_mitsuba_irregular(spectrum, file.stream());
     }
     file.commit();
+    tell_written(result.converged, shell);
     return result.converged ? kGood : kNotConverged;
 }
 
@@ -78,6 +85,7 @@ int export_scattering(const Request& request, const Shell& shell) {
         {"q_ext", "extinction efficiency; not a number for media without particles"}};
     table.metadata = metadata.dump(1);
     exports::write_scattering_npz(table, shell.common().output);
+    tell_written(converged, shell);
     return converged ? kGood : kNotConverged;
 }
 
