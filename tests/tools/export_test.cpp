@@ -129,7 +129,7 @@ TEST_CASE("options that a format has no use for are refused with those that it t
     CHECK(folder.count() == 0);
 }
 
-TEST_CASE("--json tells which files an export wrote, and how well", "[program][export]") {
+TEST_CASE("export with --json tells which files it wrote, and how well", "[program][export]") {
     const support::TemporaryFolder folder;
     const std::string format = GENERATE("npz", "pbrt", "rgl", "spd");
     const auto run = support::run_program("export --format " + format +
