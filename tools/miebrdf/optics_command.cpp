@@ -44,7 +44,8 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
     require_contrast(medium, spectrum.wavelength_nm, particles);
     spectrum.source = medium.source;
-    if (needs_mie(medium.medium)) spectrum.particles = describe_particles(particles);
+    if (needs_mie(medium.medium))
+        spectrum.particles = describe_particles(particles_of(medium.medium, particles));
     spectrum.optics.resize(spectrum.wavelength_nm.size());
     const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
