@@ -118,7 +118,8 @@ CLI::App* add_medium_command(CLI::App& program, const std::string& name, const s
     auto* command = program.add_subcommand(name, title);
     command->add_option("medium", arguments.medium,
                         "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
-                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
+                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
+                        "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required();
     arguments.materials.add_to(*command, "rgb");

@@ -50,7 +50,7 @@ std::complex<double> parse_index(const std::string& text, const std::string& wha
 void ParticleArguments::add_to(CLI::App& command) {
     auto* group = command.add_option_group("Particles (media that go through Mie theory)");
     group->add_option("--effective-radius", options_.sizes.effective_radius_um,
-                      "effective radius <r^3>/<r^2> in um")->capture_default_str();
+                      "effective radius <r^3>/<r^2> in um, of media that say none themselves")->capture_default_str();
     group->add_option("--effective-variance", options_.sizes.effective_variance,
                       "effective variance")->capture_default_str();
     group->add_option("--size-distribution", distribution_,
