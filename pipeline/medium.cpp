@@ -54,11 +54,13 @@ Medium parse_index(const std::string& text, const std::string& values) {
     return IndexMedium{{numbers[0], numbers[1]}};
 }
 
-}  // namespace
+/// `hg` of `hg:0.9,0.5`; the whole text where it has no colon.
+std::string kind_of(const std::string& text) { return text.substr(0, text.find(':')); }
 
-Medium parse_medium(const std::string& text) {
+/// A medium without sizes of its own.
+Medium parse_bare(const std::string& text) {
     const std::size_t colon = text.find(':');
-    const std::string kind = text.substr(0, colon);
+    const std::string kind = kind_of(text);
     const std::string values = colon == std::string::npos ? "" : text.substr(colon + 1);
     if (text.empty()) {
         throw UsageError("an empty medium; write a material's name, e.g. TiO2, or hg:0.9,0.7");
@@ -81,11 +83,32 @@ Medium parse_medium(const std::string& text) {
     return DatabaseMedium{text};  // source:KEY
 }
 
+/// Media that bring their optics: nothing of theirs depends on the sizes of particles.
+bool brings_optics(const std::string& kind) {
+    return kind == "hg" || kind == "isotropic" || kind == "rayleigh" || kind == "moments";
+}
+
+}  // namespace
+
+Medium parse_medium(const std::string& text) {
+    const std::string kind = kind_of(text);
+    const bool is_given = kind != text && brings_optics(kind);
+    const SizedText parts = split_sizes(text, !is_given);
+    if (is_given && parts.sizes != LayerSizes{}) {
+        throw UsageError(
+            fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes belong to "
+                        "media that go through Mie theory: materials, source:KEY, index:N,K",
+                        text, kind, describe(parts.sizes)));
+    }
+    return with_sizes(parse_bare(parts.medium), parts.sizes);
+}
+
 std::string describe(const Medium& medium) {
     struct Describer {
-        std::string operator()(const DatabaseMedium& m) const { return m.name; }
+        std::string operator()(const DatabaseMedium& m) const { return m.name + describe(m.sizes); }
         std::string operator()(const IndexMedium& m) const {
-            return fmt::format("index:{},{}", m.refractive_index.real(), m.refractive_index.imag());
+            return fmt::format("index:{},{}{}", m.refractive_index.real(),
+                               m.refractive_index.imag(), describe(m.sizes));
         }
         std::string operator()(const IsotropicMedium& m) const {
             return fmt::format("isotropic:{}", m.single_scattering_albedo);
@@ -106,8 +129,32 @@ bool needs_mie(const Medium& medium) {
            std::holds_alternative<IndexMedium>(medium);
 }
 
+LayerSizes sizes_of(const Medium& medium) {
+    if (const auto* named = std::get_if<DatabaseMedium>(&medium)) return named->sizes;
+    if (const auto* constant = std::get_if<IndexMedium>(&medium)) return constant->sizes;
+    return {};
+}
+
+Medium with_sizes(Medium medium, const LayerSizes& sizes) {
+    if (auto* named = std::get_if<DatabaseMedium>(&medium)) named->sizes = sizes;
+    if (auto* constant = std::get_if<IndexMedium>(&medium)) constant->sizes = sizes;
+    return medium;
+}
+
+ParticleOptions particles_of(const Medium& medium, const ParticleOptions& of_scene) {
+    ParticleOptions particles = of_scene;
+    particles.sizes = resolved_sizes(sizes_of(medium), of_scene.sizes);
+    return particles;
+}
+
 CoatMedium parse_coat(const std::string& text) {
     const std::size_t at = text.rfind('@');
+    if (at != std::string::npos && text.find('=', at) != std::string::npos) {
+        throw UsageError(
+            fmt::format("coat '{}': what belongs to the medium comes before the optical depth, "
+                        "e.g. TiO2,radius=0.1@1",
+                        text));
+    }
     if (at == std::string::npos) {
         throw UsageError(
             fmt::format("coat '{}' has no optical depth; write MEDIUM@OPTICAL_DEPTH, "
@@ -120,18 +167,6 @@ CoatMedium parse_coat(const std::string& text) {
                                      text, optical_depth));
     }
     return {parse_medium(text.substr(0, at)), optical_depth};
-}
-
-mie::SizeDistributionKind parse_size_distribution(const std::string& text) {
-    using Kind = mie::SizeDistributionKind;
-    if (text == "power-law") return Kind::power_law;
-    if (text == "gamma") return Kind::gamma;
-    if (text == "log-normal") return Kind::log_normal;
-    if (text == "mono") return Kind::mono;
-    throw UsageError(
-        fmt::format("unknown size distribution '{}'; allowed: power-law, gamma, "
-                    "log-normal, mono",
-                    text));
 }
 
 }  // namespace miebrdf

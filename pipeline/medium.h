@@ -7,16 +7,19 @@
 #include <vector>
 
 #include "mie/size_distribution.h"
+#include "pipeline/layer_sizes.h"
 
 namespace miebrdf {
 
 /// A material of the database, by name or `source:KEY`; its spheres scatter by Mie theory.
 struct DatabaseMedium {
     std::string name;
+    LayerSizes sizes = {};
 };
 /// Spheres of a constant refractive index, by Mie theory.
 struct IndexMedium {
     std::complex<double> refractive_index;
+    LayerSizes sizes = {};
 };
 struct IsotropicMedium {
     double single_scattering_albedo;
@@ -40,7 +43,10 @@ using Medium = std::variant<DatabaseMedium, IndexMedium, IsotropicMedium, Raylei
 
 /// Reads `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`, `hg:ALBEDO,G` or
 /// `moments:FILE` (the file is read here). Names are looked up later, by whoever has the database.
-/// @throws UsageError  for numbers that are missing or out of range
+/// Media that go through Mie theory may end in sizes of their own: `TiO2,radius=0.1,variance=0.3`
+/// (split_sizes).
+/// @throws UsageError  for numbers that are missing or out of range, and for sizes of a medium that
+///         does not go through Mie theory
 /// @throws InputError  for a moments file that is missing or wrong
 Medium parse_medium(const std::string& text);
 
@@ -50,7 +56,12 @@ std::string describe(const Medium& medium);
 /// Whether its optics come from Mie theory (and so depend on sizes and host).
 bool needs_mie(const Medium& medium);
 
-/// The spheres of every medium that goes through Mie theory.
+/// The sizes that a medium has for itself; none for media that do not go through Mie theory.
+LayerSizes sizes_of(const Medium& medium);
+/// The medium with those instead of its own; the medium itself where it has no particles.
+Medium with_sizes(Medium medium, const LayerSizes& sizes);
+
+/// The spheres of media that go through Mie theory; a medium's own sizes come before these.
 struct ParticleOptions {
     mie::SizeDistribution sizes;
     double host_index = 1.0;  ///< of the medium between the spheres, > 0
@@ -61,6 +72,9 @@ struct ParticleOptions {
 /// @throws UsageError  with the value and the allowed range
 void validate(const ParticleOptions& particles);
 
+/// The spheres of one medium of a scene: its own sizes over those of the scene.
+ParticleOptions particles_of(const Medium& medium, const ParticleOptions& of_scene);
+
 struct CoatMedium {
     Medium medium;
     double optical_depth = 0.0;
@@ -68,8 +82,5 @@ struct CoatMedium {
 
 /// Reads `MEDIUM@OPTICAL_DEPTH`.
 CoatMedium parse_coat(const std::string& text);
-
-/// Reads `power-law`, `gamma`, `log-normal` or `mono`.
-mie::SizeDistributionKind parse_size_distribution(const std::string& text);
 
 }  // namespace miebrdf

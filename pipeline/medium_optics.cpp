@@ -91,14 +91,19 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
 }
 
 /// The average; what it refuses is a matter of sizes and wavelength together.
-mie::EnsembleOptics average(const mie::EnsembleRequest& request, const mie::Executor& run) {
+mie::EnsembleOptics average(const Medium& medium, const mie::EnsembleRequest& request,
+                            const mie::Executor& run) {
     try {
         return mie::average_over_sizes(request, run);
     } catch (const std::invalid_argument& error) {
+        const LayerSizes own = sizes_of(medium);
         throw UsageError(fmt::format(
-            "{} (--effective-radius {} um, --effective-variance {}, --host-index {}, at {} nm)",
-            error.what(), request.sizes.effective_radius_um, request.sizes.effective_variance,
-            request.host_index, request.wavelength_nm));
+            "{}{} ({} {} um, {} {}, --host-index {}, at {} nm)",
+            own == LayerSizes{} ? "" : fmt::format("medium '{}': ", describe(medium)), error.what(),
+            own.effective_radius_um ? "radius" : "--effective-radius",
+            request.sizes.effective_radius_um,
+            own.effective_variance ? "variance" : "--effective-variance",
+            request.sizes.effective_variance, request.host_index, request.wavelength_nm));
     }
 }
 
@@ -108,8 +113,9 @@ MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,
                            const ParticleOptions& particles, const OpticsDemand& demand,
                            const mie::Executor& run) {
     if (const auto index = medium.index_at(wavelength_nm, particles.k_floor)) {
-        const auto request = ensemble_request(*index, wavelength_nm, particles, demand);
-        return from_mie(average(request, run), request);
+        const auto request =
+            ensemble_request(*index, wavelength_nm, particles_of(medium.medium, particles), demand);
+        return from_mie(average(medium.medium, request, run), request);
     }
     MediumOptics result;
     result.optics = analytic_optics(medium.medium);

@@ -36,6 +36,7 @@ struct MediumOptics {
 };
 
 /// @param wavelength_nm  in vacuum
+/// @param particles  of the scene; the medium's own sizes come before them
 /// @param run  for the pieces of one Mie average (parallel.h)
 /// @throws InputError  for a wavelength outside the medium's table
 MediumOptics medium_optics(const ResolvedMedium& medium, double wavelength_nm,

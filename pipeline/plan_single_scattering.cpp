@@ -59,22 +59,27 @@ void Planner::single_scattering() {
         leave_out("in the cache", fmt::format("{} from the cache", counted(cached, "Mie run")),
                   cached_s);
     }
-    if (!whole_phase_) leave_out_phase_functions(count.size());
+    if (whole_phase_ || count.empty()) return;
+    double full = 0.0;
+    for (const auto& [name, jobs] : count) full += phase_function_cost(parse_medium(name));
+    leave_out_phase_functions(full);
 }
 
-void Planner::leave_out_phase_functions(std::size_t media) {
-    if (media == 0) return;
-    double full = 0.0;
-    for (const double nm : jobs_nm_) {
-        full += mie_seconds(request_.scene.particles, nm, true) -
-                mie_seconds(request_.scene.particles, nm, false);
-    }
+double Planner::phase_function_cost(const Medium& medium) const {
+    const ParticleOptions particles = particles_of(medium, request_.scene.particles);
+    double sum = 0.0;
+    for (const double nm : jobs_nm_)
+        sum += mie_seconds(particles, nm, true) - mie_seconds(particles, nm, false);
+    return sum;
+}
+
+void Planner::leave_out_phase_functions(double saved_s) {
     const int moments = demand_of(reduced_, phase_demand(quantity_)).highest_moment;
     leave_out(
         "few moments",
         fmt::format("no phase function at every angle; {} moments, no more than {} streams use",
                     moments, moments / 2),
-        full * static_cast<double>(media));
+        saved_s);
 }
 
 }  // namespace miebrdf

@@ -47,7 +47,8 @@ std::size_t Planner::cosines() const {
 
 double Planner::mie_cost(const Medium& medium, double wavelength_nm) const {
     if (!needs_mie(medium)) return 0.0;
-    return mie_seconds(request_.scene.particles, wavelength_nm, whole_phase_);
+    return mie_seconds(particles_of(medium, request_.scene.particles), wavelength_nm,
+                       whole_phase_);
 }
 
 double Planner::mie_cost(const Medium& medium) const {

@@ -25,7 +25,9 @@ class Planner {
     void hide_layers();
 
     void single_scattering();  ///< plan_single_scattering.cpp
-    void leave_out_phase_functions(std::size_t media);
+    void leave_out_phase_functions(double saved_s);
+    /// What phase functions at every angle add to Mie theory for a medium.
+    double phase_function_cost(const Medium& medium) const;
 
     void radiative_transfer();  ///< plan_transfer.cpp
     void leave_out_orders();

@@ -24,6 +24,19 @@ void require_positive(double value, const char* name) {
     }
 }
 
+void validate_sizes(const Medium& medium, const ParticleOptions& of_scene) {
+    const LayerSizes own = sizes_of(medium);
+    validate(own, describe(medium));
+    // Radius and variance of a table are its own: another number would change nothing.
+    if (of_scene.sizes.kind == mie::SizeDistributionKind::tabulated && own != LayerSizes{} &&
+        !own.distribution) {
+        throw UsageError(
+            fmt::format("medium '{}': the scene's sizes are a table, so a layer with sizes of its "
+                        "own needs a distribution, too",
+                        describe(medium)));
+    }
+}
+
 }  // namespace
 
 void validate(const ParticleOptions& particles) {
@@ -44,6 +57,9 @@ void validate(const ParticleOptions& particles) {
 
 void validate(const Request& request) {
     validate(request.scene.particles);
+    validate_sizes(request.scene.base, request.scene.particles);
+    for (const CoatMedium& coat : request.scene.coats)
+        validate_sizes(coat.medium, request.scene.particles);
     for (const CoatMedium& coat : request.scene.coats) {
         if (!(coat.optical_depth >= 0.0)) {
             throw UsageError(fmt::format("coat {}: optical depth {} is out of range; allowed: >= 0",

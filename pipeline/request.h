@@ -16,7 +16,7 @@ namespace miebrdf {
 struct Scene {
     Medium base;
     std::vector<CoatMedium> coats;
-    ParticleOptions particles;
+    ParticleOptions particles;  ///< of layers that have no sizes of their own
     std::optional<rte::SurfaceOptions> surface;  ///< empty: no lobe, all light enters
     rte::SurfaceCoupling coupling = rte::SurfaceCoupling::paper;
     /// Index of the surface where the top medium has none of its own (hg:, isotropic:, ...), or

@@ -72,8 +72,13 @@ void ResolvedMedium::add_to(JobKey& key, double wavelength_nm,
     if (const auto index = index_at(wavelength_nm, particles.k_floor)) {
         // Only n, k and the sizes count: two names for the same figures are the same job.
         key.add(std::string_view("mie")).add(index->real()).add(index->imag()).add(wavelength_nm);
-        key.add(static_cast<int>(particles.sizes.kind)).add(particles.sizes.effective_radius_um);
-        key.add(particles.sizes.effective_variance).add(particles.host_index);
+        const mie::SizeDistribution sizes = particles_of(medium, particles).sizes;
+        key.add(static_cast<int>(sizes.kind)).add(sizes.effective_radius_um);
+        key.add(sizes.effective_variance).add(particles.host_index);
+        if (sizes.kind == mie::SizeDistributionKind::tabulated) {
+            key.add(std::span<const double>(sizes.radii_um));
+            key.add(std::span<const double>(sizes.number_density));
+        }
     } else if (const auto* moments = std::get_if<MomentsMedium>(&medium)) {
         key.add(std::string_view("moments")).add(moments->single_scattering_albedo);
         key.add(std::span<const double>(moments->chi));
@@ -90,7 +95,7 @@ MediumResolver::MediumResolver(const std::string& file) : file_(file) {
 
 ResolvedMedium MediumResolver::resolve(const Medium& medium) {
     const auto* named = std::get_if<DatabaseMedium>(&medium);
-    if (named == nullptr) return {medium, std::nullopt, describe(medium)};
+    if (named == nullptr) return {medium, std::nullopt, describe(with_sizes(medium, {}))};
     if (!database_) database_.emplace(open_database(file_));
     try {
         return {medium, database_->refractive_index(named->name),

@@ -24,6 +24,7 @@ struct ResolvedMedium {
     std::optional<std::complex<double>> index_at(double wavelength_nm, double k_floor) const;
 
     /// Adds what the optics of this medium at a wavelength depend on.
+    /// @param particles  of the scene; the medium's own sizes come before them
     void add_to(JobKey& key, double wavelength_nm, const ParticleOptions& particles) const;
 };
 

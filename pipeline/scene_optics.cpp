@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 
 #include "pipeline/error.h"
 #include "pipeline/packed_optics.h"
@@ -27,9 +26,6 @@ int highest_moment(const rte::SolverOptions& options) {
     return 2 * (options.streams > 0 ? options.streams : kMostAutomaticStreams);
 }
 
-/// Everything in which two Mie jobs of one request can differ.
-using MieJob = std::tuple<double, double, double>;  // n, k, wavelength
-
 /// A job and the place its result goes to.
 struct Job {
     std::size_t medium;
@@ -42,17 +38,17 @@ struct JobList {
     std::vector<std::vector<std::size_t>> serving;  ///< [wavelength][medium]
 };
 
-JobList list_jobs(const std::vector<ResolvedMedium>& media, double k_floor,
+JobList list_jobs(const std::vector<ResolvedMedium>& media, const ParticleOptions& particles,
                   const std::vector<double>& wavelengths_nm) {
     JobList list;
-    std::map<MieJob, std::size_t> known;
+    std::map<std::string, std::size_t> known;
     for (const double wavelength_nm : wavelengths_nm) {
         auto& row = list.serving.emplace_back();
         for (std::size_t i = 0; i < media.size(); ++i) {
-            const auto index = media[i].index_at(wavelength_nm, k_floor);
-            if (index) {
-                const MieJob key{index->real(), index->imag(), wavelength_nm};
-                const auto [found, is_new] = known.try_emplace(key, list.jobs.size());
+            if (needs_mie(media[i].medium)) {
+                JobKey key("spheres");
+                media[i].add_to(key, wavelength_nm, particles);
+                const auto [found, is_new] = known.try_emplace(key.hash(), list.jobs.size());
                 row.push_back(found->second);
                 if (!is_new) continue;
             } else {
@@ -165,7 +161,7 @@ void SceneMedia::add_to(JobKey& key, double wavelength_nm) const {
 std::vector<SceneOptics> SceneMedia::optics(const std::vector<double>& wavelength_nm,
                                             const OpticsDemand& demand,
                                             const RunControl& control) const {
-    const JobList list = list_jobs(media_, scene_.particles.k_floor, wavelength_nm);
+    const JobList list = list_jobs(media_, scene_.particles, wavelength_nm);
     std::vector<MediumOptics> done(list.jobs.size());
     const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {

@@ -35,6 +35,22 @@ TEST_CASE("render writes a PNG and a spectral EXR that say how they were made",
     CHECK(picture.pixel(12, 8)[2] > picture.pixel(12, 8)[0]);
 }
 
+TEST_CASE("materials of render take the sizes of their layers, and lists of them",
+          "[render][program][sizes]") {
+    const support::TemporaryFolder folder;
+    const auto picture = [&](const std::string& material) {
+        const auto outcome = run_render({"--material=" + material, "-o", folder / "a.png", "--exr",
+                                         folder / "a.exr"});
+        CAPTURE(material, outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return render::read_exr(folder / "a.exr").values;
+    };
+    const auto wanted = picture("base=index:1.5,0.01 effective-radius=0.2");
+    CHECK(picture("base=index:1.5,0.01,radius=0.2") == wanted);
+    CHECK(picture("base=index:1.5,0.01,radius=0.2/0.2/0.2") == wanted);
+    CHECK(picture("base=index:1.5,0.01,radius=0.2/0.2/0.4") != wanted);
+}
+
 TEST_CASE("render refuses lights that cannot be, naming them", "[render][program][errors]") {
     const support::TemporaryFolder folder;
     struct Case {

@@ -76,8 +76,8 @@ void add_facts(Table& table, const Result& result, const Request& request,
                const std::string& units) {
     table.facts.emplace_back("units", units);
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
-    if (has_particles(request.scene))
-        table.facts.emplace_back("particles", describe_particles(request.scene.particles));
+    if (const std::string particles = describe_particles(request.scene); !particles.empty())
+        table.facts.emplace_back("particles", particles);
     table.facts.emplace_back("tolerance", request.solver.tolerance);
     table.facts.emplace_back("error_estimate", rounded(result.error_estimate, 3));
     const PhaseNoise& noise = result.phase_noise;

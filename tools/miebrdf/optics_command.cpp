@@ -44,7 +44,8 @@ MediumSpectrum compute(const MediumArguments& arguments, const std::vector<doubl
     const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
     require_contrast(medium, spectrum.wavelength_nm, particles);
     spectrum.source = medium.source;
-    if (needs_mie(medium.medium)) spectrum.particles = describe_particles(particles);
+    if (needs_mie(medium.medium))
+        spectrum.particles = describe_particles(particles_of(medium.medium, particles));
     spectrum.optics.resize(spectrum.wavelength_nm.size());
     const mie::Executor pieces = pieces_of_job(control);
     run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
@@ -117,7 +118,8 @@ CLI::App* add_medium_command(CLI::App& program, const std::string& name, const s
     auto* command = program.add_subcommand(name, title);
     command->add_option("medium", arguments.medium,
                         "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
-                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
+                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
+                        "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required();
     arguments.materials.add_to(*command, "rgb");

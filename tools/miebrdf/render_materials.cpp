@@ -27,7 +27,7 @@ bool may_have_lists(const Word& word) {
 
 /// Replaces every list a/b/c between separators by its k-th value.
 std::string value_at(const std::string& word, std::size_t k, std::size_t count) {
-    constexpr char kSeparators[] = ":,@";
+    constexpr char kSeparators[] = ":,@=";
     std::string result;
     for (std::size_t start = 0; start <= word.size();) {
         const std::size_t end = std::min(word.find_first_of(kSeparators, start), word.size());

@@ -23,6 +23,15 @@ Value one_of(const std::map<std::string, Value>& words, const std::string& word,
     throw UsageError(fmt::format("unknown {} '{}'; allowed: {}", what, word, allowed));
 }
 
+/// "power-law, effective radius 50 um, effective variance 0.2"
+std::string sizes_text(const mie::SizeDistribution& sizes) {
+    std::string text =
+        fmt::format("{}, effective radius {} um", name_of(sizes.kind), sizes.effective_radius_um);
+    if (sizes.kind != mie::SizeDistributionKind::mono)
+        text += fmt::format(", effective variance {}", sizes.effective_variance);
+    return text;
+}
+
 }  // namespace
 
 std::complex<double> parse_index(const std::string& text, const std::string& what) {
@@ -41,7 +50,7 @@ std::complex<double> parse_index(const std::string& text, const std::string& wha
 void ParticleArguments::add_to(CLI::App& command) {
     auto* group = command.add_option_group("Particles (media that go through Mie theory)");
     group->add_option("--effective-radius", options_.sizes.effective_radius_um,
-                      "effective radius <r^3>/<r^2> in um")->capture_default_str();
+                      "effective radius <r^3>/<r^2> in um, of media that say none themselves")->capture_default_str();
     group->add_option("--effective-variance", options_.sizes.effective_variance,
                       "effective variance")->capture_default_str();
     group->add_option("--size-distribution", distribution_,
@@ -62,23 +71,29 @@ ParticleOptions ParticleArguments::parse() const {
 }
 
 std::string describe_particles(const ParticleOptions& particles) {
-    using Kind = mie::SizeDistributionKind;
-    const mie::SizeDistribution& sizes = particles.sizes;
-    const std::map<Kind, std::string> kinds = {{Kind::power_law, "power-law"},
-                                               {Kind::gamma, "gamma"},
-                                               {Kind::log_normal, "log-normal"},
-                                               {Kind::mono, "mono"}};
-    std::string text =
-        fmt::format("{}, effective radius {} um", kinds.at(sizes.kind), sizes.effective_radius_um);
-    if (sizes.kind != Kind::mono)
-        text += fmt::format(", effective variance {}", sizes.effective_variance);
-    return text + fmt::format(", in a host of index {}", particles.host_index);
+    return fmt::format("{}, in a host of index {}", sizes_text(particles.sizes),
+                       particles.host_index);
 }
 
-bool has_particles(const Scene& scene) {
-    return needs_mie(scene.base) ||
-           std::any_of(scene.coats.begin(), scene.coats.end(),
-                       [](const CoatMedium& coat) { return needs_mie(coat.medium); });
+std::string describe_particles(const Scene& scene) {
+    std::vector<std::pair<std::string, std::string>> layers;  // name, sizes
+    const auto add = [&](const std::string& place, const Medium& medium) {
+        if (!needs_mie(medium)) return;
+        layers.emplace_back(place + " " + describe(with_sizes(medium, {})),
+                            sizes_text(particles_of(medium, scene.particles).sizes));
+    };
+    add("base", scene.base);
+    for (std::size_t c = 0; c < scene.coats.size(); ++c)
+        add(fmt::format("coat {}", c + 1), scene.coats[c].medium);
+    if (layers.empty()) return "";
+    const auto& first = layers.front().second;
+    const bool one = std::all_of(layers.begin(), layers.end(),
+                                 [&](const auto& layer) { return layer.second == first; });
+    std::string text = one ? first + ", " : "";
+    for (const auto& [name, sizes] : layers) {
+        if (!one) text += fmt::format("{}: {}; ", name, sizes);
+    }
+    return text + fmt::format("in a host of index {}", scene.particles.host_index);
 }
 
 void MaterialArguments::add_to(CLI::App& command, const std::string& default_wavelengths) {
@@ -109,7 +124,8 @@ void SceneArguments::add_to(CLI::App& command, Base base,
                             const std::string& default_wavelengths) {
     command.add_option("--base", base_,
                        "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
-                       "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE")
+                       "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have sizes of "
+                       "their own: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required(base == Base::required);
     command.add_option("--coat", coats_,

@@ -70,8 +70,9 @@ class SceneArguments {
 
 /// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1"
 std::string describe_particles(const ParticleOptions& particles);
-/// Whether any layer goes through Mie theory, so that particles matter.
-bool has_particles(const Scene& scene);
+/// The same for all layers that go through Mie theory: one text where their sizes agree, otherwise
+/// "base TiO2: power-law, ...; coat 1 Au: ...; in a host of index 1". Empty where no layer does.
+std::string describe_particles(const Scene& scene);
 
 /// Reads the name of a --coat-method. @throws UsageError
 rte::CoatMethod parse_coat_method(const std::string& name);
