@@ -40,8 +40,9 @@ std::filesystem::path write_in(const support::TemporaryFolder& folder, const std
 }
 
 bool big_samples_missing() {
-    if (std::filesystem::exists(big_samples)) return false;
-    WARN("skipped: no sample collection at " << big_samples.string());
+    if (std::filesystem::is_directory(big_samples)) return false;
+    WARN("skipped: no collection of samples in '" << big_samples.string()
+                                                  << "'; configure with -DMIEBRDF_SAMPLES_DIR=DIR");
     return true;
 }
 
