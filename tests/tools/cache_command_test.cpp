@@ -58,7 +58,7 @@ TEST_CASE("cache info counts what was computed, cache clear forgets it", "[progr
     CHECK(json["rows"][0][2] == 4);
 }
 
-TEST_CASE("--no-cache leaves nothing behind", "[program][cache]") {
+TEST_CASE("a run with --no-cache leaves nothing behind", "[program][cache]") {
     const support::TemporaryFolder folder;
     const std::string here = "XDG_CACHE_HOME='" + folder.path().string() + "'";
     rows(support::run_program(kWork + " --no-cache", here));

@@ -47,7 +47,7 @@ const std::string kWork = "albedo --base hg:0.9,0.5 --coat index:1.5,0.01@0.1 --
 
 }  // namespace
 
-TEST_CASE("--progress json writes one event a line, and each stage comes to its end",
+TEST_CASE("progress as json is one event a line, and each stage comes to its end",
           "[program][progress]") {
     const auto run = support::run_program(kWork + " --progress json");
     REQUIRE(run.exit_code == 0);
