@@ -273,7 +273,7 @@ TEST_CASE("the sample collection imports, or is refused for a reason",
         std::string key = name;
         for (char& c : key) c = static_cast<char>(std::toupper(c));
         const auto original = database.refractive_index(fmt::format("{}/SOPRA-{}", name, key));
-        for (double w = 450; w <= 800; w += 50) {
+        for (int w = 450; w <= 800; w += 50) {
             CAPTURE(name, w);
             CHECK(std::abs(visible.at(w) - original.at(w)) <= 2e-3);
         }

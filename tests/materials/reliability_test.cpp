@@ -75,6 +75,7 @@ TEST_CASE("two processes write while ten read: nobody waits in vain, no errors",
     constexpr int batches = 8;
     // There is no file yet: the first writer creates it under everybody's eyes.
     std::vector<pid_t> children;
+    children.reserve(12);
     for (int writer = 0; writer < 2; ++writer) {
         children.push_back(in_child([&] {
             for (int i = 0; i < batches; ++i) {

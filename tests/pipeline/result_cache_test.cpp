@@ -176,6 +176,7 @@ TEST_CASE("many threads on two connections neither fail nor mix results up", "[p
     const support::TemporaryFolder folder;
     ResultCache caches[2] = {ResultCache(folder / "r.sqlite"), ResultCache(folder / "r.sqlite")};
     std::vector<std::thread> threads;
+    threads.reserve(4);
     std::atomic<int> wrong = 0;
     for (int t = 0; t < 4; ++t) {
         threads.emplace_back([&, t] {
