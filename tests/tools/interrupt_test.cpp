@@ -36,6 +36,7 @@ class Background {
         ::dup2(file, STDERR_FILENO);
         ::dup2(file, STDOUT_FILENO);
         std::vector<char*> words;
+        words.reserve(arguments.size() + 1);
         for (std::string& word : arguments) words.push_back(word.data());
         words.push_back(nullptr);
         ::execv(MIEBRDF_PROGRAM, words.data());

@@ -299,9 +299,9 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
         return values;
     };
     std::string one_by_one;
+    const std::string command = "brdf" + spheres + directions + " --surface-index 1.5,0 --coat ";
     for (const std::string& coat : coats) {
-        const auto run = support::run_program("brdf" + spheres + directions +
-                                              " --surface-index 1.5,0 --coat " + coat);
+        const auto run = support::run_program(command + coat);
         REQUIRE(run.exit_code == 0);
         one_by_one += values_of(run.out);
     }

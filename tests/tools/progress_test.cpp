@@ -19,6 +19,7 @@ std::string on_terminal(std::vector<std::string> arguments) {
     const support::TemporaryFolder cache;
     arguments.insert(arguments.begin(), MIEBRDF_PROGRAM);
     std::vector<char*> words;
+    words.reserve(arguments.size() + 1);
     for (std::string& word : arguments) words.push_back(word.data());
     words.push_back(nullptr);
     int terminal = -1;
