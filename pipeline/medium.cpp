@@ -161,7 +161,7 @@ CoatMedium parse_coat(const std::string& text) {
                         "e.g. AlGaAs7@0.1",
                         text));
     }
-    const double optical_depth = parse_number(text.substr(at + 1), "optical depth");
+    const double optical_depth = parse_number_or_infinity(text.substr(at + 1), "optical depth");
     if (!(optical_depth >= 0.0)) {
         throw UsageError(fmt::format("coat '{}': optical depth {} is out of range; allowed: >= 0",
                                      text, optical_depth));

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include "materials/units.h"
@@ -130,6 +131,11 @@ double parse_number(std::string_view text, const std::string& what) {
         throw UsageError(fmt::format("{}: {} is not a finite number", what, text));
     }
     return value;
+}
+
+double parse_number_or_infinity(std::string_view text, const std::string& what) {
+    if (trimmed(text) == "inf") return std::numeric_limits<double>::infinity();
+    return parse_number(text, what);
 }
 
 std::vector<std::string> split_list(std::string_view text, char separator) {

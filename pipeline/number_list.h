@@ -12,6 +12,9 @@ namespace miebrdf {
 /// @throws UsageError
 double parse_number(std::string_view text, const std::string& what);
 
+/// The same, and infinity from `inf`.
+double parse_number_or_infinity(std::string_view text, const std::string& what);
+
 /// Splits at commas (or another separator), blanks around the parts removed.
 std::vector<std::string> split_list(std::string_view text, char separator = ',');
 

@@ -28,10 +28,21 @@ struct Optics {
 /// @throws std::invalid_argument  with the value and the allowed range
 void validate(const Optics& optics);
 
+/// P = 1 in all directions: chi_0 alone, and no function beside it.
+/// @param single_scattering_albedo  in [0, 1]; one_minus_albedo is what subtraction gives
+/// @throws std::invalid_argument  for an albedo out of range
 Optics isotropic_optics(double single_scattering_albedo);
+/// P = 3/4 (1 + cos^2 Theta) = 1 + P_2(cos Theta) / 2: Rayleigh scattering of unpolarised light by
+/// spheres much smaller than the wavelength (Chandrasekhar 1960, ch. I, section 3). Three moments,
+/// chi = (1, 0, 1/10), are all of it.
+/// @param single_scattering_albedo  in [0, 1]
+/// @throws std::invalid_argument  for an albedo out of range
 Optics rayleigh_optics(double single_scattering_albedo);
-/// Henyey-Greenstein: chi_l = g^l up to where it is below rounding, and the exact P.
+/// P = (1 - g^2) / (1 + g^2 - 2 g cos Theta)^(3/2) (Henyey and Greenstein 1941): chi_l = g^l up to
+/// where (2l + 1) g^l is below rounding, at most 2^20 of them, and the exact P.
+/// @param single_scattering_albedo  in [0, 1]
 /// @param asymmetry  g in (-1, 1)
+/// @throws std::invalid_argument  for an albedo or asymmetry out of range
 Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetry);
 
 /// One scatterer of a mixture.

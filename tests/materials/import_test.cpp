@@ -40,8 +40,9 @@ std::filesystem::path write_in(const support::TemporaryFolder& folder, const std
 }
 
 bool big_samples_missing() {
-    if (std::filesystem::exists(big_samples)) return false;
-    WARN("skipped: no sample collection at " << big_samples.string());
+    if (std::filesystem::is_directory(big_samples)) return false;
+    WARN("skipped: no collection of samples in '" << big_samples.string()
+                                                  << "'; configure with -DMIEBRDF_SAMPLES_DIR=DIR");
     return true;
 }
 
@@ -272,7 +273,7 @@ TEST_CASE("the sample collection imports, or is refused for a reason",
         std::string key = name;
         for (char& c : key) c = static_cast<char>(std::toupper(c));
         const auto original = database.refractive_index(fmt::format("{}/SOPRA-{}", name, key));
-        for (double w = 450; w <= 800; w += 50) {
+        for (int w = 450; w <= 800; w += 50) {
             CAPTURE(name, w);
             CHECK(std::abs(visible.at(w) - original.at(w)) <= 2e-3);
         }

@@ -68,14 +68,14 @@ TEST_CASE("a writer killed at any moment leaves the database as before or as aft
     CHECK(before > 0);  // otherwise the kills came too late to prove anything
 }
 
-TEST_CASE("two processes write while ten read: bounded waits, no errors",
+TEST_CASE("two processes write while ten read: nobody waits in vain, no errors",
           "[materials][reliability]") {
     const support::TemporaryFolder folder;
     const fs::path file = folder.path() / "user.sqlite";
     constexpr int batches = 8;
     // There is no file yet: the first writer creates it under everybody's eyes.
     std::vector<pid_t> children;
-    const auto start = Clock::now();
+    children.reserve(12);
     for (int writer = 0; writer < 2; ++writer) {
         children.push_back(in_child([&] {
             for (int i = 0; i < batches; ++i) {
@@ -93,10 +93,8 @@ TEST_CASE("two processes write while ten read: bounded waits, no errors",
             }
         }));
     }
+    // Whoever had to wait for as long as a busy timeout would end with `locked_out`.
     for (const pid_t child : children) CHECK(exit_code(child) == 0);
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    CAPTURE(seconds);
-    CHECK(seconds <= 30);  // one busy timeout; it takes well under a second of work
     CHECK(count_of(file, "writer1batch7") == batch_size);
     CHECK(Database::open(file).list().size() == 2 * batches * batch_size);
 }

@@ -1,5 +1,7 @@
 #include "pipeline/medium.h"
 
+#include <limits>
+
 #include "pipeline/error.h"
 #include "tests/support/catch.h"
 
@@ -22,6 +24,7 @@ TEST_CASE("a coat's optical depth is what follows the last @", "[pipeline][mediu
     const CoatMedium coat = parse_coat("hg:0.9,0.5@0.1");
     CHECK(coat.optical_depth == 0.1);
     CHECK(describe(coat.medium) == "hg:0.9,0.5");
+    CHECK(parse_coat("hg:0.9,0.5@inf").optical_depth == std::numeric_limits<double>::infinity());
 }
 
 TEST_CASE("media out of range are refused with the value and the range",
@@ -48,5 +51,7 @@ TEST_CASE("coats without, with negative or with senseless optical depth are refu
     CHECK_THROWS_WITH(parse_coat("TiO2"), Catch::Contains("MEDIUM@OPTICAL_DEPTH"));
     CHECK_THROWS_WITH(parse_coat("TiO2@-1"), Catch::Contains("-1") && Catch::Contains(">= 0"));
     CHECK_THROWS_AS(parse_coat("TiO2@nan"), UsageError);
+    CHECK_THROWS_AS(parse_coat("TiO2@-inf"), UsageError);
+    CHECK_THROWS_AS(parse_coat("TiO2@1e999"), UsageError);
     CHECK_THROWS_AS(parse_coat("TiO2@"), UsageError);
 }

@@ -1,7 +1,9 @@
 #include "pipeline/result_cache.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <thread>
 
 #include "pipeline/job_key.h"
@@ -77,6 +79,58 @@ TEST_CASE("a file that is no cache is replaced, a place that cannot be written i
     impossible.store(key(1), Numbers{1});
     CHECK_FALSE(impossible.find(key(1)));
     CHECK_FALSE(impossible.info().usable);
+
+    // A folder in its place may hold anything; it stays.
+    const std::string precious = folder / "precious";
+    std::filesystem::create_directory(precious);
+    folder.write("precious/letter", "dear");
+    ResultCache occupied(precious);
+    CHECK_FALSE(occupied.info().usable);
+    CHECK(occupied.clear() == 0);
+    CHECK(support::read_file(precious + "/letter") == "dear");
+}
+
+TEST_CASE("damage behind a whole header is met by whoever reads or stores first",
+          "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    {
+        ResultCache cache(file);
+        for (int job = 0; job < 50; ++job) cache.store(key(job), std::vector<double>(300, job));
+    }
+    std::string bytes = support::read_file(file);
+    constexpr std::size_t kPage = 4096;  // the first holds the names of the tables
+    REQUIRE(bytes.size() > 10 * kPage);
+    std::fill(bytes.begin() + kPage, bytes.end(), '\xff');
+    folder.write("results.sqlite", bytes);
+    ResultCache cache(file);
+    const bool finds = GENERATE(true, false);
+    CHECK_FALSE(cache.info().usable);
+    if (finds) {
+        CHECK_FALSE(cache.find(key(7)));
+    } else {
+        cache.store(key(7), Numbers{7});  // lost with the rest
+    }
+    CHECK(cache.info().usable);
+    CHECK(cache.info().entries == 0);
+    cache.store(key(7), Numbers{7});
+    CHECK(cache.find(key(7)) == Numbers{7});
+    CHECK(ResultCache(file).find(key(7)) == Numbers{7});
+}
+
+TEST_CASE("clear mends a damaged cache that nobody has used since", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    ResultCache(file).store(key(1), std::vector<double>(3000, 1.0));
+    std::string bytes = support::read_file(file);
+    std::fill(bytes.begin() + 4096, bytes.end(), '\xff');
+    folder.write("results.sqlite", bytes);
+    ResultCache cache(file);
+    REQUIRE_FALSE(cache.info().usable);
+    CHECK(cache.clear() == 0);
+    CHECK(cache.info().usable);
+    cache.store(key(1), Numbers{1});
+    CHECK(cache.find(key(1)) == Numbers{1});
 }
 
 TEST_CASE("a cache whose pages are damaged is begun anew by who finds it", "[pipeline][cache]") {
@@ -122,6 +176,7 @@ TEST_CASE("many threads on two connections neither fail nor mix results up", "[p
     const support::TemporaryFolder folder;
     ResultCache caches[2] = {ResultCache(folder / "r.sqlite"), ResultCache(folder / "r.sqlite")};
     std::vector<std::thread> threads;
+    threads.reserve(4);
     std::atomic<int> wrong = 0;
     for (int t = 0; t < 4; ++t) {
         threads.emplace_back([&, t] {

@@ -22,7 +22,7 @@ struct Bench {
             "XDG_DATA_HOME=" + folder.path().string() + " MIEBRDF_DATABASE=");
     }
     std::string import_sample() const {
-        const std::string file = folder.write("mine.csv", kCsv);
+        std::string file = folder.write("mine.csv", kCsv);
         REQUIRE(run("import " + file + " --name MyOxide").exit_code == 0);
         return file;
     }

@@ -299,9 +299,9 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
         return values;
     };
     std::string one_by_one;
+    const std::string command = "brdf" + spheres + directions + " --surface-index 1.5,0 --coat ";
     for (const std::string& coat : coats) {
-        const auto run = support::run_program("brdf" + spheres + directions +
-                                              " --surface-index 1.5,0 --coat " + coat);
+        const auto run = support::run_program(command + coat);
         REQUIRE(run.exit_code == 0);
         one_by_one += values_of(run.out);
     }
@@ -319,4 +319,31 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
     }
     CHECK(omitted["one half-space"] == "2 brdf");
     CHECK(omitted["same spheres"] == "2 brdf");
+}
+
+TEST_CASE("a coat of depth inf is the half-space, whatever is named below it", "[program]") {
+    const std::string base = GENERATE("--base hg:0.9,0.5", "--base isotropic:0.99",
+                                      "--base index:1.5,0.01 --effective-radius 0.5");
+    const std::string medium = base.substr(7, base.find(" --", 7) - 7);
+    const std::string rest = base.substr(7 + medium.size());
+    const std::string coat = "--base TiO2 --coat hg:0.5,0.1@2 --coat " + medium + "@inf" + rest;
+    const auto body = [](const std::string& arguments) {
+        const auto run = support::run_program(arguments);
+        CAPTURE(arguments, run.err);
+        REQUIRE(run.exit_code == 0);
+        return run.out.substr(run.out.find("\nwavelength_nm,"));
+    };
+    const std::string lobe = " --roughness 0.3 --surface-index 1.5,0";
+    for (const std::string& command :
+         {std::string("brdf --mu-in 0.3,1 --mu-out 0.2,0.9 --azimuth 0,120 "),
+          std::string("brdf --coat-method first-order --mu-in 0.3 --mu-out 0.9 "),
+          std::string("albedo --mu-in 0.3,1 "), "albedo --mu-in 0.3" + lobe + " "}) {
+        CHECK(body(command + coat + " --wavelengths 550") ==
+              body(command + base + " --wavelengths 550"));
+    }
+    const auto plan = csv_of("plan albedo " + coat);
+    bool hidden = false;
+    for (std::size_t row = 0; row < plan.size(); ++row)
+        hidden = hidden || plan.text(row, "name") == "hidden layers";
+    CHECK(hidden);
 }

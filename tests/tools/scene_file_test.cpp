@@ -37,6 +37,19 @@ TEST_CASE("a scene file's mistakes are named with line and column", "[program][e
         {"command = \"brdf\"\n[[result]]\n", kBadInput, {"line 1", "[[result]]"}},
         {"wavelengths = 550\n", kBadInput, {"asks for nothing", "[[result]]"}},
         {"base = \n", kBadInput, {"line 1"}},
+        // `--mu-in=` would take the next option for its value.
+        {"mu-in = []\noutput = \"x.csv\"\n[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\n",
+         kBadInput,
+         {"line 1, column 9", "'mu-in' is an empty list"}},
+        {"[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\nwavelengths = \"\"\n",
+         kBadInput,
+         {"line 4, column 15", "'wavelengths' is empty"}},
+        {"[[result]]\ncommand = \"optics\"\nmedium = []\n",
+         kBadInput,
+         {"line 3, column 10", "'medium' is an empty list"}},
+        {"[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\ncoat = [\"\"]\n",
+         kBadInput,
+         {"line 4, column 9", "'coat' is empty"}},
     };
     for (const Case& c : cases) {
         const std::string file = folder.write("scene.toml", c.text);
@@ -121,4 +134,21 @@ TEST_CASE("a scene file exports in any format, and mistakes come first", "[progr
     check_one_line(support::run_program("run " + useless), kUsage,
                    {"result 2 (export)", "--max-error", "--mu-in"});
     CHECK_FALSE(std::filesystem::exists(folder / "a.bsdf"));
+}
+
+TEST_CASE("an empty list of coats in a result takes back those that are shared",
+          "[program][scene]") {
+    const support::TemporaryFolder folder;
+    const auto rows = [&](const std::string& shared, const std::string& own) {
+        const std::string file = folder.write(
+            "scene.toml", shared +
+                              "base = \"hg:0.9,0.5\"\n[[result]]\ncommand = \"albedo\"\n" + own);
+        const auto run = support::run_program("run " + file);
+        CAPTURE(file, run.err);
+        REQUIRE(run.exit_code == 0);
+        return run.out.substr(run.out.find("wavelength_nm,mu_in"));
+    };
+    const std::string coat = "coat = \"hg:0.5,0.5@1\"\n";
+    CHECK(rows(coat, "coat = []\n") == rows("", ""));
+    CHECK(rows(coat, "") != rows("", ""));
 }

@@ -65,7 +65,7 @@ std::vector<std::string> ignored_options_of(const std::string& format) {
         if (std::find(taken.begin(), taken.end(), option) == taken.end())
             ignored.emplace_back(option);
     }
-    const auto brdfs = exports::export_formats();
+    const auto& brdfs = exports::export_formats();
     if (std::find(brdfs.begin(), brdfs.end(), format) == brdfs.end())
         ignored.emplace_back("--component");
     if (format == "scattering")

@@ -129,7 +129,8 @@ void SceneArguments::add_to(CLI::App& command, Base base,
         ->type_name("MEDIUM")
         ->required(base == Base::required);
     command.add_option("--coat", coats_,
-                       "a coat of paint; repeat it for more, each on top of the last")
+                       "a coat of paint, inf deep if nothing below may show; repeat it for more, "
+                       "each on top of the last")
         ->type_name("MEDIUM@OPTICAL_DEPTH")
         ->allow_extra_args(false);
     materials_.add_to(command, default_wavelengths);

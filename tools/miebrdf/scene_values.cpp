@@ -15,10 +15,18 @@ std::string text_of(const std::string& key, const toml::node& value, const Refus
 
 std::vector<std::string> texts_of(const std::string& key, const toml::node& value,
                                   const Refuse& refuse) {
-    const toml::array* list = value.as_array();
-    if (list == nullptr) return {text_of(key, value, refuse)};
     std::vector<std::string> texts;
-    for (const toml::node& item : *list) texts.push_back(text_of(key, item, refuse));
+    const auto add = [&](const toml::node& item) {
+        texts.push_back(text_of(key, item, refuse));
+        // As a word it would be `--key=`, which takes the next word for its value.
+        if (texts.back().empty())
+            refuse(item.source(), fmt::format("'{}' is empty; give a value or leave it out", key));
+    };
+    if (const toml::array* list = value.as_array()) {
+        for (const toml::node& item : *list) add(item);
+    } else {
+        add(value);
+    }
     return texts;
 }
 
@@ -34,7 +42,11 @@ std::vector<std::string> option_words(const std::string& key, const toml::node& 
     std::vector<std::string> words;
     if (kind == OptionKind::repeated) {
         for (const std::string& text : texts) words.push_back(fmt::format("--{}={}", key, text));
-        return words;
+        return words;  // none for an empty list, which takes back what is shared
+    }
+    if (texts.empty()) {
+        refuse(value.source(), fmt::format("'{}' is an empty list; give at least one value or "
+                                           "leave it out", key));
     }
     const std::string joined = fmt::format("{}", fmt::join(texts, ","));
     return {kind == OptionKind::positional ? joined : fmt::format("--{}={}", key, joined)};
