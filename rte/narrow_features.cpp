@@ -8,7 +8,7 @@
 namespace miebrdf::rte {
 namespace {
 
-constexpr int most_nodes = 48;
+constexpr int most_points = 48;
 
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j. The recurrence is a chain in l, so
 // many angles go side by side; the sums are matrix products of blocks of degrees.
@@ -132,7 +132,7 @@ void NarrowFeatures::find_strengths(std::span<const std::vector<ScaledMedium>> s
             }
             error = std::max(error, difference.cwiseAbs().rowwise().sum().maxCoeff());
         }
-        if (error <= tolerance_ || count >= most_nodes) return;
+        if (error <= tolerance_ || count >= most_points) return;
     }
 }
 
