@@ -1,7 +1,7 @@
 // AlGaAs7 paint of optical depth 0.1 on TiO2: the spectral BRDF from C++.
 #include <cstdio>
 
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 
 int main() {
     miebrdf::Request request;

@@ -20,7 +20,8 @@ using Pages = std::vector<CataloguePage>;
 const std::vector<YamlNode>& content_of(const YamlNode& node) {
     static const std::vector<YamlNode> nothing;
     const YamlNode* content = node.find("content");
-    return content != nullptr && content->kind == YamlNode::Kind::sequence ? content->items : nothing;
+    return content != nullptr && content->kind == YamlNode::Kind::sequence ? content->items
+                                                                           : nothing;
 }
 
 // Manufacturers' data sheets: there a book is a maker and every page another glass.

@@ -1,7 +1,7 @@
 // Plain columns: IMD / Luxpop .nk (Angstrom) and Mitsuba / pbrt .spd (nm).
 #include <fmt/format.h>
 
-#include "materials/delimited.h"
+#include "materials/readers/delimited.h"
 #include "materials/readers/raw_table.h"
 #include "materials/readers/readers.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "materials/delimited.h"
-#include "materials/provenance.h"
+#include "materials/database/provenance.h"
+#include "materials/readers/delimited.h"
 #include "materials/readers/raw_table.h"
 #include "materials/readers/readers.h"
 

@@ -4,9 +4,9 @@
 
 #include <cctype>
 
+#include "materials/database/sha256.h"
 #include "materials/readers/catalogue.h"
 #include "materials/readers/readers.h"
-#include "materials/sha256.h"
 
 namespace miebrdf::materials {
 

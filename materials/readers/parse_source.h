@@ -1,7 +1,7 @@
 // From a file's bytes to a dataset that knows where it came from.
 #pragma once
 
-#include "materials/import.h"
+#include "materials/database/import.h"
 #include "materials/readers/source_file.h"
 
 namespace miebrdf::materials {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "materials/dataset.h"
 #include "materials/errors.h"
+#include "materials/index/dataset.h"
 #include "materials/readers/readers.h"
 
 namespace miebrdf::materials {

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "materials/dataset.h"
 #include "materials/errors.h"
+#include "materials/index/dataset.h"
 
 namespace miebrdf::materials {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "materials/delimited.h"
-#include "materials/dispersion_formula.h"
-#include "materials/provenance.h"
+#include "materials/database/provenance.h"
+#include "materials/index/dispersion_formula.h"
+#include "materials/readers/delimited.h"
 #include "materials/readers/markup.h"
 #include "materials/readers/raw_table.h"
 #include "materials/readers/readers.h"

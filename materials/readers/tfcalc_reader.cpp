@@ -1,7 +1,7 @@
 // TFCalc .MAT: lines of fields between asterisks; wavelengths in nm.
 #include <fmt/format.h>
 
-#include "materials/delimited.h"
+#include "materials/readers/delimited.h"
 #include "materials/readers/raw_table.h"
 #include "materials/readers/readers.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour.h"
+#include "pipeline/colour/colour.h"
 #include "pipeline/plot/axis.h"
 #include "pipeline/plot/legend.h"
 #include "pipeline/plot/picture.h"

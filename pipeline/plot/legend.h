@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour.h"
+#include "pipeline/colour/colour.h"
 #include "pipeline/plot/svg.h"
 
 namespace miebrdf::plot {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
 #include "pipeline/plot/png_text.h"
 #include "pipeline/plot/raster.h"
 

@@ -1,6 +1,6 @@
 #include "pipeline/plot/slice_directions.h"
 
-#include "pipeline/exports/half_vector.h"
+#include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf::plot {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "pipeline/exports/brdf_source.h"
+#include "pipeline/solve/brdf_source.h"
 
 namespace miebrdf::plot {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "pipeline/markup.h"
+#include "pipeline/io/markup.h"
 
 namespace miebrdf::plot {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::render {
 namespace {

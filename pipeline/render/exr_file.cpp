@@ -8,8 +8,8 @@
 
 #include <filesystem>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
 #include "pipeline/render/image.h"
 
 namespace miebrdf::render {

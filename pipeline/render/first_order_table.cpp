@@ -5,7 +5,7 @@
 
 #include "pipeline/render/table_nodes.h"
 #include "rte/math/legendre.h"
-#include "rte/narrow_features.h"
+#include "rte/phase/narrow_features.h"
 
 namespace miebrdf::render {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/image.h"
 
 namespace miebrdf::render {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/colour.h"
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/colour/colour.h"
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::render {
 namespace {

@@ -27,8 +27,8 @@ bool is_rgb(const std::vector<double>& wavelength_nm);
 /// @throws UsageError  for fewer than three wavelengths
 std::array<Spectrum, 3> colour_basis(const std::vector<double>& wavelength_nm);
 
-/// Linear sRGB of each pixel, three channels: the CIE 1931 observer (pipeline/colour.h), or the
-/// three wavelengths themselves (is_rgb).
+/// Linear sRGB of each pixel, three channels: the CIE 1931 observer (pipeline/colour/colour.h), or
+/// the three wavelengths themselves (is_rgb).
 Image to_linear_srgb(const Image& radiance, const std::vector<double>& wavelength_nm);
 
 }  // namespace miebrdf::render

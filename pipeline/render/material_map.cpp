@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::render {
 namespace {

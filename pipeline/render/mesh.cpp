@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::render {
 

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::render {
 namespace {

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <memory>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
 #include "pipeline/render/image.h"
 
 namespace miebrdf::render {

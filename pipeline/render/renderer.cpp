@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "pipeline/parallel.h"
 #include "pipeline/render/path.h"
+#include "pipeline/solve/parallel.h"
 
 namespace miebrdf::render {
 namespace {

@@ -9,7 +9,7 @@
 #include "pipeline/render/lighting.h"
 #include "pipeline/render/material_map.h"
 #include "pipeline/render/render_brdf.h"
-#include "pipeline/run_control.h"
+#include "pipeline/solve/run_control.h"
 
 namespace miebrdf::render {
 

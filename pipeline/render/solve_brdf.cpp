@@ -5,16 +5,16 @@
 #include <complex>
 #include <numbers>
 
-#include "pipeline/brdf.h"
-#include "pipeline/error.h"
-#include "pipeline/parallel.h"
-#include "pipeline/probe_directions.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/solved_brdf.h"
 #include "pipeline/render/table_nodes.h"
-#include "pipeline/visible_layers.h"
-#include "rte/discretisation.h"
-#include "rte/fourier_reflection.h"
-#include "rte/order_tail.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/parallel.h"
+#include "pipeline/solve/probe_directions.h"
+#include "pipeline/solve/visible_layers.h"
+#include "rte/fourier/fourier_reflection.h"
+#include "rte/fourier/order_tail.h"
+#include "rte/grid/discretisation.h"
 
 namespace miebrdf::render {
 

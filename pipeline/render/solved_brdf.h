@@ -9,8 +9,8 @@
 #include "pipeline/render/first_order_table.h"
 #include "pipeline/render/render_brdf.h"
 #include "pipeline/render/surface_term.h"
-#include "pipeline/request.h"
-#include "pipeline/run_control.h"
+#include "pipeline/scene/request.h"
+#include "pipeline/solve/run_control.h"
 
 namespace miebrdf::render {
 

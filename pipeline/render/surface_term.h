@@ -8,9 +8,9 @@
 
 #include "pipeline/render/cubic_taps.h"
 #include "pipeline/render/lanes.h"
-#include "rte/fresnel.h"
-#include "rte/layered_brdf.h"
-#include "rte/microfacet.h"
+#include "rte/boundary/fresnel.h"
+#include "rte/surface/layered_brdf.h"
+#include "rte/surface/microfacet.h"
 
 namespace miebrdf::render {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/bench/document.h"

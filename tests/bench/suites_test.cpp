@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

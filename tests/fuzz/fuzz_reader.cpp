@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/readers/brdf_file.h"
+#include <miebrdf/error.h>
+#include "pipeline/formats/readers/brdf_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace miebrdf;

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "materials/database.h"
+#include "materials/database/database.h"
 
 namespace miebrdf::materials::testing {
 

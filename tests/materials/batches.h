@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "materials/dataset.h"
+#include "materials/index/dataset.h"
 #include "tests/support/child_process.h"
 
 namespace miebrdf::materials::testing {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "materials/database.h"
-#include "materials/database_writer.h"
+#include "materials/database/database.h"
+#include "materials/database/database_writer.h"
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "materials/dispersion_formula.h"
+#include "materials/index/dispersion_formula.h"
 
 #include <cmath>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // Files and folders into a database, and out again.
-#include "materials/import.h"
+#include "materials/database/import.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <complex>
 #include <map>
 
-#include "materials/database.h"
-#include "materials/export.h"
-#include "materials/verify.h"
+#include "materials/database/database.h"
+#include "materials/database/export.h"
+#include "materials/database/verify.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,10 +9,10 @@
 #include <random>
 #include <thread>
 
-#include "materials/database.h"
-#include "materials/database_writer.h"
-#include "materials/schema.h"
-#include "materials/sqlite.h"
+#include "materials/database/database.h"
+#include "materials/database/database_writer.h"
+#include "materials/database/schema.h"
+#include "materials/database/sqlite.h"
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -1,7 +1,7 @@
-#include "materials/names.h"
+#include "materials/database/names.h"
 
-#include "materials/delimited.h"
-#include "materials/sha256.h"
+#include "materials/database/sha256.h"
+#include "materials/readers/delimited.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf::materials;

@@ -2,8 +2,8 @@
 // or the answer is a clear error; never a part, never an older state in silence.
 #include <unistd.h>
 
+#include "materials/database/sqlite.h"
 #include "materials/errors.h"
-#include "materials/sqlite.h"
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
@@ -69,8 +69,8 @@ TEST_CASE("databases of any name are read in folders that may not be written",
           "[materials][reliability]") {
     const support::TemporaryFolder folder;
     // All that means something in the addresses by which SQLite opens such files.
-    const fs::path file =
-        folder / GENERATE("plain.db", "a b.db", "50%25.db", "what?immutable=0.db", "a#b&c.db", "\u03bb.db");
+    const fs::path file = folder / GENERATE("plain.db", "a b.db", "50%25.db", "what?immutable=0.db",
+                                            "a#b&c.db", "\u03bb.db");
     CAPTURE(file.string());
     create(file, GENERATE("WAL", "DELETE"));
     const Locked locked(folder.path());

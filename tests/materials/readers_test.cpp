@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "materials/import.h"
-#include "materials/refractive_index.h"
+#include "materials/database/import.h"
+#include "materials/index/refractive_index.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

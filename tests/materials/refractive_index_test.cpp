@@ -1,10 +1,10 @@
-#include "materials/refractive_index.h"
+#include "materials/index/refractive_index.h"
 
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "materials/dispersion_formula.h"
+#include "materials/index/dispersion_formula.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf::materials;

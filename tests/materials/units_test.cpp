@@ -1,4 +1,4 @@
-#include "materials/units.h"
+#include "materials/index/units.h"
 
 #include <cmath>
 #include <stdexcept>

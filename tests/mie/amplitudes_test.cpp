@@ -1,4 +1,4 @@
-#include "mie/amplitudes.h"
+#include "mie/sphere/amplitudes.h"
 
 #include <fmt/format.h>
 

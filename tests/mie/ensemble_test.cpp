@@ -1,4 +1,4 @@
-#include "mie/ensemble.h"
+#include "mie/ensemble/ensemble.h"
 
 #include <atomic>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <thread>
 
-#include "mie/sphere.h"
+#include "mie/sphere/sphere.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

@@ -1,9 +1,9 @@
-#include "mie/exact_extinction.h"
+#include "mie/ensemble/exact_extinction.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "mie/ensemble.h"
+#include "mie/ensemble/ensemble.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

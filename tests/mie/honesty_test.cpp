@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "mie/ensemble.h"
-#include "mie/sphere.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/sphere.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,12 +1,12 @@
-#include "mie/moment_transform.h"
+#include "mie/ensemble/moment_transform.h"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <complex>
 #include <vector>
 
-#include "mie/ensemble.h"
-#include "mie/terms.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/terms.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

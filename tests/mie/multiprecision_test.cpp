@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "mie/amplitudes.h"
-#include "mie/sphere.h"
+#include "mie/sphere/amplitudes.h"
+#include "mie/sphere/sphere.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,12 +1,12 @@
-#include "mie/phase_table.h"
+#include "mie/ensemble/phase_table.h"
 
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
 
-#include "mie/amplitudes.h"
-#include "mie/ensemble.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/amplitudes.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

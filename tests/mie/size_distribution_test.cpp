@@ -1,9 +1,9 @@
-#include "mie/size_distribution.h"
+#include <miebrdf/sizes.h>
 
 #include <cmath>
 
-#include "mie/area_density.h"
-#include "mie/size_nodes.h"
+#include "mie/sizes/area_density.h"
+#include "mie/sizes/size_nodes.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,10 +1,10 @@
-#include "mie/sphere_block.h"
+#include "mie/sphere/sphere_block.h"
 
 #include <cmath>
 #include <vector>
 
-#include "mie/coefficients.h"
-#include "mie/sphere.h"
+#include "mie/sphere/coefficients.h"
+#include "mie/sphere/sphere.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

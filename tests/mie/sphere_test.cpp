@@ -1,4 +1,4 @@
-#include "mie/sphere.h"
+#include "mie/sphere/sphere.h"
 
 #include <cmath>
 

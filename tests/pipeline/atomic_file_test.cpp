@@ -1,4 +1,4 @@
-#include "pipeline/atomic_file.h"
+#include "pipeline/io/atomic_file.h"
 
 #include <sys/stat.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"

@@ -1,16 +1,16 @@
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
-#include "pipeline/error.h"
-#include "pipeline/layers.h"
-#include "pipeline/result_cache.h"
-#include "pipeline/table1.h"
+#include <miebrdf/error.h>
+#include "pipeline/cache/result_cache.h"
+#include "pipeline/solve/layers.h"
+#include "pipeline/solve/table1.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface_lobe.h"
+#include "rte/surface/surface_lobe.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/temporary_folder.h"

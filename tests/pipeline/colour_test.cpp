@@ -1,8 +1,8 @@
-#include "pipeline/colour.h"
+#include "pipeline/colour/colour.h"
 
 #include <cmath>
 
-#include "pipeline/colour_quadrature.h"
+#include "pipeline/colour/colour_quadrature.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

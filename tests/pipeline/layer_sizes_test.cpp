@@ -1,17 +1,17 @@
 // Layers with sizes of their own: how they are written, and that each layer's optics are those of
 // its own spheres.
-#include "pipeline/layer_sizes.h"
+#include "pipeline/scene/layer_sizes.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/brdf.h"
-#include "pipeline/error.h"
-#include "pipeline/layers.h"
-#include "pipeline/plan.h"
-#include "pipeline/result_cache.h"
-#include "pipeline/shared_work.h"
-#include "pipeline/tolerance.h"
+#include <miebrdf/error.h>
+#include "pipeline/cache/result_cache.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/layers.h"
+#include "pipeline/solve/shared_work.h"
+#include "pipeline/solve/tolerance.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

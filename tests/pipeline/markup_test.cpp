@@ -1,4 +1,4 @@
-#include "pipeline/markup.h"
+#include "pipeline/io/markup.h"
 
 #include <pugixml.hpp>
 

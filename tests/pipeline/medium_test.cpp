@@ -1,8 +1,8 @@
-#include "pipeline/medium.h"
+#include "pipeline/scene/medium.h"
 
 #include <limits>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,6 +1,6 @@
-#include "pipeline/moments_file.h"
+#include "pipeline/scene/moments_file.h"
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,16 +22,16 @@ TEST_CASE("a wrong moments file is refused with its name and line",
         const char* content;
         const char* complaint;
     };
-    const Case wrong = GENERATE(
-        Case{"# single_scattering_albedo: 0.9\nl,chi\n0,0.5\n", "chi_0 = 0.5"},
-        Case{"# single_scattering_albedo: 1.5\nl,chi\n0,1\n", "1.5 is out of range"},
-        Case{"# single_scattering_albedo: nan\nl,chi\n0,1\n", "nan"},
-        Case{"l,chi\n0,1\n", "single_scattering_albedo"},
-        Case{"# single_scattering_albedo: 0.9\n0,1\n", "header 'l,chi'"},
-        Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n2,0.1\n", "expected l = 1"},
-        Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,-1.5\n", "chi_1 = -1.5"},
-        Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,abc\n", "'abc'"},
-        Case{"# single_scattering_albedo: 0.9\nl,chi\n", "no rows"}, Case{"", "no rows"});
+    const Case wrong =
+        GENERATE(Case{"# single_scattering_albedo: 0.9\nl,chi\n0,0.5\n", "chi_0 = 0.5"},
+                 Case{"# single_scattering_albedo: 1.5\nl,chi\n0,1\n", "1.5 is out of range"},
+                 Case{"# single_scattering_albedo: nan\nl,chi\n0,1\n", "nan"},
+                 Case{"l,chi\n0,1\n", "single_scattering_albedo"},
+                 Case{"# single_scattering_albedo: 0.9\n0,1\n", "header 'l,chi'"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n2,0.1\n", "expected l = 1"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,-1.5\n", "chi_1 = -1.5"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,abc\n", "'abc'"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n", "no rows"}, Case{"", "no rows"});
     const support::TemporaryFolder folder;
     const auto path = folder.write("wrong.csv", wrong.content);
     CAPTURE(wrong.content);

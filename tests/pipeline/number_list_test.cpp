@@ -1,6 +1,6 @@
-#include "pipeline/number_list.h"
+#include "pipeline/scene/number_list.h"
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -21,7 +21,7 @@ TEST_CASE("a range includes its last number although the steps do not meet it ex
     const Numbers mu = parse_number_list("0.1:1:0.1", "mu", 0.0, 1.0, true);
     REQUIRE(mu.size() == 10);
     CHECK(mu.back() == 1.0);
-    CHECK(mu[2] == 0.3);  // not 0.30000000000000004
+    CHECK(mu[2] == 0.3);                                   // not 0.30000000000000004
     CHECK(parse_number_list("0:1:0.3", "x").size() == 4);  // 0.9 is the last one inside
 }
 

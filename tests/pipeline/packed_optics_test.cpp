@@ -1,10 +1,10 @@
-#include "pipeline/packed_optics.h"
+#include "pipeline/solve/packed_optics.h"
 
 #include <cmath>
 
-#include "pipeline/brdf.h"
-#include "pipeline/result_cache.h"
-#include "pipeline/scene_optics.h"
+#include "pipeline/cache/result_cache.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/scene_optics.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/parallel.h"
+#include "pipeline/solve/parallel.h"
 
 #include <atomic>
 #include <chrono>
@@ -59,7 +59,8 @@ TEST_CASE("a raised flag stops the jobs that have not begun", "[pipeline][parall
 
 TEST_CASE("when one job fails, no other goes on with pieces that were left out",
           "[pipeline][parallel]") {
-    // TBB skips what belongs to a group that was stopped; Mie theory then read what was never written.
+    // TBB skips what belongs to a group that was stopped; Mie theory then read what was never
+    // written.
     const int threads = GENERATE(1, 2);
     std::atomic<int> incomplete = 0;
     for (int repeat = 0; repeat < 20; ++repeat) {

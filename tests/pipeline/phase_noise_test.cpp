@@ -1,4 +1,4 @@
-#include "pipeline/phase_noise.h"
+#include "pipeline/solve/phase_noise.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "mie/phase_table.h"
-#include "pipeline/brdf.h"
+#include "mie/ensemble/phase_table.h"
+#include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

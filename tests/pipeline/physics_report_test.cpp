@@ -1,8 +1,8 @@
-#include "pipeline/physics_report.h"
+#include "pipeline/solve/physics_report.h"
 
 #include <cmath>
 
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -18,8 +18,9 @@ TEST_CASE("the physics of a table: defect among pairs that are there both ways, 
     CHECK_FALSE(physics_of({1, 2}, {{0.2}, {0.5, 0.9}, {0}}).reciprocity_defect);
 }
 
-TEST_CASE("layers are reciprocal to rounding and keep energy; the paper's coupling is not reciprocal",
-          "[pipeline][physics]") {
+TEST_CASE(
+    "layers are reciprocal to rounding and keep energy; the paper's coupling is not reciprocal",
+    "[pipeline][physics]") {
     Request request;
     request.scene.base = parse_medium("index:1.7,0.01");
     request.scene.coats = {parse_coat("hg:0.8,0.6@0.5")};
@@ -42,8 +43,7 @@ TEST_CASE("layers are reciprocal to rounding and keep energy; the paper's coupli
     CHECK(*reciprocal.physics.reciprocity_defect <= 1e-10);
 }
 
-TEST_CASE("the albedo in a physics report is the one that albedo computes",
-          "[pipeline][physics]") {
+TEST_CASE("the albedo in a physics report is the one that albedo computes", "[pipeline][physics]") {
     Request request;
     request.scene.base = parse_medium("hg:0.95,0.7");
     request.wavelength_nm = {550};

@@ -1,8 +1,8 @@
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 
 #include <algorithm>
 
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -29,9 +29,10 @@ const PlannedStep* step(const Plan& plan, const std::string& stage) {
 
 }  // namespace
 
-TEST_CASE("a plan lists the work of a request: Mie theory for each material, transfer for each "
-          "wavelength",
-          "[pipeline][plan]") {
+TEST_CASE(
+    "a plan lists the work of a request: Mie theory for each material, transfer for each "
+    "wavelength",
+    "[pipeline][plan]") {
     const Plan plan = make_plan(pair({450, 550, 650}), LayerQuantity::reflection);
     std::size_t mie = 0;
     for (const PlannedStep& s : plan.steps) mie += s.stage == "single scattering" ? s.jobs : 0;

@@ -1,4 +1,4 @@
-#include "pipeline/result_cache.h"
+#include "pipeline/cache/result_cache.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "pipeline/job_key.h"
+#include "pipeline/cache/job_key.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

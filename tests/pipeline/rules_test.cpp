@@ -1,15 +1,15 @@
 // Each rule is asked here whether it holds, and the computation is asked whether it obeys.
-#include "pipeline/rules.h"
+#include "pipeline/plan/rules.h"
 
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 
-#include "pipeline/brdf.h"
-#include "pipeline/distinct_directions.h"
-#include "pipeline/plan.h"
-#include "pipeline/visible_layers.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/distinct_directions.h"
+#include "pipeline/solve/visible_layers.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,7 +1,7 @@
-#include "pipeline/shared_work.h"
+#include "pipeline/solve/shared_work.h"
 
-#include "pipeline/brdf.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -42,9 +42,10 @@ std::vector<Request> results() {
 
 }  // namespace
 
-TEST_CASE("coats on one base share its half-space and its spheres, to the same bits on any number "
-          "of threads",
-          "[pipeline][shared]") {
+TEST_CASE(
+    "coats on one base share its half-space and its spheres, to the same bits on any number "
+    "of threads",
+    "[pipeline][shared]") {
     const auto alone = run(results(), {.threads = 1});
     for (const int threads : {1, 2, 7}) {
         SharedWork shared;
@@ -74,7 +75,8 @@ TEST_CASE("Mie theory of what results have in common runs once, with no cache at
     CHECK(shared.optics_found() == 2);
 }
 
-TEST_CASE("what no later result uses is not kept, and no more than the limit", "[pipeline][shared]") {
+TEST_CASE("what no later result uses is not kept, and no more than the limit",
+          "[pipeline][shared]") {
     SECTION("one result alone") {
         SharedWork shared;
         shared.expect(results()[0], LayerQuantity::reflection);

@@ -1,4 +1,4 @@
-#include "pipeline/table.h"
+#include "pipeline/io/table.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -36,8 +36,8 @@ TEST_CASE("a report stands above the table in CSV and beside it in JSON", "[pipe
     table.report = {{1.0, 0.5}, {2.0, Cell()}};
     std::ostringstream csv, text;
     write_csv(table, csv);
-    CHECK(csv.str().find("b c\n# tolerance: 0.001\n# report: part,error\n# report: 1,0.5\n# report: 2,\nname,value\n") !=
-          std::string::npos);
+    CHECK(csv.str().find("b c\n# tolerance: 0.001\n# report: part,error\n# report: 1,0.5\n# "
+                         "report: 2,\nname,value\n") != std::string::npos);
     write_json(table, text);
     const auto json = nlohmann::json::parse(text.str());
     CHECK(json["report"][0]["error"] == 0.5);

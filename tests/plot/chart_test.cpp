@@ -55,7 +55,8 @@ TEST_CASE("titles, units and legends are on the page, the command in the file", 
         CAPTURE(wanted);
         CHECK(contains(texts, wanted));
     }
-    CHECK(picture.svg.find("<desc>miebrdf albedo --base &#39;a&amp;b&#39;</desc>") != std::string::npos);
+    CHECK(picture.svg.find("<desc>miebrdf albedo --base &#39;a&amp;b&#39;</desc>") !=
+          std::string::npos);
     CHECK(contains(support::attributes(picture.svg, "rect", "fill"), "#ff0000"));
     CHECK(picture.svg == draw_spectrum({{"spherical", nm, {0.1, 0.2, 0.3}, LinearSrgb{1, 0, 0}},
                                         {"plane", nm, {0.2, 0.3, 0.4}, {}}},

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
 #include "pipeline/plot/png_text.h"
 #include "tests/plot/svg_text.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "rte/discretisation.h"
-#include "rte/narrow_features.h"
+#include "rte/grid/discretisation.h"
+#include "rte/phase/narrow_features.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -30,7 +30,8 @@ std::vector<Direction> some_directions() {
 
 double value(const FirstOrderTable& table, const Direction& d, std::size_t w) {
     const auto place = table.place(d.mu_in, d.mu_out, d.cos_azimuth);
-    return double(table.reflection(place, w / render::kLaneWidth)[Eigen::Index(w % render::kLaneWidth)]);
+    return double(
+        table.reflection(place, w / render::kLaneWidth)[Eigen::Index(w % render::kLaneWidth)]);
 }
 
 std::vector<rte::ScaledMedium> media_of(const rte::Stack& stack) {
@@ -57,8 +58,8 @@ TEST_CASE("the table holds the closed form of one scattering, for more wavelengt
         const double c = rte::cos_scattering_angle(d.mu_in, d.mu_out, d.cos_azimuth);
         for (int w = 0; w < 20; ++w) {
             const double left = std::exp(-depth(w) * q);
-            const double expected =
-                (0.7 * (1 - left) + albedo(w) * 0.75 * (1 + c * c) * left) / (4 * (d.mu_in + d.mu_out));
+            const double expected = (0.7 * (1 - left) + albedo(w) * 0.75 * (1 + c * c) * left) /
+                                    (4 * (d.mu_in + d.mu_out));
             CAPTURE(d.mu_in, d.mu_out, d.cos_azimuth, w);
             // Single precision: of exp(-tau q), whose argument has an error of tau q 2^-24.
             const double rounding = 4e-7 * (1 + depth(w) * q * left) / (4 * (d.mu_in + d.mu_out));
@@ -69,7 +70,8 @@ TEST_CASE("the table holds the closed form of one scattering, for more wavelengt
 
 TEST_CASE("glories below a coat are as narrow in the table as where they are summed",
           "[render][first_order]") {
-    // Diffraction and alternating moments around degree 110: what delta-M leaves to the first order.
+    // Diffraction and alternating moments around degree 110: what delta-M leaves to the first
+    // order.
     rte::Optics glory = rte::isotropic_optics(0.9);
     glory.chi.resize(300);
     for (int l = 1; l < 300; ++l) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "pipeline/colour.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "pipeline/colour/colour.h"
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/obj_file.h"
 #include "pipeline/render/procedural.h"
 #include "tests/support/catch.h"

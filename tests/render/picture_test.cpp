@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/environment.h"
 #include "pipeline/render/image.h"
 #include "pipeline/render/material_map.h"

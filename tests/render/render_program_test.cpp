@@ -39,8 +39,8 @@ TEST_CASE("materials of render take the sizes of their layers, and lists of them
           "[render][program][sizes]") {
     const support::TemporaryFolder folder;
     const auto picture = [&](const std::string& material) {
-        const auto outcome = run_render({"--material=" + material, "-o", folder / "a.png", "--exr",
-                                         folder / "a.exr"});
+        const auto outcome = run_render(
+            {"--material=" + material, "-o", folder / "a.png", "--exr", folder / "a.exr"});
         CAPTURE(material, outcome.err);
         REQUIRE(outcome.exit_code == 0);
         return render::read_exr(folder / "a.exr").values;

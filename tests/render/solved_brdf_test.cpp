@@ -7,9 +7,9 @@
 #include <numbers>
 #include <tuple>
 
-#include "pipeline/brdf.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/table_nodes.h"
+#include "pipeline/solve/brdf.h"
 #include "rte/math/quadrature.h"
 #include "tests/render/support.h"
 #include "tests/support/catch.h"

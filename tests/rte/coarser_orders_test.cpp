@@ -1,8 +1,8 @@
-#include "rte/coarser_orders.h"
+#include "rte/fourier/coarser_orders.h"
 
 #include <cmath>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

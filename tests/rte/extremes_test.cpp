@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

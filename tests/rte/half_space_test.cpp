@@ -1,8 +1,8 @@
-#include "rte/half_space.h"
+#include "rte/half_space/half_space.h"
 
 #include <cmath>
 
-#include "rte/delta_m.h"
+#include "rte/phase/delta_m.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

@@ -1,12 +1,12 @@
-#include "rte/layer.h"
+#include "rte/layer/layer.h"
 
 #include <Eigen/LU>
 #include <cmath>
 
-#include "rte/delta_m.h"
-#include "rte/half_space.h"
+#include "rte/half_space/half_space.h"
 #include "rte/math/decay_integrals.h"
 #include "rte/math/quadrature.h"
+#include "rte/phase/delta_m.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

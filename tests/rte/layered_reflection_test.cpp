@@ -1,9 +1,9 @@
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 
 #include <cmath>
 
+#include "rte/grid/zenith_grid.h"
 #include "rte/math/quadrature.h"
-#include "rte/zenith_grid.h"
 #include "tests/rte/reference_cases.h"
 #include "tests/support/catch.h"
 

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/discretisation.h"
-#include "rte/forward_peak.h"
-#include "rte/layered_reflection.h"
-#include "rte/narrow_features.h"
+#include "rte/grid/discretisation.h"
+#include "rte/phase/forward_peak.h"
+#include "rte/phase/narrow_features.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

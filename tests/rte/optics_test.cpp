@@ -1,10 +1,10 @@
-#include "rte/optics.h"
+#include <miebrdf/optics.h>
 
 #include <cmath>
 
-#include "rte/delta_m.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
+#include "rte/phase/delta_m.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,10 +1,10 @@
-#include "rte/order_tail.h"
+#include "rte/fourier/order_tail.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 
 namespace miebrdf::support {
 

@@ -1,7 +1,7 @@
-#include "rte/shared_tables.h"
+#include "rte/stack/shared_tables.h"
 
-#include "rte/layered_reflection.h"
-#include "rte/stack_memory.h"
+#include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_memory.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,6 +1,6 @@
-#include "rte/solved_half_spaces.h"
+#include "rte/half_space/solved_half_spaces.h"
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -23,12 +23,10 @@ std::vector<double> reflection(const rte::Stack& stack, rte::SolverOptions optio
 }  // namespace
 
 TEST_CASE("a half-space found again gives the same bits as one solved again", "[rte][shared]") {
-    const auto method =
-        GENERATE(rte::HalfSpaceMethod::automatic, rte::HalfSpaceMethod::fixed_point,
-                 rte::HalfSpaceMethod::doubling);
+    const auto method = GENERATE(rte::HalfSpaceMethod::automatic, rte::HalfSpaceMethod::fixed_point,
+                                 rte::HalfSpaceMethod::doubling);
     const rte::SolverOptions alone{.streams = 16, .half_space_method = method};
-    rte::SolvedHalfSpaces known(
-        std::make_shared<rte::MemoryBudget>(std::int64_t{1} << 24));
+    rte::SolvedHalfSpaces known(std::make_shared<rte::MemoryBudget>(std::int64_t{1} << 24));
     rte::SolverOptions shared = alone;
     shared.half_spaces = &known;
 
@@ -43,8 +41,7 @@ TEST_CASE("a half-space found again gives the same bits as one solved again", "[
 }
 
 TEST_CASE("whatever a half-space depends on makes it another one", "[rte][shared]") {
-    rte::SolvedHalfSpaces known(
-        std::make_shared<rte::MemoryBudget>(std::int64_t{1} << 26));
+    rte::SolvedHalfSpaces known(std::make_shared<rte::MemoryBudget>(std::int64_t{1} << 26));
     rte::SolverOptions options{.streams = 12, .half_spaces = &known};
     rte::Stack stack = painted(0.3, 0.2);
     reflection(stack, options);

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/layered_brdf.h"
 #include "rte/math/quadrature.h"
+#include "rte/surface/layered_brdf.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

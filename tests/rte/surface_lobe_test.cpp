@@ -2,7 +2,7 @@
 #include <complex>
 #include <numbers>
 
-#include "rte/surface_lobe.h"
+#include "rte/surface/surface_lobe.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "rte/math/quadrature.h"
-#include "rte/microfacet.h"
+#include "rte/surface/microfacet.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -2,9 +2,9 @@
 #include <complex>
 #include <numbers>
 
-#include "rte/diffuse_reflectance.h"
-#include "rte/directional_reflectance.h"
-#include "rte/surface_lobe.h"
+#include "rte/surface/diffuse_reflectance.h"
+#include "rte/surface/directional_reflectance.h"
+#include "rte/surface/surface_lobe.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

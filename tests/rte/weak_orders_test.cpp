@@ -1,7 +1,7 @@
 // Azimuthal orders in which little is scattered, and coats that nothing comes through.
-#include "rte/delta_m.h"
-#include "rte/layer.h"
-#include "rte/layered_reflection.h"
+#include "rte/layer/layer.h"
+#include "rte/phase/delta_m.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,4 +1,4 @@
-#include "rte/zenith_grid.h"
+#include "rte/grid/zenith_grid.h"
 
 #include <cmath>
 

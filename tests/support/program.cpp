@@ -15,8 +15,8 @@ ProgramRun run_program(const std::string& arguments, const std::string& environm
     const TemporaryFolder folder;
     // A cache of its own: no test may pass because an older program was right.
     const std::string command = "XDG_CACHE_HOME='" + folder.path().string() + "' " + environment +
-                                " '" MIEBRDF_PROGRAM "' " + arguments + " >'" +
-                                (folder / "out") + "' 2>'" + (folder / "err") + "' </dev/null";
+                                " '" MIEBRDF_PROGRAM "' " + arguments + " >'" + (folder / "out") +
+                                "' 2>'" + (folder / "err") + "' </dev/null";
     const int status = std::system(command.c_str());
     ProgramRun run;
     run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

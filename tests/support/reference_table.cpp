@@ -50,7 +50,8 @@ double ReferenceTable::number(std::size_t row, const std::string& column) const 
     char* end = nullptr;
     const double value = std::strtod(field.c_str(), &end);
     if (end == field.c_str() || *end != '\0') {
-        throw std::runtime_error(fmt::format("{}: '{}' in column {} is no number", path_, field, column));
+        throw std::runtime_error(
+            fmt::format("{}: '{}' in column {} is no number", path_, field, column));
     }
     return value;
 }

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "pipeline/exports/readers/brdf_file.h"
+#include "pipeline/formats/readers/brdf_file.h"
 #include "tests/support/outside/outside_file.h"
 
 namespace miebrdf::support {

@@ -11,11 +11,12 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string kHeader =
-    "# processor: one of ours\nsuite,case,method,parameter,error,seconds,memory,spread,half_width\n";
+    "# processor: one of "
+    "ours\nsuite,case,method,parameter,error,seconds,memory,spread,half_width\n";
 
 std::string results(const char* seconds) {
-    return kHeader +
-           "coat,\"hg 0.9, depth 1\",exact,n=8,1e-3," + seconds + ",1000,0.01,\n"
+    return kHeader + "coat,\"hg 0.9, depth 1\",exact,n=8,1e-3," + seconds +
+           ",1000,0.01,\n"
            "coat,\"hg 0.9, depth 1\",exact,n=16,1e-5,0.01,2000,0.01,\n"
            "coat,\"hg 0.9, depth 1\",first-order,n=8,1e-1,0.0005,500,0.01,\n";
 }
@@ -60,12 +61,11 @@ TEST_CASE("bench --compare tells what became slower", "[program][bench]") {
     CHECK_THAT(table, Catch::Contains(",same\n"));
 }
 
-TEST_CASE("bench measures a suite, where our own lobe keeps each tolerance",
-          "[program][bench]") {
+TEST_CASE("bench measures a suite, where our own lobe keeps each tolerance", "[program][bench]") {
     const support::TemporaryFolder folder;
     const std::string out = folder / "out";
-    const auto run = support::run_program(
-        "bench --suite surface --repeats 1 --longest 0.001 --quiet -o " + out);
+    const auto run =
+        support::run_program("bench --suite surface --repeats 1 --longest 0.001 --quiet -o " + out);
     CAPTURE(run.err);
     REQUIRE(run.exit_code == 0);
     CHECK(run.err.empty());

@@ -99,5 +99,6 @@ TEST_CASE("a file that is no cache is replaced by one", "[program][cache][errors
 
 TEST_CASE("cache without a verb, or with another, is refused", "[program][cache][errors]") {
     support::check_one_line(support::run_program("cache"), support::kUsage, {"subcommand"});
-    support::check_one_line(support::run_program("cache claer"), support::kUsage, {"claer", "clear"});
+    support::check_one_line(support::run_program("cache claer"), support::kUsage,
+                            {"claer", "clear"});
 }

@@ -150,9 +150,10 @@ TEST_CASE("export with --json tells which files it wrote, and how well", "[progr
 
 TEST_CASE("check says which coupling is reciprocal where a file is not", "[program][export]") {
     const support::TemporaryFolder folder;
-    const std::string scene = "export --format csv --base hg:0.9,0.4 --wavelengths 550 --roughness "
-                              "0.2 --surface-index 1.5 -o " +
-                              (folder / "a.csv");
+    const std::string scene =
+        "export --format csv --base hg:0.9,0.4 --wavelengths 550 --roughness "
+        "0.2 --surface-index 1.5 -o " +
+        (folder / "a.csv");
     REQUIRE(support::run_program(scene).exit_code == 0);
     const auto paper = support::run_program("check " + (folder / "a.csv"));
     CHECK(paper.exit_code == 1);
@@ -186,8 +187,8 @@ TEST_CASE("check reads what brdf writes, as CSV and as JSON", "[program][export]
     std::vector<std::string> rows;
     for (const char* json : {"", " --json"}) {
         REQUIRE(support::run_program(brdf + json).exit_code == 0);
-        const auto checked = support::run_program("check " + (folder / "table") +
-                                                  " --base hg:0.9,0.4");
+        const auto checked =
+            support::run_program("check " + (folder / "table") + " --base hg:0.9,0.4");
         CAPTURE(json, checked.out, checked.err);
         CHECK(checked.exit_code == 0);
         rows.push_back(checked.out.substr(checked.out.find("quantity,value")));

@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "pipeline/result_cache.h"
+#include "pipeline/cache/result_cache.h"
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -85,7 +85,8 @@ class Background {
     double cpu_s() const {
         clockid_t clock{};
         timespec time{};
-        if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
+        if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &time) != 0)
+            return 0;
         return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
     }
 
@@ -99,11 +100,14 @@ TEST_CASE("Ctrl-C between the Mie jobs of a scene file ends it cleanly", "[progr
     // Pieces of jobs under way were once left out, and what they had not written was read.
     const int signal = GENERATE(SIGINT, SIGTERM);
     const support::TemporaryFolder folder, cache;
-    const std::string scene = folder.write(
-        "scene.toml",
-        "mu-in = 1\nmu-out = 1\nwavelengths = \"400:700:2\"\nbase = \"TiO2\"\n"
-        "[[result]]\ncommand = \"brdf\"\noutput = \"" + (folder / "first.csv") + "\"\n"
-        "[[result]]\ncommand = \"brdf\"\nbase = \"GaP\"\noutput = \"" + (folder / "second.csv") + "\"\n");
+    const std::string scene =
+        folder.write("scene.toml",
+                     "mu-in = 1\nmu-out = 1\nwavelengths = \"400:700:2\"\nbase = \"TiO2\"\n"
+                     "[[result]]\ncommand = \"brdf\"\noutput = \"" +
+                         (folder / "first.csv") +
+                         "\"\n"
+                         "[[result]]\ncommand = \"brdf\"\nbase = \"GaP\"\noutput = \"" +
+                         (folder / "second.csv") + "\"\n");
     Background program({"run", scene}, cache.path(), cache / "err");
     program.let_work(0.5);
     REQUIRE(program.running());
@@ -126,8 +130,8 @@ TEST_CASE("Ctrl-C and SIGTERM stop a long job within a second, and leave no file
     REQUIRE(program.running());
     const double before = program.send_at(signal);
     CHECK(program.wait() == 128 + signal);
-    // Half a second of patience, by the clock on the wall: at most as much of one processor, however
-    // late a busy machine schedules it. The rest is the way out.
+    // Half a second of patience, by the clock on the wall: at most as much of one processor,
+    // however late a busy machine schedules it. The rest is the way out.
     CHECK(program.whole_cpu_s() - before <= 1.0);
     CHECK(folder.count() == 0);
     const std::string said = support::read_file(cache / "err");
@@ -140,9 +144,7 @@ TEST_CASE("a run that is interrupted keeps the wavelengths it has finished",
     Background program({"albedo", "--base=index:1.5,0.01", "--effective-radius=3", "--streams=128",
                         "--wavelengths=400:700:0.1", "--threads=1", "-o", folder / "out.csv"},
                        cache.path(), cache / "err");
-    const auto entries = [&] {
-        return ResultCache(cache / kCacheFile).info().entries;
-    };
+    const auto entries = [&] { return ResultCache(cache / kCacheFile).info().entries; };
     while (program.running() && entries() < 3) std::this_thread::sleep_for(kPoll);
     REQUIRE(program.running());
     program.send(SIGINT);
@@ -157,10 +159,10 @@ TEST_CASE("programs that share a new cache neither fail nor disagree", "[program
     std::vector<Background> programs;
     for (int p = 0; p < 6; ++p) {
         const std::string name = std::to_string(p);
-        programs.push_back(Background({"albedo", "--base=index:1.5,0.01", "--effective-radius=1",
-                                       "--wavelengths=400:700:10", "--threads=1", "--quiet", "-o",
-                                       folder / name},
-                                      cache.path(), folder / ("err" + name)));
+        programs.push_back(
+            Background({"albedo", "--base=index:1.5,0.01", "--effective-radius=1",
+                        "--wavelengths=400:700:10", "--threads=1", "--quiet", "-o", folder / name},
+                       cache.path(), folder / ("err" + name)));
     }
     for (Background& program : programs) CHECK(program.wait() == 0);
     const auto rows = [&](int p) {

@@ -127,12 +127,14 @@ TEST_CASE("a table of one's own without title and reference has a source line al
     const support::TemporaryFolder folder;
     const std::string table = folder.write("x.csv", "wavelength_nm,n,k\n400,1.5,0\n700,1.4,0.1\n");
     const std::string database = " --database " + (folder / "own.db");
-    REQUIRE(support::run_program("materials import " + table + " --name Testite --source lab" + database)
+    REQUIRE(support::run_program("materials import " + table + " --name Testite --source lab" +
+                                 database)
                 .exit_code == 0);
-    const auto run = support::run_program("optics Testite --wavelengths 550 --effective-radius 1" +
-                                          database);
+    const auto run =
+        support::run_program("optics Testite --wavelengths 550 --effective-radius 1" + database);
     CAPTURE(run.out, run.err);
-    CHECK_THAT(run.out, Catch::Contains("# source: Testite: dataset ") && Catch::Contains(", lab\n"));
+    CHECK_THAT(run.out,
+               Catch::Contains("# source: Testite: dataset ") && Catch::Contains(", lab\n"));
 }
 
 TEST_CASE("a bad file changes nothing and says where it is bad", "[program][materials]") {

@@ -112,11 +112,10 @@ TEST_CASE("options without a use are refused", "[program][errors]") {
 
 TEST_CASE("particles of the index of their host scatter nothing, and that is said",
           "[program][errors]") {
-    for (const char* arguments :
-         {"optics index:1,0", "phase index:1.33,0 --host-index 1.33",
-          "albedo --base index:1.33,0 --host-index 1.33",
-          "brdf --base TiO2 --coat index:1,0@1 --mu-in 1 --mu-out 1",
-          "plan albedo --base index:1,0"}) {
+    for (const char* arguments : {"optics index:1,0", "phase index:1.33,0 --host-index 1.33",
+                                  "albedo --base index:1.33,0 --host-index 1.33",
+                                  "brdf --base TiO2 --coat index:1,0@1 --mu-in 1 --mu-out 1",
+                                  "plan albedo --base index:1,0"}) {
         CAPTURE(arguments);
         check_one_line(support::run_program(std::string(arguments) + " --wavelengths 550"), kUsage,
                        {"contrast", "--host-index"});

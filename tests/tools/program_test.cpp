@@ -46,9 +46,10 @@ TEST_CASE("columns are those that scripts depend on", "[program]") {
 }
 
 TEST_CASE("a half-space that absorbs nothing reflects 1, printed as 1", "[program]") {
-    for (const char* surface : {"", " --roughness 0.3 --surface-index 1.5",
-                                " --roughness 0.1 --surface-index 2.6"}) {
-        const auto csv = csv_of(std::string("albedo --base hg:1,0.5 --coat hg:1,0.8@0.7") + surface);
+    for (const char* surface :
+         {"", " --roughness 0.3 --surface-index 1.5", " --roughness 0.1 --surface-index 2.6"}) {
+        const auto csv =
+            csv_of(std::string("albedo --base hg:1,0.5 --coat hg:1,0.8@0.7") + surface);
         CAPTURE(surface);
         for (std::size_t row = 0; row < csv.size(); ++row) {
             CHECK(csv.text(row, "plane_albedo") == "1");
@@ -59,19 +60,22 @@ TEST_CASE("a half-space that absorbs nothing reflects 1, printed as 1", "[progra
 
 TEST_CASE("outputs tell the particles that Mie theory took, defaults included", "[program]") {
     const std::string wanted =
-        "# particles: power-law, effective radius 1 um, effective variance 0.2, in a host of index 1\n";
-    for (const char* command : {"optics index:1.5,0.1", "phase index:1.5,0.1",
-                                "albedo --base index:1.5,0.1", "albedo --base isotropic:0.5 "
-                                "--coat index:1.5,0.1@1"}) {
-        const auto run = support::run_program(std::string(command) +
-                                              " --wavelengths 550 --effective-radius 1");
+        "# particles: power-law, effective radius 1 um, effective variance 0.2, in a host of index "
+        "1\n";
+    for (const char* command :
+         {"optics index:1.5,0.1", "phase index:1.5,0.1", "albedo --base index:1.5,0.1",
+          "albedo --base isotropic:0.5 "
+          "--coat index:1.5,0.1@1"}) {
+        const auto run =
+            support::run_program(std::string(command) + " --wavelengths 550 --effective-radius 1");
         CAPTURE(command, run.err);
         CHECK_THAT(run.out, Catch::Contains(wanted));
     }
     CHECK_THAT(support::run_program("optics hg:0.9,0.5").out, !Catch::Contains("# particles"));
 }
 
-TEST_CASE("the largest albedo of layers that absorb nothing is reported as at most 1", "[program]") {
+TEST_CASE("the largest albedo of layers that absorb nothing is reported as at most 1",
+          "[program]") {
     const std::string medium = GENERATE("hg:1,0.5", "hg:1,0.9", "rayleigh:1");
     const auto run = support::run_program("brdf --base " + medium +
                                           " --wavelengths 550 --mu-in 0.1:1:0.1 --mu-out 1 --json");
@@ -86,13 +90,13 @@ TEST_CASE("albedo --colour gives the colours of its spectra", "[program][colour]
     const std::string scene = "albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 400:700:10";
     const auto spectra = csv_of(scene);
     const auto colours = csv_of(scene + " --colour d65");
-    CHECK(colours.columns() == Columns{"quantity", "mu_in", "x", "y", "z", "lab_l", "lab_a", "lab_b",
-                                       "srgb_red", "srgb_green", "srgb_blue"});
+    CHECK(colours.columns() == Columns{"quantity", "mu_in", "x", "y", "z", "lab_l", "lab_a",
+                                       "lab_b", "srgb_red", "srgb_green", "srgb_blue"});
     REQUIRE(colours.size() == 3);
     // A grey: Y is the albedo, and neither a nor b are there; all to six decimals.
     for (std::size_t row = 0; row < 3; ++row) {
-        const double albedo = row < 2 ? spectra.number(row, "plane_albedo")
-                                      : spectra.number(0, "spherical_albedo");
+        const double albedo =
+            row < 2 ? spectra.number(row, "plane_albedo") : spectra.number(0, "spherical_albedo");
         CHECK(std::abs(colours.number(row, "y") - albedo) <= 0.51e-6);
         CHECK(std::abs(colours.number(row, "lab_l") - (116 * std::cbrt(albedo) - 16)) <= 0.51e-6);
         CHECK(colours.text(row, "lab_a") == "0");
@@ -100,13 +104,15 @@ TEST_CASE("albedo --colour gives the colours of its spectra", "[program][colour]
     }
     CHECK(colours.text(2, "quantity") == "spherical_albedo");
     // Wavelengths in any order.
-    const auto backward = csv_of("albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 700:400:-10 "
-                                 "--colour d65");
+    const auto backward = csv_of(
+        "albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 700:400:-10 "
+        "--colour d65");
     CHECK(backward.text(0, "lab_l") == colours.text(0, "lab_l"));
     for (const char* options : {" --colour d50", " --colour d65 --wavelengths rgb",
                                 " --colour d65 --wavelengths 400:500:10"}) {
         CAPTURE(options);
-        CHECK(support::run_program(std::string("albedo --base hg:0.9,0.5") + options).exit_code == 2);
+        CHECK(support::run_program(std::string("albedo --base hg:0.9,0.5") + options).exit_code ==
+              2);
     }
 }
 
@@ -142,8 +148,9 @@ TEST_CASE("an isotropic half-space agrees with Chandrasekhar's H-function", "[pr
     for (std::size_t row = 0; row < table.size(); ++row) {
         if (table.text(row, "albedo") != "0.5" || table.number(row, "mu") != 1.0) continue;
         const double h = table.number(row, "H");
-        const auto csv = csv_of("brdf --base isotropic:0.5 --mu-in 1 --mu-out 1 --wavelengths 550 "
-                                "--quantity reflection --tolerance 1e-6");
+        const auto csv = csv_of(
+            "brdf --base isotropic:0.5 --mu-in 1 --mu-out 1 --wavelengths 550 "
+            "--quantity reflection --tolerance 1e-6");
         // The tolerance that was asked for.
         CHECK(std::abs(csv.number(0, "reflection") / (0.5 / 8 * h * h) - 1) <= 1e-6);
         return;
@@ -194,9 +201,10 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
 
 TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
     for (const char* command :
-         {"sphere", "optics", "phase", "brdf", "albedo", "table1", "materials", "materials nk",
-          "export", "check", "plan", "plan brdf", "plan albedo", "run", "plot", "plot nk",
-          "plot slice", "bench", "stress", "cache", "cache info", "cache clear"}) {
+         {"sphere",      "optics",       "phase",      "brdf",       "albedo",     "table1",
+          "materials",   "materials nk", "export",     "check",      "plan",       "plan brdf",
+          "plan albedo", "run",          "plot",       "plot nk",    "plot slice", "bench",
+          "stress",      "cache",        "cache info", "cache clear"}) {
         CAPTURE(command);
         const auto help = support::run_program(std::string(command) + " --help");
         CHECK(help.exit_code == 0);
@@ -207,10 +215,12 @@ TEST_CASE("every command explains itself with an example and tells its version",
     }
 }
 
-TEST_CASE("render is known in every build: it draws, or says which packages it needs", "[program]") {
+TEST_CASE("render is known in every build: it draws, or says which packages it needs",
+          "[program]") {
     const auto help = support::run_program("render --help");
     CHECK(help.exit_code == 0);
-    const auto run = support::run_program("render --object no_such.obj --base hg:0.9,0.5 -o no.png");
+    const auto run =
+        support::run_program("render --object no_such.obj --base hg:0.9,0.5 -o no.png");
     if (help.out.find("not in this build") == std::string::npos) {
         CHECK(run.exit_code == 3);
         CHECK_THAT(run.err, Catch::Contains("no_such.obj"));
@@ -226,8 +236,7 @@ TEST_CASE("a plan names the work and what is left out, for options and for scene
         "plan brdf --base hg:0.9,0.7 --wavelengths 450,550 --mu-in 1 --mu-out 0.2,0.4 --json");
     REQUIRE(run.exit_code == 0);
     const auto json = nlohmann::json::parse(run.out);
-    CHECK(json["columns"] ==
-          Columns{"result", "action", "name", "detail", "jobs", "seconds"});
+    CHECK(json["columns"] == Columns{"result", "action", "name", "detail", "jobs", "seconds"});
     std::map<std::string, std::string> actions;
     for (const auto& row : json["rows"]) actions[row[2]] = row[1];
     CHECK(actions["radiative transfer"] == "compute");
@@ -235,10 +244,11 @@ TEST_CASE("a plan names the work and what is left out, for options and for scene
         CHECK(actions[rule] == "leave out");
     }
     const support::TemporaryFolder folder;
-    const std::string file = folder.write("scene.toml",
-                                          "base = \"isotropic:0.5\"\n"
-                                          "[[result]]\ncommand = \"albedo\"\noutput = \"x.csv\"\n"
-                                          "[[result]]\ncommand = \"brdf\"\nmu-in = 1\nmu-out = 1\n");
+    const std::string file =
+        folder.write("scene.toml",
+                     "base = \"isotropic:0.5\"\n"
+                     "[[result]]\ncommand = \"albedo\"\noutput = \"x.csv\"\n"
+                     "[[result]]\ncommand = \"brdf\"\nmu-in = 1\nmu-out = 1\n");
     const auto scene = csv_of("plan " + file);
     CHECK(scene.text(0, "result") == "1 albedo");
     CHECK(scene.text(scene.size() - 1, "result") == "2 brdf");
@@ -247,11 +257,11 @@ TEST_CASE("a plan names the work and what is left out, for options and for scene
     CHECK(support::run_program("plan brdf").exit_code == 2);
 }
 
-TEST_CASE("what did not converge is marked in the file, row by row of the report",
-          "[program]") {
+TEST_CASE("what did not converge is marked in the file, row by row of the report", "[program]") {
     // Two nodes for a forward peak.
     const auto run = support::run_program(
-        "brdf --base hg:0.99,0.9 --streams 2 --mu-in 0.1,0.5 --mu-out 0.1,0.5 --wavelengths 550 --json");
+        "brdf --base hg:0.99,0.9 --streams 2 --mu-in 0.1,0.5 --mu-out 0.1,0.5 --wavelengths 550 "
+        "--json");
     CHECK(run.exit_code == 4);
     const auto json = nlohmann::json::parse(run.out);
     CHECK(json["facts"].contains("not converged"));
@@ -279,8 +289,10 @@ TEST_CASE("results are the same bits for any number of threads", "[program]") {
 TEST_CASE("a scene file gives the bits of its commands run one by one, whatever they share",
           "[program][scene]") {
     const support::TemporaryFolder folder;
-    const std::string directions = " --wavelengths 450,550 --mu-in 0.4 --mu-out 0.3,0.9 --azimuth 0,60";
-    const std::string spheres = " --base index:1.5,0.01 --effective-radius 2 --roughness 0.3 --no-cache";
+    const std::string directions =
+        " --wavelengths 450,550 --mu-in 0.4 --mu-out 0.3,0.9 --azimuth 0,60";
+    const std::string spheres =
+        " --base index:1.5,0.01 --effective-radius 2 --roughness 0.3 --no-cache";
     const std::vector<std::string> coats = {"hg:0.8,0.5@0.2", "hg:0.8,0.5@1"};
     std::string text =
         "base = \"index:1.5,0.01\"\neffective-radius = 2\nroughness = 0.3\n"
@@ -315,7 +327,8 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
     const auto plan = csv_of("plan " + file + " --no-cache");
     std::map<std::string, std::string> omitted;  // rule: result that obeys it last
     for (std::size_t row = 0; row < plan.size(); ++row) {
-        if (plan.text(row, "action") == "leave out") omitted[plan.text(row, "name")] = plan.text(row, "result");
+        if (plan.text(row, "action") == "leave out")
+            omitted[plan.text(row, "name")] = plan.text(row, "result");
     }
     CHECK(omitted["one half-space"] == "2 brdf");
     CHECK(omitted["same spheres"] == "2 brdf");

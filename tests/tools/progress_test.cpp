@@ -43,8 +43,9 @@ std::string on_terminal(std::vector<std::string> arguments) {
     return text;
 }
 
-const std::string kWork = "albedo --base hg:0.9,0.5 --coat index:1.5,0.01@0.1 --effective-radius 0.5 "
-                          "--wavelengths 500,550,600";
+const std::string kWork =
+    "albedo --base hg:0.9,0.5 --coat index:1.5,0.01@0.1 --effective-radius 0.5 "
+    "--wavelengths 500,550,600";
 
 }  // namespace
 

@@ -38,7 +38,8 @@ TEST_CASE("a scene file's mistakes are named with line and column", "[program][e
         {"wavelengths = 550\n", kBadInput, {"asks for nothing", "[[result]]"}},
         {"base = \n", kBadInput, {"line 1"}},
         // `--mu-in=` would take the next option for its value.
-        {"mu-in = []\noutput = \"x.csv\"\n[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\n",
+        {"mu-in = []\noutput = \"x.csv\"\n[[result]]\ncommand = \"albedo\"\nbase = "
+         "\"hg:0.9,0.5\"\n",
          kBadInput,
          {"line 1, column 9", "'mu-in' is an empty list"}},
         {"[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\nwavelengths = \"\"\n",
@@ -114,7 +115,8 @@ TEST_CASE("a scene file exports in any format, and mistakes come first", "[progr
     const support::TemporaryFolder folder;
     const std::string scene =
         // What is shared may hold options that only some formats take.
-        "base = \"hg:0.9,0.4\"\nwavelengths = \"rgb\"\nmu-out = [0.2, 1]\n[[result]]\ncommand = \"export\"\nformat = "
+        "base = \"hg:0.9,0.4\"\nwavelengths = \"rgb\"\nmu-out = [0.2, 1]\n[[result]]\ncommand = "
+        "\"export\"\nformat = "
         "\"pbrt\"\noutput = \"" +
         (folder / "a.bsdf") +
         "\"\n[[result]]\ncommand = \"export\"\nformat = \"csv\"\nmu-in = [0.5, 1]\n";
@@ -141,8 +143,8 @@ TEST_CASE("an empty list of coats in a result takes back those that are shared",
     const support::TemporaryFolder folder;
     const auto rows = [&](const std::string& shared, const std::string& own) {
         const std::string file = folder.write(
-            "scene.toml", shared +
-                              "base = \"hg:0.9,0.5\"\n[[result]]\ncommand = \"albedo\"\n" + own);
+            "scene.toml",
+            shared + "base = \"hg:0.9,0.5\"\n[[result]]\ncommand = \"albedo\"\n" + own);
         const auto run = support::run_program("run " + file);
         CAPTURE(file, run.err);
         REQUIRE(run.exit_code == 0);

@@ -10,11 +10,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pipeline/exports/brdf_export.h"
-#include "pipeline/exports/file_check.h"
-#include "pipeline/exports/rgb_weights.h"
-#include "pipeline/exports/solved_source.h"
-#include "pipeline/number_list.h"
+#include "pipeline/formats/brdf_export.h"
+#include "pipeline/formats/file_check.h"
+#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/scene/number_list.h"
+#include "pipeline/solve/solved_source.h"
 #include "tools/bench/process_memory.h"
 
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "materials/database.h"
-#include "materials/import.h"
+#include "materials/database/database.h"
+#include "materials/database/import.h"
 
 namespace {
 

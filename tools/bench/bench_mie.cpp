@@ -18,9 +18,9 @@
 #include <utility>
 #include <vector>
 
-#include "mie/ensemble.h"
-#include "mie/sphere.h"
-#include "mie/sphere_block.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/sphere.h"
+#include "mie/sphere/sphere_block.h"
 #include "tools/bench/process_memory.h"
 
 using namespace miebrdf;

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <vector>
 
-#include "rte/delta_m.h"
-#include "rte/discretisation.h"
-#include "rte/half_space.h"
-#include "rte/layered_reflection.h"
-#include "rte/stack_solver.h"
+#include "rte/grid/discretisation.h"
+#include "rte/half_space/half_space.h"
+#include "rte/phase/delta_m.h"
+#include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 
 using namespace miebrdf;
 
@@ -172,8 +172,8 @@ BENCHMARK(coat_like_its_base)
     ->Unit(benchmark::kMicrosecond)
     ->ArgsProduct({{46, 70, 80}, {0, 10, 100, 1000}});
 
-// 31 wavelengths of a coat on a base, one thread: each with memory and tables of its own, or all with
-// the same. Arguments: nodes, shared.
+// 31 wavelengths of a coat on a base, one thread: each with memory and tables of its own, or all
+// with the same. Arguments: nodes, shared.
 void wavelengths_of_a_coat(benchmark::State& state) {
     std::vector<rte::Stack> stacks;
     for (int w = 0; w < 31; ++w) {
@@ -193,9 +193,7 @@ void wavelengths_of_a_coat(benchmark::State& state) {
     }
     report(state, NAN, NAN, error_of(stacks.back(), options.streams, options.tolerance));
 }
-BENCHMARK(wavelengths_of_a_coat)
-    ->Unit(benchmark::kMicrosecond)
-    ->ArgsProduct({{16, 32}, {0, 1}});
+BENCHMARK(wavelengths_of_a_coat)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32}, {0, 1}});
 
 // Azimuthal orders of coats on a base, one after the other in the same memory: time of one order
 // and allocations in it (nan where they cannot be counted). Arguments: nodes, coats.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tools/bench/approximations.h"
 #include "tools/bench/discrete_problem.h"
 #include "tools/bench/measurement.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/markup.h"
+#include "pipeline/io/markup.h"
 #include "tools/bench/label_placer.h"
 #include "tools/bench/log_axis.h"
 #include "tools/bench/results.h"

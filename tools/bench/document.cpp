@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/report_page.h"
 #include "tools/bench/rule_savings.h"

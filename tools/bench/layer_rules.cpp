@@ -1,5 +1,5 @@
 // Rules of `plan` about layers and orders that do not matter.
-#include "pipeline/scene_optics.h"
+#include "pipeline/solve/scene_optics.h"
 #include "tools/bench/rule_case.h"
 
 namespace miebrdf::bench {

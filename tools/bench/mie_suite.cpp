@@ -5,9 +5,9 @@
 #include <complex>
 #include <stdexcept>
 
-#include "mie/amplitudes.h"
-#include "mie/ensemble.h"
-#include "mie/sphere.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/amplitudes.h"
+#include "mie/sphere/sphere.h"
 #include "rte/math/quadrature.h"
 #include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"

@@ -1,6 +1,6 @@
 // Rules of `plan` about the parts of a BRDF, or of the optics behind it, that are asked for.
-#include "pipeline/brdf.h"
-#include "pipeline/scene_optics.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/scene_optics.h"
 #include "rte/math/quadrature.h"
 #include "tools/bench/rule_case.h"
 

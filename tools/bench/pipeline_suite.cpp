@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "pipeline/brdf.h"
-#include "pipeline/scene_optics.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/scene_optics.h"
 #include "tools/bench/photon_tracer.h"
 #include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"

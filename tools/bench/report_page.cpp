@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pipeline/markup.h"
+#include "pipeline/io/markup.h"
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/rule_savings.h"
 

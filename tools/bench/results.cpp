@@ -11,9 +11,9 @@
 #include <thread>
 #include <tuple>
 
-#include "pipeline/error.h"
-#include "pipeline/table.h"
-#include "pipeline/version.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
+#include "pipeline/io/table.h"
 
 namespace miebrdf::bench {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <numbers>
 
-#include "pipeline/brdf.h"
-#include "pipeline/scene_optics.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/scene_optics.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::bench {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "pipeline/brdf.h"
-#include "pipeline/result_cache.h"
+#include "pipeline/cache/result_cache.h"
+#include "pipeline/solve/brdf.h"
 #include "tools/bench/rule_case.h"
 
 namespace miebrdf::bench {

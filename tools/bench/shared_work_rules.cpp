@@ -1,6 +1,6 @@
 // Rules of `plan` about work that several layers, results or wavelengths share.
-#include "pipeline/brdf.h"
-#include "pipeline/shared_work.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/shared_work.h"
 #include "tools/bench/rule_case.h"
 
 namespace miebrdf::bench {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <complex>
 
-#include "mie/ensemble.h"
-#include "mie/sphere.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/sphere.h"
 #include "tools/bench/stress.h"
 
 namespace miebrdf::bench {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rte/layered_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tools/bench/reference_data.h"
 #include "tools/bench/stress.h"
 

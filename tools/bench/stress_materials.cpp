@@ -5,9 +5,9 @@
 #include <cmath>
 #include <complex>
 
-#include "materials/refractive_index.h"
-#include "pipeline/brdf.h"
-#include "pipeline/resolved_medium.h"
+#include "materials/index/refractive_index.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/resolved_medium.h"
 #include "tools/bench/stress.h"
 
 namespace miebrdf::bench {

@@ -7,11 +7,11 @@
 #include <complex>
 #include <numbers>
 
-#include "mie/ensemble.h"
-#include "mie/logarithmic_derivative.h"
-#include "mie/sphere.h"
-#include "mie/sphere_block.h"
-#include "mie/terms.h"
+#include "mie/ensemble/ensemble.h"
+#include "mie/sphere/logarithmic_derivative.h"
+#include "mie/sphere/sphere.h"
+#include "mie/sphere/sphere_block.h"
+#include "mie/sphere/terms.h"
 #include "tools/bench/stress.h"
 #include "tools/bench/switch_point.h"
 
@@ -100,7 +100,7 @@ void compare_ensembles(StressLog& log, const std::string& name, const mie::Ensem
                     2 * (std::max(below.tolerance, a.error_estimate) +
                          std::max(above.tolerance, b.error_estimate)),
                     "two averages; moments err by up to twice their estimate in 95 % of "
-                    "transparent ensembles (mie/ensemble_average.cpp)");
+                    "transparent ensembles (mie/ensemble/ensemble_average.cpp)");
     });
 }
 

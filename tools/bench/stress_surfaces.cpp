@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 
-#include "rte/directional_reflectance.h"
-#include "rte/fresnel.h"
-#include "rte/surface_lobe.h"
+#include "rte/boundary/fresnel.h"
+#include "rte/surface/directional_reflectance.h"
+#include "rte/surface/surface_lobe.h"
 #include "tools/bench/stress.h"
 
 namespace miebrdf::bench {

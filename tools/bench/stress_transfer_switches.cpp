@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/brdf.h"
-#include "pipeline/visible_layers.h"
-#include "rte/delta_m.h"
-#include "rte/discretisation.h"
-#include "rte/layered_reflection.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/visible_layers.h"
+#include "rte/grid/discretisation.h"
+#include "rte/phase/delta_m.h"
+#include "rte/stack/layered_reflection.h"
 #include "tools/bench/reference_data.h"
 #include "tools/bench/stress.h"
 #include "tools/bench/switch_point.h"

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::bench {
 
 const std::vector<std::string>& suite_names() {
-    static const std::vector<std::string> names = {"mie", "half-space", "coat", "surface",
-                                                   "pipeline", "rules"};
+    static const std::vector<std::string> names = {"mie",     "half-space", "coat",
+                                                   "surface", "pipeline",   "rules"};
     return names;
 }
 

@@ -14,7 +14,7 @@ std::vector<BenchCase> half_space_suite();
 std::vector<BenchCase> coat_suite();
 std::vector<BenchCase> surface_suite();
 std::vector<BenchCase> pipeline_suite();
-/// One case for each rule of `plan` (pipeline/rules.h): the full and the reduced request.
+/// One case for each rule of `plan` (pipeline/plan/rules.h): the full and the reduced request.
 std::vector<BenchCase> rules_suite();
 
 /// "mie", "half-space", "coat", "surface", "pipeline", "rules".

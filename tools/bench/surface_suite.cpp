@@ -7,9 +7,9 @@
 #include <complex>
 #include <functional>
 
-#include "rte/directional_reflectance.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface_lobe.h"
+#include "rte/surface/directional_reflectance.h"
+#include "rte/surface/surface_lobe.h"
 #include "tools/bench/random.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/surface_truth.h"

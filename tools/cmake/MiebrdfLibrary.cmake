@@ -1,24 +1,60 @@
-# miebrdf_library(NAME [INTERNAL] SOURCES a.cpp ... PUBLIC dep ... PRIVATE dep ...)
-# One static (or shared) library per folder: target miebrdf_NAME, alias and export miebrdf::NAME,
-# headers included by path from the root. INTERNAL: part of the program, not installed.
+# miebrdf_library(NAME [INTERNAL] [ROOMS folder ...] [SOURCES a.cpp ...] [PRECOMPILE <header> ...]
+#                 PUBLIC dep ... PRIVATE dep ...)
+# One static (or shared) library: target miebrdf_NAME, alias and export miebrdf::NAME. Its sources
+# are those of its rooms (folders below the current one; "." is the folder itself): a new file is
+# built as soon as it is there. Public headers are those in include/miebrdf, the only ones that are
+# installed; all others are included by path from the root, in the tree alone.
+# INTERNAL: part of the program, not installed.
 function(miebrdf_library name)
-    cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+    cmake_parse_arguments(ARG "INTERNAL" "" "ROOMS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
     set(target miebrdf_${name})
-    add_library(${target} ${ARG_SOURCES})
+    miebrdf_sources(sources ${ARG_ROOMS})
+    add_library(${target} ${sources} ${ARG_SOURCES})
     add_library(miebrdf::${name} ALIAS ${target})
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION})
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/miebrdf>)
+        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
     target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE}
                                     $<BUILD_INTERFACE:miebrdf_flags>)
+    miebrdf_fast_build(${target} ${ARG_PRECOMPILE})
+    set(public_headers "${CMAKE_CURRENT_SOURCE_DIR}/include")
+    if(IS_DIRECTORY "${public_headers}")
+        target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${public_headers}>)
+    endif()
     if(ARG_INTERNAL)
         return()
     endif()
     set_property(GLOBAL APPEND PROPERTY miebrdf_libraries ${target})  # for the pkg-config file
     install(TARGETS ${target} EXPORT miebrdfTargets)
-    file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
-    file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.h")
-    install(FILES ${headers} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/miebrdf/${folder}")
+    if(IS_DIRECTORY "${public_headers}")
+        install(DIRECTORY "${public_headers}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+                FILES_MATCHING PATTERN "*.h")
+    endif()
+endfunction()
+
+# miebrdf_sources(VARIABLE folder ...): every .cpp of these folders of the current one.
+function(miebrdf_sources variable)
+    set(all "")
+    foreach(room IN LISTS ARGN)
+        file(GLOB found CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${room}/*.cpp")
+        if(NOT found)
+            message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR}/${room} has no sources")
+        endif()
+        list(APPEND all ${found})
+    endforeach()
+    set(${variable} "${all}" PARENT_SCOPE)
+endfunction()
+
+# miebrdf_fast_build(TARGET <header> ...): most of the time of a build is reading Eigen, fmt and the
+# standard library again for every small file. They are read once for a target (precompiled), and
+# with MIEBRDF_UNITY several sources are compiled as one.
+function(miebrdf_fast_build target)
+    if(ARGN AND MIEBRDF_PRECOMPILE)
+        target_precompile_headers(${target} PRIVATE ${ARGN})
+    endif()
+    if(MIEBRDF_UNITY)
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    endif()
 endfunction()

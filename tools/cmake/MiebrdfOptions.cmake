@@ -5,6 +5,8 @@ option(MIEBRDF_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 option(MIEBRDF_COVERAGE "Line coverage for gcov" OFF)
 option(MIEBRDF_FUZZERS "libFuzzer targets (needs clang)" OFF)
 option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ON)
+option(MIEBRDF_PRECOMPILE "Precompiled headers" ON)
+option(MIEBRDF_UNITY "Several sources are compiled as one" OFF)
 option(MIEBRDF_BUILD_BENCHMARKS "Micro-benchmarks (needs Google Benchmark)" OFF)
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)

@@ -1,9 +1,11 @@
 # Writes a header with one hash over all sources that results depend on, so that no result of an
-# older solver is ever taken for one of the newer: cmake -DROOT=... -DOUTPUT=... -P this
-file(GLOB sources "${ROOT}/mie/*.cpp" "${ROOT}/mie/*.h" "${ROOT}/rte/*.cpp" "${ROOT}/rte/*.h"
-                  "${ROOT}/rte/math/*.cpp" "${ROOT}/rte/math/*.h" "${ROOT}/pipeline/*optics.cpp"
-                  "${ROOT}/pipeline/*layers.cpp"
-                  "${ROOT}/pipeline/*_part.cpp")
+# older solver is ever taken for one of the newer:
+# cmake -DROOT=... "-DAREAS=mie;rte;..." -DOUTPUT=... -P this
+set(sources "")
+foreach(area IN LISTS AREAS)
+    file(GLOB_RECURSE found "${ROOT}/${area}/*.cpp" "${ROOT}/${area}/*.h")
+    list(APPEND sources ${found})
+endforeach()
 list(SORT sources)
 set(hashes "")
 foreach(source IN LISTS sources)

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/colour.h"
-#include "pipeline/error.h"
-#include "pipeline/exports/rgb_weights.h"
+#include <miebrdf/error.h>
+#include "pipeline/colour/colour.h"
+#include "pipeline/formats/rgb_weights.h"
 
 namespace miebrdf::program {
 namespace {

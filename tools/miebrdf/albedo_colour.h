@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "pipeline/brdf.h"
-#include "pipeline/cie_observer.h"
-#include "pipeline/table.h"
+#include "pipeline/colour/cie_observer.h"
+#include "pipeline/io/table.h"
+#include "pipeline/solve/brdf.h"
 
 namespace miebrdf::program {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/bench/curve_plot.h"
 #include "tools/bench/document.h"
 #include "tools/bench/report_page.h"
@@ -74,11 +74,10 @@ void write_folder(const fs::path& folder, const bench::Results& results,
     for (const auto& [suite, name] : bench::cases_of(results)) {
         if (bench::is_about_rules(suite)) continue;  // a table, no curve
         const auto points = bench::of_case(results, suite, name);
-        write_file(folder / file_name(suite, name),
-                   [&, suite = suite, name = name](std::ostream& out) {
-                       out << bench::curve_plot_svg(fmt::format("{}: {}", suite, name), points,
-                                                    styles);
-                   });
+        write_file(
+            folder / file_name(suite, name), [&, suite = suite, name = name](std::ostream& out) {
+                out << bench::curve_plot_svg(fmt::format("{}: {}", suite, name), points, styles);
+            });
     }
     if (!changes.empty()) {
         write_file(folder / "comparison.csv",

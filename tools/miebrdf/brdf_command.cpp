@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 #include "tools/miebrdf/albedo_colour.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
@@ -24,10 +24,10 @@ Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) :
 template <typename Slice>
 std::vector<Cell> report_row(const Slice& slice) {
     const rte::SolverReport& report = slice.report;
-    return {slice.wavelength_nm,    slice.converged ? std::string("yes") : std::string("no"),
-            slice.error_estimate,   slice.mie_error_estimate,
+    return {slice.wavelength_nm,       slice.converged ? std::string("yes") : std::string("no"),
+            slice.error_estimate,      slice.mie_error_estimate,
             slice.phase_noise.largest, double(report.streams),
-            double(report.moments), double(report.azimuthal_orders)};
+            double(report.moments),    double(report.azimuthal_orders)};
 }
 
 const std::vector<std::string> kReportColumns = {

@@ -1,8 +1,8 @@
 // miebrdf cache: what is remembered between runs.
 #include <fmt/format.h>
 
-#include "pipeline/result_cache.h"
-#include "pipeline/version.h"
+#include <miebrdf/version.h>
+#include "pipeline/cache/result_cache.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/brdf_export.h"
-#include "pipeline/exports/file_check.h"
-#include "pipeline/exports/rgb_weights.h"
-#include "pipeline/exports/solved_source.h"
-#include "pipeline/exports/table_check.h"
+#include <miebrdf/error.h>
+#include "pipeline/formats/brdf_export.h"
+#include "pipeline/formats/file_check.h"
+#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/formats/table_check.h"
+#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -88,8 +88,8 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
 }
 
 std::vector<std::pair<std::string, Cell>> facts(const exports::BrdfFile& file,
-                                                       const std::string& path,
-                                                       const exports::FileCheck& check) {
+                                                const std::string& path,
+                                                const exports::FileCheck& check) {
     std::vector<std::pair<std::string, Cell>> lines = {
         {"file", path},
         {"format", file.format()},

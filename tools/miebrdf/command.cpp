@@ -7,9 +7,9 @@
 #include <memory>
 #include <sstream>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
-#include "pipeline/version.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
+#include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/interrupt.h"
 #include "tools/miebrdf/progress_line.h"
 

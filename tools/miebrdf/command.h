@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "pipeline/result_cache.h"
-#include "pipeline/run_control.h"
-#include "pipeline/table.h"
+#include "pipeline/cache/result_cache.h"
+#include "pipeline/io/table.h"
+#include "pipeline/solve/run_control.h"
 
 namespace miebrdf::program {
 

@@ -1,9 +1,9 @@
 // miebrdf export: a scene's BRDF in the formats that renderers and tools read.
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/brdf_export.h"
-#include "pipeline/exports/solved_source.h"
+#include <miebrdf/error.h>
+#include "pipeline/formats/brdf_export.h"
+#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
 #include "tools/miebrdf/spectrum_export.h"

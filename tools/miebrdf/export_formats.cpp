@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/brdf_export.h"
+#include <miebrdf/error.h>
+#include "pipeline/formats/brdf_export.h"
 #include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {

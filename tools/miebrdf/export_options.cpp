@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/rgb_weights.h"
-#include "pipeline/exports/solved_source.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/scene/number_list.h"
+#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/export_formats.h"
 
 namespace miebrdf::program {

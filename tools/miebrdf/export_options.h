@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/exports/brdf_export.h"
+#include "pipeline/formats/brdf_export.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {

@@ -6,7 +6,7 @@
 #include <csignal>
 #include <string_view>
 
-#include "pipeline/atomic_file.h"
+#include "pipeline/io/atomic_file.h"
 
 namespace miebrdf::program {
 namespace {
@@ -22,10 +22,10 @@ constexpr itimerval kPatience = {.it_interval = {0, 0}, .it_value = {0, 500'000}
 
 void end_now(int) {
     remove_unfinished_files();
-    constexpr std::string_view kMessage = "miebrdf: error: interrupted; nothing unfinished was written\n";
+    constexpr std::string_view kMessage =
+        "miebrdf: error: interrupted; nothing unfinished was written\n";
     // There is nobody left to tell that standard error is closed.
-    [[maybe_unused]] const auto written =
-        ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
     ::_exit(interrupt_exit_code());
 }
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "materials/export.h"
-#include "materials/verify.h"
-#include "pipeline/atomic_file.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "materials/database/export.h"
+#include "materials/database/verify.h"
+#include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {

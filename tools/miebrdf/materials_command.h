@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "materials/database.h"
+#include "materials/database/database.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

@@ -1,9 +1,9 @@
 // miebrdf materials import, alias, default, remove: what changes the user's database.
 #include <fmt/format.h>
 
-#include "materials/database_writer.h"
-#include "materials/import.h"
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
+#include "materials/database/database_writer.h"
+#include "materials/database/import.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
 #include "pipeline/plot/spectra.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {

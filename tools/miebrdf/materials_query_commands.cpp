@@ -1,8 +1,8 @@
 // miebrdf materials list, search, show: what there is and where it comes from.
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
 #include "tools/miebrdf/sparkline.h"
 

@@ -1,10 +1,10 @@
 // miebrdf optics and miebrdf phase: single scattering by one medium.
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
-#include "pipeline/medium_optics.h"
-#include "pipeline/number_list.h"
-#include "pipeline/parallel.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
+#include "pipeline/solve/medium_optics.h"
+#include "pipeline/solve/parallel.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -73,9 +73,10 @@ int run_optics(const MediumArguments& arguments, const Shell& shell) {
     const MediumSpectrum spectrum = compute(arguments, {}, shell.control());
     Table table;
     add_facts(table, spectrum, "wavelength_nm: nm in vacuum; all others dimensionless");
-    table.columns = {"wavelength_nm", "n",     "k",             "single_scattering_albedo",
-                     "asymmetry",     "q_ext", "error_estimate"};
-    for (int l = 0; l <= arguments.highest_moment; ++l) table.columns.push_back(fmt::format("chi_{}", l));
+    table.columns = {"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
+                     "error_estimate"};
+    for (int l = 0; l <= arguments.highest_moment; ++l)
+        table.columns.push_back(fmt::format("chi_{}", l));
     for (std::size_t w = 0; w < spectrum.optics.size(); ++w) {
         const MediumOptics& o = spectrum.optics[w];
         std::vector<Cell> row = {spectrum.wavelength_nm[w],
@@ -116,10 +117,11 @@ int run_phase(const MediumArguments& arguments, const Shell& shell) {
 CLI::App* add_medium_command(CLI::App& program, const std::string& name, const std::string& title,
                              MediumArguments& arguments) {
     auto* command = program.add_subcommand(name, title);
-    command->add_option("medium", arguments.medium,
-                        "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
-                        "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
-                        "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
+    command
+        ->add_option("medium", arguments.medium,
+                     "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
+                     "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
+                     "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required();
     arguments.materials.add_to(*command, "rgb");

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "pipeline/error.h"
-#include "pipeline/plan.h"
+#include <miebrdf/error.h>
+#include "pipeline/plan/plan.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/run_command.h"
@@ -49,12 +49,10 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
     for (const std::vector<std::string>& line : scene_command_lines(path)) {
         const std::string result = fmt::format("{} {}", ++number, line.front());
         if (const auto layers = layer_request(line)) {
-            add_plan(table,
-                     make_plan(layers->request, layers->quantity, cache_of(shell), &earlier),
+            add_plan(table, make_plan(layers->request, layers->quantity, cache_of(shell), &earlier),
                      result);
         } else {
-            table.facts.emplace_back("not planned",
-                                     result + ": plans are made of brdf and albedo");
+            table.facts.emplace_back("not planned", result + ": plans are made of brdf and albedo");
         }
     }
     shell.write(std::move(table));

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
-#include "pipeline/version.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
 
 namespace miebrdf::program {
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "pipeline/error.h"
-#include "pipeline/exports/solved_source.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/slice.h"
 #include "pipeline/plot/slice_directions.h"
+#include "pipeline/scene/number_list.h"
+#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/plot_scene_arguments.h"
 
 namespace miebrdf::program {
@@ -114,9 +114,8 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
 
 void add_map_plots(CLI::App& plot, Shell& shell) {
     auto hemisphere = std::make_shared<ScenePlotArguments>();
-    auto* hemisphere_command =
-        add_scene_kind(plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere,
-                       kOneWavelength);
+    auto* hemisphere_command = add_scene_kind(
+        plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere, kOneWavelength);
     add_incidence_option(*hemisphere_command, "45", hemisphere);
     add_component_options(*hemisphere_command, hemisphere);
     hemisphere_command->footer(
@@ -126,9 +125,9 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
                  [hemisphere, &shell] { return run_hemisphere(*hemisphere, shell); });
 
     auto slice = std::make_shared<SliceArguments>();
-    auto* slice_command = add_scene_kind(
-        plot, shell, "slice", "BRDF over half and difference angle (Rusinkiewicz)", slice,
-        kOneWavelength);
+    auto* slice_command =
+        add_scene_kind(plot, shell, "slice", "BRDF over half and difference angle (Rusinkiewicz)",
+                       slice, kOneWavelength);
     add_component_options(*slice_command, slice);
     slice_command
         ->add_option("--phi-d", slice->azimuth_deg, "azimuth of the difference angle, degrees")

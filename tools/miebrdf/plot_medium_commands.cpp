@@ -1,11 +1,11 @@
 // miebrdf plot nk, optics, phase: what is known of media before any radiative transfer.
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
-#include "pipeline/medium_optics.h"
-#include "pipeline/number_list.h"
-#include "pipeline/parallel.h"
+#include <miebrdf/error.h>
 #include "pipeline/plot/spectra.h"
+#include "pipeline/scene/number_list.h"
+#include "pipeline/solve/medium_optics.h"
+#include "pipeline/solve/parallel.h"
 #include "tools/miebrdf/plot_command.h"
 #include "tools/miebrdf/scene_options.h"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/plot_scene_arguments.h"
 #include "tools/miebrdf/profile_points.h"
 
@@ -141,9 +141,8 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
 
 void add_profile_plot(CLI::App& plot, Shell& shell) {
     auto profile = std::make_shared<ProfileArguments>();
-    auto* command =
-        add_scene_kind(plot, shell, "profile", "BRDF against the angle of reflection", profile,
-                       kOneWavelength);
+    auto* command = add_scene_kind(plot, shell, "profile", "BRDF against the angle of reflection",
+                                   profile, kOneWavelength);
     add_incidence_option(*command, "0,30,60", profile);
     add_component_options(*command, profile);
     command

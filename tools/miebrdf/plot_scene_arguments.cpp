@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "pipeline/brdf.h"
+#include "pipeline/solve/brdf.h"
 #include "tools/miebrdf/plot_command.h"
 #include "tools/miebrdf/scene_options.h"
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "pipeline/colour.h"
-#include "pipeline/number_list.h"
+#include "pipeline/colour/colour.h"
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/plot_scene_arguments.h"
 
 namespace miebrdf::program {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 namespace {

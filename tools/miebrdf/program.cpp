@@ -6,8 +6,8 @@
 #include <iostream>
 #include <new>
 
-#include "pipeline/error.h"
-#include "pipeline/version.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/interrupt.h"
 #include "tools/miebrdf/suggestions.h"

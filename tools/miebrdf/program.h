@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/run_control.h"
+#include "pipeline/solve/run_control.h"
 
 namespace miebrdf::program {
 

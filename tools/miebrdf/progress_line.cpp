@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 
 namespace miebrdf::program {
 namespace {
@@ -16,7 +16,8 @@ constexpr std::chrono::milliseconds kInterval{100};
 }  // namespace
 
 ProgressStyle parse_progress_style(const std::string& text) {
-    if (text == "auto") return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::line : ProgressStyle::none;
+    if (text == "auto")
+        return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::line : ProgressStyle::none;
     if (text == "none") return ProgressStyle::none;
     if (text == "json") return ProgressStyle::json;
     throw UsageError(fmt::format("unknown progress style '{}'; allowed: auto, none, json", text));
@@ -44,13 +45,16 @@ void ProgressLine::print(std::size_t done, std::size_t total, double elapsed_s) 
     const double rate = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
     const double left_s = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
     if (style_ == ProgressStyle::json) {
-        const nlohmann::ordered_json event = {{"stage", stage_},        {"done", done},
-                                              {"total", total},         {"per_second", rate},
+        const nlohmann::ordered_json event = {{"stage", stage_},
+                                              {"done", done},
+                                              {"total", total},
+                                              {"per_second", rate},
                                               {"seconds_left", left_s}};
         fmt::print(stderr, "{}\n", event.dump());
         return;
     }
-    fmt::print(stderr, "\r\033[K{}: {}/{}, {:.3g}/s, {:.0f} s left", stage_, done, total, rate, left_s);
+    fmt::print(stderr, "\r\033[K{}: {}/{}, {:.3g}/s, {:.0f} s left", stage_, done, total, rate,
+               left_s);
     std::fflush(stderr);
     line_shown_ = true;
 }

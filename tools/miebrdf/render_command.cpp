@@ -3,11 +3,11 @@
 
 #include <chrono>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
-#include "pipeline/plan.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
+#include "pipeline/plan/plan.h"
 #include "pipeline/render/renderer.h"
-#include "pipeline/version.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/render_materials.h"
 #include "tools/miebrdf/render_options.h"

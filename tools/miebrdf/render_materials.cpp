@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 namespace {

@@ -1,5 +1,5 @@
 // miebrdf render in a build without its packages: says which they are.
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/light_spectrum.h"
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <numbers>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
 #include "pipeline/render/light_spectrum.h"
 #include "pipeline/render/obj_file.h"
 #include "pipeline/render/procedural.h"
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <map>
 
-#include "pipeline/error.h"
-#include "pipeline/shared_work.h"
+#include <miebrdf/error.h>
+#include "pipeline/solve/shared_work.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_formats.h"
 #include "tools/miebrdf/program.h"
@@ -23,7 +23,7 @@ const std::vector<std::string> kCommands = {
 #ifdef MIEBRDF_HAS_RENDER
     "render",
 #endif
-    "brdf", "albedo", "export", "optics", "phase", "sphere", "table1"};
+    "brdf",   "albedo", "export", "optics", "phase", "sphere", "table1"};
 
 /// The commands' own parsers are what knows their options.
 std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& command,
@@ -141,7 +141,8 @@ std::vector<std::vector<std::string>> scene_command_lines(const std::string& pat
 void add_run_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("run", "everything that a scene file asks for");
     auto path = std::make_shared<std::string>();
-    command->add_option("scene", *path, "scene file (TOML); its keys are the options of the commands")
+    command
+        ->add_option("scene", *path, "scene file (TOML); its keys are the options of the commands")
         ->type_name("SCENE.toml")
         ->required();
     shell.add_common_options(*command);

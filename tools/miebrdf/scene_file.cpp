@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tools/miebrdf/scene_values.h"
 #include "tools/miebrdf/suggestions.h"
 
@@ -37,8 +37,10 @@ class SceneFile {
         const toml::array* results = nullptr;
         if (const toml::node* node = root_.get("result")) results = node->as_array();
         if (results == nullptr || results->empty() || !results->is_array_of_tables()) {
-            throw InputError(fmt::format("scene file '{}' asks for nothing; add a [[result]] with "
-                                         "command = \"brdf\"", path_));
+            throw InputError(
+                fmt::format("scene file '{}' asks for nothing; add a [[result]] with "
+                            "command = \"brdf\"",
+                            path_));
         }
         std::vector<Arguments> lines;
         for (const toml::node& result : *results) lines.push_back(command_line(*result.as_table()));
@@ -100,7 +102,8 @@ class SceneFile {
     std::vector<std::string> all_keys() const {
         std::set<std::string> keys = {"result", "scene"};
         for (const std::string& command : commands_.names) {
-            for (std::string& option : commands_.options_of(command)) keys.insert(std::move(option));
+            for (std::string& option : commands_.options_of(command))
+                keys.insert(std::move(option));
         }
         return {keys.begin(), keys.end()};
     }
@@ -157,10 +160,10 @@ class SceneFile {
         std::string command = node->as_string()->get();
         const auto& names = commands_.names;
         if (std::find(names.begin(), names.end(), command) == names.end()) {
-            refuse_word(node->source(),
-                        fmt::format("unknown command '{}'; allowed: {}", command,
-                                    fmt::join(names, ", ")),
-                        command, names);
+            refuse_word(
+                node->source(),
+                fmt::format("unknown command '{}'; allowed: {}", command, fmt::join(names, ", ")),
+                command, names);
         }
         return command;
     }

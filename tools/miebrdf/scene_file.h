@@ -23,8 +23,8 @@ struct SceneCommands {
     std::function<std::optional<OptionKind>(const std::string& command, const std::string& option)>
         kind_of;
     std::function<std::vector<std::string>(const std::string& command)> options_of;
-    /// Options that `format` of a command has no use for: what is shared with other results may hold
-    /// them, the result itself may not.
+    /// Options that `format` of a command has no use for: what is shared with other results may
+    /// hold them, the result itself may not.
     std::function<std::vector<std::string>(const std::string& command, const std::string& format)>
         useless_for;
 };

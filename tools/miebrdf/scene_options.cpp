@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <map>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 namespace {
@@ -42,25 +42,33 @@ std::complex<double> parse_index(const std::string& text, const std::string& wha
     const double n = parse_number(parts[0], what);
     const double k = parts.size() == 2 ? parse_number(parts[1], what) : 0.0;
     if (!(n > 0.0 && k >= 0.0)) {
-        throw UsageError(fmt::format("{}: {} + {}i is out of range; allowed: n > 0, k >= 0", what, n, k));
+        throw UsageError(
+            fmt::format("{}: {} + {}i is out of range; allowed: n > 0, k >= 0", what, n, k));
     }
     return {n, k};
 }
 
 void ParticleArguments::add_to(CLI::App& command) {
     auto* group = command.add_option_group("Particles (media that go through Mie theory)");
-    group->add_option("--effective-radius", options_.sizes.effective_radius_um,
-                      "effective radius <r^3>/<r^2> in um, of media that say none themselves")->capture_default_str();
-    group->add_option("--effective-variance", options_.sizes.effective_variance,
-                      "effective variance")->capture_default_str();
-    group->add_option("--size-distribution", distribution_,
-                      "power-law, gamma, log-normal or mono")->capture_default_str();
-    group->add_option("--host-index", options_.host_index,
-                      "refractive index of the medium between the particles")->capture_default_str();
-    group->add_option("--k-floor", options_.k_floor,
-                      "raise a smaller k of the material to this")->capture_default_str();
-    group->add_option("--mie-tolerance", options_.tolerance,
-                      "relative error of the size average; 0: a fifth of --tolerance")
+    group
+        ->add_option("--effective-radius", options_.sizes.effective_radius_um,
+                     "effective radius <r^3>/<r^2> in um, of media that say none themselves")
+        ->capture_default_str();
+    group
+        ->add_option("--effective-variance", options_.sizes.effective_variance,
+                     "effective variance")
+        ->capture_default_str();
+    group->add_option("--size-distribution", distribution_, "power-law, gamma, log-normal or mono")
+        ->capture_default_str();
+    group
+        ->add_option("--host-index", options_.host_index,
+                     "refractive index of the medium between the particles")
+        ->capture_default_str();
+    group->add_option("--k-floor", options_.k_floor, "raise a smaller k of the material to this")
+        ->capture_default_str();
+    group
+        ->add_option("--mie-tolerance", options_.tolerance,
+                     "relative error of the size average; 0: a fifth of --tolerance")
         ->capture_default_str();
 }
 
@@ -98,15 +106,18 @@ std::string describe_particles(const Scene& scene) {
 
 void MaterialArguments::add_to(CLI::App& command, const std::string& default_wavelengths) {
     wavelengths_ = default_wavelengths;
-    command.add_option("--wavelengths", wavelengths_,
-                       "list or range first:last:step, in nm unless a unit is given: 450,550,650 or "
-                       "400:700:10 or "
-                       "0.55um or 2.25eV; rgb is 620,535,480")
+    command
+        .add_option("--wavelengths", wavelengths_,
+                    "list or range first:last:step, in nm unless a unit is given: 450,550,650 or "
+                    "400:700:10 or "
+                    "0.55um or 2.25eV; rgb is 620,535,480")
         ->type_name("LIST")
         ->capture_default_str();
-    command.add_option("--database", database_,
-                       "the user's materials, over the embedded ones; default: $MIEBRDF_DATABASE, else "
-                       "$XDG_DATA_HOME/miebrdf/materials.sqlite")
+    command
+        .add_option(
+            "--database", database_,
+            "the user's materials, over the embedded ones; default: $MIEBRDF_DATABASE, else "
+            "$XDG_DATA_HOME/miebrdf/materials.sqlite")
         ->type_name("FILE");
 }
 
@@ -120,17 +131,18 @@ std::string MaterialArguments::database() const {
     return variable == nullptr ? "" : variable;
 }
 
-void SceneArguments::add_to(CLI::App& command, Base base,
-                            const std::string& default_wavelengths) {
-    command.add_option("--base", base_,
-                       "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
-                       "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have sizes of "
-                       "their own: TiO2,radius=0.2,variance=0.1,distribution=gamma")
+void SceneArguments::add_to(CLI::App& command, Base base, const std::string& default_wavelengths) {
+    command
+        .add_option("--base", base_,
+                    "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
+                    "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have sizes of "
+                    "their own: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required(base == Base::required);
-    command.add_option("--coat", coats_,
-                       "a coat of paint, inf deep if nothing below may show; repeat it for more, "
-                       "each on top of the last")
+    command
+        .add_option("--coat", coats_,
+                    "a coat of paint, inf deep if nothing below may show; repeat it for more, "
+                    "each on top of the last")
         ->type_name("MEDIUM@OPTICAL_DEPTH")
         ->allow_extra_args(false);
     materials_.add_to(command, default_wavelengths);
@@ -146,26 +158,30 @@ void SceneArguments::add_surface_options(CLI::App& command) {
             ->add_option("--roughness", roughness_,
                          "Beckmann slope parameter of a rough surface on top; 0: no surface lobe")
             ->capture_default_str();
-    group->add_option("--coupling", coupling_,
-                      "how light enters and leaves: paper (eq. 5) or reciprocal")
+    group
+        ->add_option("--coupling", coupling_,
+                     "how light enters and leaves: paper (eq. 5) or reciprocal")
         ->capture_default_str();
-    group->add_option("--surface-index", surface_index_,
-                      "refractive index of the surface; default: that of the top medium")
+    group
+        ->add_option("--surface-index", surface_index_,
+                     "refractive index of the surface; default: that of the top medium")
         ->type_name("N,K");
 }
 
 void SceneArguments::add_solver_options(CLI::App& command) {
     auto* group = command.add_option_group("Method");
-    group->add_option("--tolerance", solver_.tolerance,
-                      "wanted error, relative to the largest BRDF value at that incidence")
+    group
+        ->add_option("--tolerance", solver_.tolerance,
+                     "wanted error, relative to the largest BRDF value at that incidence")
         ->capture_default_str();
     group->add_option("--streams", solver_.streams, "zenith nodes, 2 to 256; 0: from --tolerance")
         ->capture_default_str();
     group->add_option("--grid", grid_, "auto, gauss, mapped-gauss or paper")->capture_default_str();
     group->add_option("--half-space-method", half_space_method_, "auto, fixed-point or doubling")
         ->capture_default_str();
-    group->add_option("--coat-method", coat_method_,
-                      "auto, first-order, first-order-patched or exponential")
+    group
+        ->add_option("--coat-method", coat_method_,
+                     "auto, first-order, first-order-patched or exponential")
         ->capture_default_str();
     group->add_option("--coat-substeps", solver_.coat_substeps, "steps of a stepwise coat method")
         ->capture_default_str();
@@ -179,8 +195,8 @@ void SceneArguments::parse_surface(Scene& scene) const {
         {"paper", rte::SurfaceCoupling::paper}, {"reciprocal", rte::SurfaceCoupling::reciprocal}};
     scene.coupling = one_of(kCouplings, coupling_, "coupling");
     if (!(roughness_ >= 0.0 && roughness_ <= 2.0)) {
-        throw UsageError(fmt::format("roughness: {} is out of range; allowed: 0 (no lobe) to 2",
-                                     roughness_));
+        throw UsageError(
+            fmt::format("roughness: {} is out of range; allowed: 0 (no lobe) to 2", roughness_));
     }
     // A roughness of 0 that was typed is a choice, with the rest of the surface ready for another.
     if (!surface_index_.empty() && roughness_option_->count() == 0) {

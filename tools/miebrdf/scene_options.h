@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/request.h"
+#include "pipeline/scene/request.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

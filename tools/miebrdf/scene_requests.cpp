@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
 #include "tools/miebrdf/reflection_options.h"

@@ -1,12 +1,13 @@
-// The results of a scene file as requests, for who wants to know beforehand what they have in common.
+// The results of a scene file as requests, for who wants to know beforehand what they have in
+// common.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pipeline/layers.h"
-#include "pipeline/request.h"
+#include "pipeline/scene/request.h"
+#include "pipeline/solve/layers.h"
 
 namespace miebrdf::program {
 

@@ -46,7 +46,8 @@ std::vector<std::string> option_words(const std::string& key, const toml::node& 
     }
     if (texts.empty()) {
         refuse(value.source(), fmt::format("'{}' is an empty list; give at least one value or "
-                                           "leave it out", key));
+                                           "leave it out",
+                                           key));
     }
     const std::string joined = fmt::format("{}", fmt::join(texts, ","));
     return {kind == OptionKind::positional ? joined : fmt::format("--{}={}", key, joined)};

@@ -6,13 +6,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/atomic_file.h"
-#include "pipeline/brdf.h"
-#include "pipeline/error.h"
-#include "pipeline/exports/spectrum_writer.h"
-#include "pipeline/medium_optics.h"
-#include "pipeline/parallel.h"
-#include "pipeline/version.h"
+#include <miebrdf/error.h>
+#include <miebrdf/version.h>
+#include "pipeline/formats/spectrum_writer.h"
+#include "pipeline/io/atomic_file.h"
+#include "pipeline/solve/brdf.h"
+#include "pipeline/solve/medium_optics.h"
+#include "pipeline/solve/parallel.h"
 
 namespace miebrdf::program {
 namespace {

@@ -1,7 +1,7 @@
 // The exports that hold no directions: reflectance spectra and single-scattering tables.
 #pragma once
 
-#include "pipeline/request.h"
+#include "pipeline/scene/request.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

@@ -1,9 +1,9 @@
 // miebrdf sphere: Mie theory for single spheres.
 #include <fmt/format.h>
 
-#include "mie/amplitudes.h"
-#include "mie/sphere.h"
-#include "pipeline/number_list.h"
+#include "mie/sphere/amplitudes.h"
+#include "mie/sphere/sphere.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -19,8 +19,7 @@ struct SphereArguments {
 Table efficiencies(std::complex<double> index, const std::vector<double>& size_parameters,
                    bool& all_reached) {
     Table table;
-    table.columns = {"n",     "k",     "size_parameter", "q_ext",
-                     "q_sca", "q_abs", "q_back",         "asymmetry"};
+    table.columns = {"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"};
     for (const double x : size_parameters) {
         const mie::SphereOptics sphere = mie::scatter_by_sphere(index, x);
         all_reached = all_reached && sphere.reached;
@@ -34,8 +33,7 @@ Table amplitudes(std::complex<double> index, const std::vector<double>& size_par
                  const std::vector<double>& angles_deg) {
     Table table;
     table.facts.emplace_back("units", "angle_deg in degrees; S1, S2 for time factor exp(-i w t)");
-    table.columns = {"n",     "k",     "size_parameter", "angle_deg",
-                     "s1_re", "s1_im", "s2_re",          "s2_im"};
+    table.columns = {"n", "k", "size_parameter", "angle_deg", "s1_re", "s1_im", "s2_re", "s2_im"};
     for (const double x : size_parameters) {
         const mie::Amplitudes a = mie::scattering_amplitudes(index, x, angles_deg);
         for (std::size_t i = 0; i < angles_deg.size(); ++i) {
@@ -55,7 +53,8 @@ int run(const SphereArguments& arguments, const Shell& shell) {
                       : amplitudes(index, sizes,
                                    parse_number_list(arguments.angles, "scattering angle (degrees)",
                                                      0.0, 180.0));
-    if (!all_reached) table.facts.emplace_back("not converged", "some series were not summed to rounding");
+    if (!all_reached)
+        table.facts.emplace_back("not converged", "some series were not summed to rounding");
     shell.write(std::move(table));
     return all_reached ? kGood : kNotConverged;
 }
@@ -65,15 +64,18 @@ int run(const SphereArguments& arguments, const Shell& shell) {
 void add_sphere_command(CLI::App& program, Shell& shell) {
     auto* command = program.add_subcommand("sphere", "Mie theory for single homogeneous spheres");
     auto arguments = std::make_shared<SphereArguments>();
-    command->add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
+    command
+        ->add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
         ->type_name("N,K")
         ->required();
-    command->add_option("--size-parameter", arguments->size_parameters,
-                        "2 pi radius / wavelength in the host, list or range")
+    command
+        ->add_option("--size-parameter", arguments->size_parameters,
+                     "2 pi radius / wavelength in the host, list or range")
         ->type_name("LIST")
         ->required();
-    command->add_option("--angles", arguments->angles,
-                        "scattering angles in degrees: print amplitudes S1, S2 there instead")
+    command
+        ->add_option("--angles", arguments->angles,
+                     "scattering angles in degrees: print amplitudes S1, S2 there instead")
         ->type_name("LIST");
     shell.add_common_options(*command);
     command->footer("Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");

@@ -1,7 +1,7 @@
 // miebrdf stress: the battery of stiff and extreme cases.
 #include <fmt/format.h>
 
-#include "pipeline/error.h"
+#include <miebrdf/error.h>
 #include "tools/bench/document.h"
 #include "tools/bench/stress.h"
 #include "tools/miebrdf/command.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "materials/names.h"
+#include "materials/database/names.h"
 
 namespace miebrdf::program {
 namespace {

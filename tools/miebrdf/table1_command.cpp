@@ -1,12 +1,12 @@
 // miebrdf table1: the paper's averaged diffuse reflectance factors.
-#include "pipeline/table1.h"
+#include "pipeline/solve/table1.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "pipeline/error.h"
-#include "pipeline/number_list.h"
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
@@ -29,8 +29,8 @@ Table1Request parse(const Table1Arguments& arguments) {
     }
     if (arguments.roughness != 0.0) {
         if (!(arguments.roughness > 0.0 && arguments.roughness <= 2.0)) {
-            throw UsageError(fmt::format("roughness: {} is out of range; allowed: (0, 2]",
-                                         arguments.roughness));
+            throw UsageError(
+                fmt::format("roughness: {} is out of range; allowed: (0, 2]", arguments.roughness));
         }
         request.beckmann_alpha = arguments.roughness;
     }
@@ -42,8 +42,9 @@ Table1Request parse(const Table1Arguments& arguments) {
 
 Table table_of(const Table1Result& result, const Table1Request& request) {
     Table table;
-    table.facts.emplace_back("units", "wavelength_nm: nm in vacuum; factors: mean of 1 - rho_dt over "
-                                      "the hemisphere, uniform in solid angle");
+    table.facts.emplace_back("units",
+                             "wavelength_nm: nm in vacuum; factors: mean of 1 - rho_dt over "
+                             "the hemisphere, uniform in solid angle");
     for (const auto& c : request.conventions) {
         table.facts.emplace_back("convention", fmt::format("{}: {}", c.name, c.description));
     }
@@ -82,14 +83,16 @@ void add_table1_command(CLI::App& program, Shell& shell) {
     for (const auto& c : rte::table1_conventions()) names += c.name + ", ";
     command->add_option("material", arguments->materials, "materials; default: the paper's four")
         ->type_name("MATERIAL");
-    command->add_option("--convention", arguments->convention,
-                        "what the paper leaves open: " + names + "or all")
+    command
+        ->add_option("--convention", arguments->convention,
+                     "what the paper leaves open: " + names + "or all")
         ->capture_default_str();
-    command->add_option("--wavelengths", arguments->wavelengths,
-                        "instead of the convention's R, G, B")
+    command
+        ->add_option("--wavelengths", arguments->wavelengths, "instead of the convention's R, G, B")
         ->type_name("LIST");
-    command->add_option("--roughness", arguments->roughness,
-                        "Beckmann slope parameter; 0: the convention's")
+    command
+        ->add_option("--roughness", arguments->roughness,
+                     "Beckmann slope parameter; 0: the convention's")
         ->capture_default_str();
     command->add_option("--database", arguments->database, "materials database")->type_name("FILE");
     shell.add_common_options(*command);

@@ -4,13 +4,13 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "materials/export.h"
-#include "materials/provenance.h"
+#include "materials/database/export.h"
+#include "materials/database/provenance.h"
+#include "materials/database/verify.h"
+#include "materials/index/refractive_index.h"
+#include "materials/index/units.h"
 #include "materials/readers/catalogue.h"
 #include "materials/readers/readers.h"
-#include "materials/refractive_index.h"
-#include "materials/units.h"
-#include "materials/verify.h"
 
 namespace miebrdf::materials::fuzz {
 namespace {

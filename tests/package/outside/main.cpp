@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "materials/database.h"
-#include "mie/sphere.h"
-#include "pipeline/table1.h"
-#include "rte/layered_reflection.h"
+#include "materials/database/database.h"
+#include "mie/sphere/sphere.h"
+#include "pipeline/solve/table1.h"
+#include "rte/stack/layered_reflection.h"
 
 using namespace miebrdf;
 

@@ -1,0 +1,36 @@
+// One database file (or the embedded one) as a layer of the Database; internal.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "materials/database/database.h"
+#include "materials/database/sqlite.h"
+
+namespace miebrdf::materials {
+
+/// What one layer knows of a material.
+struct LayerMaterial {
+    std::int64_t id = 0;
+    std::string name, title, formula, default_label;
+};
+
+struct Database::Layer {
+    std::string name;  ///< "embedded" or the file
+    sqlite::Connection connection;
+
+    std::optional<LayerMaterial> material(const std::string& name) const;
+    std::vector<LayerMaterial> materials() const;
+    std::vector<std::string> aliases(std::int64_t material_id) const;
+    /// Pairs (spelling, material) of all names and aliases with this normalised form.
+    std::vector<std::pair<std::string, std::string>> spellings(const std::string& key) const;
+    std::vector<std::pair<std::string, std::string>> all_spellings() const;
+    /// In the order they were added.
+    std::vector<std::pair<std::int64_t, DatasetInfo>> datasets(std::int64_t material_id) const;
+    std::vector<std::string> materials_with_key(const std::string& key) const;
+    std::vector<std::string> full_text(const std::string& query) const;
+    std::optional<Series> series(std::int64_t dataset_id, char quantity) const;
+};
+
+}  // namespace miebrdf::materials

@@ -1,0 +1,188 @@
+#include "materials/index/refractive_index.h"
+
+#include <fmt/format.h>
+#include <math.h>  // Boost 1.74 calls ::isnan in pchip.hpp
+
+#include <algorithm>
+#include <boost/math/interpolators/pchip.hpp>
+#include <cmath>
+#include <stdexcept>
+
+#include "materials/index/dispersion_formula.h"
+
+namespace miebrdf::materials {
+namespace {
+
+using Pchip = boost::math::interpolators::pchip<std::vector<double>>;
+
+double energy_ev(double wavelength_nm) { return from_nm(wavelength_nm, Unit::electronvolt); }
+
+/// One series ready to be evaluated inside its range.
+class Curve {
+  public:
+    Curve(Series series, char quantity, Interpolation interpolation) : series_(std::move(series)) {
+        check_series(series_, quantity);
+        if (!series_.tabulated()) return;
+        in_wavelength_ = interpolation == Interpolation::linear_in_wavelength;
+        x_ = series_.wavelengths_nm();
+        y_ = series_.y;
+        if (in_wavelength_) return;
+        std::transform(x_.begin(), x_.end(), x_.begin(), energy_ev);
+        std::reverse(x_.begin(), x_.end());
+        std::reverse(y_.begin(), y_.end());
+        if (interpolation == Interpolation::pchip && x_.size() >= 4) {
+            pchip_.emplace(std::vector<double>(x_), std::vector<double>(y_));
+        }
+    }
+
+    const Series& series() const { return series_; }
+
+    double at(double wavelength_nm) const {
+        if (!series_.tabulated()) {
+            return dispersion_formula(series_.formula, series_.y, wavelength_nm / 1000.0);
+        }
+        const double x = std::clamp(in_wavelength_ ? wavelength_nm : energy_ev(wavelength_nm),
+                                    x_.front(), x_.back());
+        const auto above = std::upper_bound(x_.begin(), x_.end(), x);
+        if (above == x_.end()) return y_.back();
+        const std::size_t i = static_cast<std::size_t>(above - x_.begin());
+        if (x == x_[i - 1]) return y_[i - 1];  // tabulated rows come back bit for bit
+        const double lower = std::min(y_[i - 1], y_[i]);
+        const double upper = std::max(y_[i - 1], y_[i]);
+        const double t = (x - x_[i - 1]) / (x_[i] - x_[i - 1]);
+        const double value = pchip_ ? (*pchip_)(x) : y_[i - 1] + t * (y_[i] - y_[i - 1]);
+        return std::clamp(value, lower, upper);  // monotone, so this removes rounding only
+    }
+
+  private:
+    Series series_;
+    bool in_wavelength_ = false;
+    std::vector<double> x_, y_;
+    std::optional<Pchip> pchip_;
+};
+
+}  // namespace
+
+struct RefractiveIndex::State {
+    std::string material;
+    Curve n;
+    std::optional<Curve> k;
+    IndexOptions options;
+    std::vector<Coverage> alternatives;
+    double shortest_nm = 0.0;
+    double longest_nm = 0.0;
+
+    std::string out_of_range_message(double wavelength_nm) const {
+        std::string message = fmt::format("{}: {} nm is outside its data; valid: {} to {} nm",
+                                          material, wavelength_nm, shortest_nm, longest_nm);
+        if (k && n.series().shortest_nm <= wavelength_nm &&
+            wavelength_nm <= n.series().longest_nm) {
+            message += fmt::format(" (n is known from {} to {} nm, k is not)",
+                                   n.series().shortest_nm, n.series().longest_nm);
+        }
+        std::string others;
+        for (const Coverage& other : alternatives) {
+            if (other.shortest_nm <= wavelength_nm && wavelength_nm <= other.longest_nm) {
+                others += fmt::format("{}{} ({} to {} nm)", others.empty() ? "" : ", ", other.name,
+                                      other.shortest_nm, other.longest_nm);
+            }
+        }
+        return others.empty() ? message : message + "; covered by " + others;
+    }
+};
+
+RefractiveIndex::RefractiveIndex(std::string material, IndexTable table)
+    : RefractiveIndex(
+          std::move(material), make_table(Unit::nanometre, table.wavelength_nm, table.n),
+          table.k_known ? std::optional(make_table(Unit::nanometre, table.wavelength_nm, table.k))
+                        : std::nullopt) {
+    if (!table.k_known &&
+        std::any_of(table.k.begin(), table.k.end(), [](double k) { return k != 0; })) {
+        throw std::invalid_argument(state_->material + ": k is declared unknown but has values");
+    }
+}
+
+RefractiveIndex::RefractiveIndex(std::string material, std::optional<Series> n,
+                                 std::optional<Series> k, const IndexOptions& options,
+                                 std::vector<Coverage> alternatives) {
+    if (!n) throw std::invalid_argument(material + ": gives k only, n is unknown");
+    double shortest_nm = n->shortest_nm;
+    double longest_nm = n->longest_nm;
+    if (k && !options.missing_k_is_zero) {
+        shortest_nm = std::max(shortest_nm, k->shortest_nm);
+        longest_nm = std::min(longest_nm, k->longest_nm);
+        if (shortest_nm > longest_nm) {
+            throw std::invalid_argument(fmt::format(
+                "{}: n ({} to {} nm) and k ({} to {} nm) have no wavelength in common", material,
+                n->shortest_nm, n->longest_nm, k->shortest_nm, k->longest_nm));
+        }
+    }
+    try {
+        std::optional<Curve> k_curve;
+        if (k) k_curve.emplace(std::move(*k), 'k', options.interpolation);
+        state_ = std::make_shared<const State>(
+            State{material, Curve(std::move(*n), 'n', options.interpolation), std::move(k_curve),
+                  options, std::move(alternatives), shortest_nm, longest_nm});
+    } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(material + ": " + error.what());
+    }
+}
+
+std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
+    const State& s = *state_;
+    if (!(wavelength_nm > 0 && std::isfinite(wavelength_nm))) {
+        throw std::out_of_range(fmt::format("{}: wavelength {} nm; valid: {} to {} nm", s.material,
+                                            wavelength_nm, s.shortest_nm, s.longest_nm));
+    }
+    const bool inside = covers(wavelength_nm);
+    if (!inside && s.options.extrapolation == Extrapolation::refuse) {
+        throw std::out_of_range(s.out_of_range_message(wavelength_nm));
+    }
+    const double used_nm = std::clamp(wavelength_nm, s.shortest_nm, s.longest_nm);
+    const double n = s.n.at(used_nm);
+    if (!(n > 0)) {
+        throw std::out_of_range(
+            fmt::format("{}: its dispersion formula {} has no real value at {} nm", s.material,
+                        s.n.series().formula, used_nm));
+    }
+    const bool has_k =
+        s.k && s.k->series().shortest_nm <= used_nm && used_nm <= s.k->series().longest_nm;
+    return {n, has_k ? s.k->at(used_nm) : 0.0};
+}
+
+double RefractiveIndex::shortest_nm() const { return state_->shortest_nm; }
+double RefractiveIndex::longest_nm() const { return state_->longest_nm; }
+bool RefractiveIndex::k_known() const { return state_->k.has_value(); }
+
+bool RefractiveIndex::covers(double wavelength_nm) const {
+    return state_->shortest_nm <= wavelength_nm && wavelength_nm <= state_->longest_nm;
+}
+
+IndexTable RefractiveIndex::table() const {
+    IndexTable table;
+    table.k_known = k_known();
+    std::vector<double>& grid = table.wavelength_nm;
+    const auto add = [&](const Series& series) {
+        for (const double w : series.wavelengths_nm()) {
+            if (covers(w)) grid.push_back(w);
+        }
+    };
+    add(state_->n.series());
+    if (state_->k) add(state_->k->series());
+    if (!state_->n.series().tabulated()) {
+        const double high = energy_ev(shortest_nm());
+        const double low = energy_ev(longest_nm());
+        for (int i = 1; i < 200; ++i) grid.push_back(energy_ev(high + (low - high) * i / 200.0));
+        grid.insert(grid.end(), {shortest_nm(), longest_nm()});
+    }
+    std::sort(grid.begin(), grid.end());
+    grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+    for (const double w : grid) {
+        const std::complex<double> m = at(w);
+        table.n.push_back(m.real());
+        table.k.push_back(m.imag());
+    }
+    return table;
+}
+
+}  // namespace miebrdf::materials

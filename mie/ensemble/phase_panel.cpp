@@ -1,0 +1,108 @@
+#include "mie/ensemble/phase_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mie/ensemble/phase_table.h"
+
+namespace miebrdf::mie {
+namespace {
+
+// Widths grow by this share of the distance from the nearer end, up to the widest.
+constexpr double growth = 1 / 3.0;
+constexpr double widest = 6 * std::numbers::pi / 180;
+
+// Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
+// before better than that does so by chance.
+constexpr double slowest_gain = 0.5;
+
+// Edges from 0 to pi/2, to be mirrored.
+std::vector<double> graded_half(double narrowest) {
+    std::vector<double> edges = {0};
+    const double end = 0.5 * std::numbers::pi;
+    while (edges.back() < end) {
+        const double width = std::clamp(growth * edges.back(), std::min(narrowest, widest), widest);
+        const double next = edges.back() + width;
+        edges.push_back(next > end - 0.5 * width ? end : next);
+    }
+    return edges;
+}
+
+double last_two(const Eigen::VectorXd& values) {
+    const Eigen::VectorXd c = PhaseTable::coefficients_of(values);
+    return std::abs(c[PhaseTable::panel_nodes - 1]) + std::abs(c[PhaseTable::panel_nodes - 2]);
+}
+
+}  // namespace
+
+std::vector<PhasePanel> graded_panels(double narrowest) {
+    const std::vector<double> half = graded_half(narrowest);
+    std::vector<PhasePanel> panels;
+    for (std::size_t i = 0; i + 1 < half.size(); ++i) panels.emplace_back(half[i], half[i + 1], 0);
+    for (std::size_t i = half.size() - 1; i > 0; --i) {
+        panels.emplace_back(std::numbers::pi - half[i], std::numbers::pi - half[i - 1], 0);
+    }
+    return panels;
+}
+
+void PhasePanel::add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
+                           double scattering_efficiency, double floor) {
+    sums_ = ++level_ == 0 ? level : sizes.with_level(sums_, level);
+    judge(sizes.rippled(), scattering_efficiency, floor);
+}
+
+Eigen::VectorXd PhasePanel::values() const {
+    return sums_.intensity.rowwise().sum() / (sums_.scattered[0] + sums_.scattered[1]);
+}
+
+Eigen::VectorXd PhasePanel::values_of(int family) const {
+    return sums_.intensity.col(family) / sums_.scattered[family];
+}
+
+void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor) {
+    const Eigen::VectorXd P = values();
+    const double largest = P.maxCoeff();
+    const double worst_before = worst_, relative_before = relative_;
+    worst_ = relative_ = 0;
+    double rms = 0;
+    if (sums_.scattered[1] > 0) {
+        // The mean of two families errs by half their difference.
+        const Eigen::VectorXd error = 0.5 * (values_of(0) - values_of(1));
+        const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
+        const double root = std::sqrt(double(PhaseTable::panel_nodes));
+        worst_ = relative.cwiseAbs().maxCoeff();
+        relative_ = relative.norm() / root;
+        rms = error.norm() / root;
+    }
+    const double doubt = rippled && level_ > 0 ? slowest_gain : 0.0;
+    double missed = 0;
+    if (scattering_efficiency > 0) {
+        const double sampled = sums_.scattered[0] + sums_.scattered[1];
+        missed = std::abs(sampled / scattering_efficiency - 1);
+    }
+    noise_ = std::max({relative_, doubt * relative_before, missed});
+    worst_noise_ = std::max({worst_, doubt * worst_before, missed});
+    rms_ = std::max(rms, missed * largest);
+    largest_ = largest;
+    tail_of_noise_ = rms / largest;
+    tail_ = last_two(P) / largest;
+}
+
+// Share of the sphere, times |P_l| there.
+double PhasePanel::solid_angle_of_moments(int first_moment) const {
+    const double sine = std::min(std::sin(lower_), std::sin(upper_));
+    const double damping = 2 / (std::numbers::pi * std::max(1, first_moment));
+    const double legendre = damping < sine ? std::sqrt(damping / sine) : 1.0;
+    return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
+}
+
+double PhasePanel::moment_noise(int first_moment) const {
+    return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::panel_nodes));
+}
+
+double PhasePanel::moment_tail(int first_moment) const {
+    return 0.5 * tail_ * largest_ * solid_angle_of_moments(first_moment);
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,63 @@
+// One panel of scattering angles of a phase table while it is being built.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mie/sizes/size_families.h"
+
+namespace miebrdf::mie {
+
+/// P at the nodes of [lower, upper] from all levels of sizes so far, and how good it is.
+class PhasePanel {
+  public:
+    PhasePanel(double lower, double upper, int generation)
+        : lower_(lower), upper_(upper), generation_(generation) {}
+
+    double lower() const { return lower_; }  ///< radians
+    double upper() const { return upper_; }
+    int generation() const { return generation_; }  ///< times that it was halved
+    int level() const { return level_; }            ///< last one added; -1: none
+
+    /// Adds the sums over the next level of sizes at the panel's nodes. With ripple, levels
+    /// converge slowly, so that families may agree by chance: the noise is not believed to fall by
+    /// more than half.
+    /// @param scattering_efficiency  of the average, 0 when not known: sizes that miss it have
+    ///                 missed resonances too narrow for two families to tell
+    /// @param floor  errors are relative to P where that is larger, else to this
+    void add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
+                   double scattering_efficiency, double floor);
+
+    Eigen::VectorXd values() const;
+    Eigen::VectorXd values_of(int family) const;  ///< 0 or 1, each normalised by what it scatters
+    /// Error of P from its sizes relative to max(P, floor), rms over the nodes, and at the worst of
+    /// them.
+    double noise() const { return noise_; }
+    double worst_noise() const { return worst_noise_; }
+    /// Interpolation error relative to P: last two Chebyshev coefficients. Noise shows in it too.
+    double tail() const { return tail_; }
+    double tail_of_noise() const { return tail_of_noise_; }
+
+    /// What its noise gives to Legendre moments from `first_moment` on, absolute: nodes err
+    /// independently, and |P_l| <= sqrt(2 / (pi l sin)) (Bernstein) damps what lies to the sides.
+    double moment_noise(int first_moment) const;
+    /// The same from what its polynomial leaves out, about half of the last two coefficients.
+    double moment_tail(int first_moment) const;
+
+  private:
+    double solid_angle_of_moments(int first_moment) const;
+    void judge(bool rippled, double scattering_efficiency, double floor);
+
+    double lower_, upper_;
+    int generation_;
+    int level_ = -1;
+    FamilyIntensity sums_;
+    double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
+    double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
+    double rms_ = 0, largest_ = 0;  // noise, and P
+};
+
+/// Panels that are `narrowest` wide at both ends and grow with the distance from them.
+std::vector<PhasePanel> graded_panels(double narrowest);
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,186 @@
+#include "mie/ensemble/phase_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mie/sphere/lanes.h"
+#include "rte/math/quadrature.h"
+
+namespace miebrdf::mie {
+namespace {
+
+// Weighted samples of P over the cosine: sum of weight * P(mu) P_l(mu) is 2 chi_l.
+struct Samples {
+    std::vector<double> mu, weighted;
+};
+
+double clenshaw(const double* coefficients, double t) {
+    double b1 = 0, b2 = 0;
+    for (int k = PhaseTable::panel_nodes - 1; k >= 1; --k) {
+        const double b = coefficients[k] + 2 * t * b1 - b2;
+        b2 = b1;
+        b1 = b;
+    }
+    return coefficients[0] + t * b1 - b2;
+}
+
+// sum of weighted P_l(mu) over the samples [first, end), l = 0 ... highest_moment.
+std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
+                              int highest_moment) {
+    std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
+    constexpr int group = 4 * lane_count;  // hides the latency of the recurrence
+    using Group = Eigen::Array<double, group, 1>;
+    for (std::size_t first = first_sample; first < end; first += group) {
+        Group mu = Group::Zero(), weighted = Group::Zero();
+        for (std::size_t i = first; i < std::min(first + group, end); ++i) {
+            mu[static_cast<Eigen::Index>(i - first)] = samples.mu[i];
+            weighted[static_cast<Eigen::Index>(i - first)] = samples.weighted[i];
+        }
+        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}, with the weight carried along.
+        Group before = Group::Zero(), here = weighted;
+        for (int l = 0; l <= highest_moment; ++l) {
+            sums[l] += (here.segment<8>(0) + here.segment<8>(8)) +
+                       (here.segment<8>(16) + here.segment<8>(24));
+            const double inverse = 1.0 / (l + 1);
+            const Group next = ((2 * l + 1) * inverse) * mu * here - (l * inverse) * before;
+            before = here;
+            here = next;
+        }
+    }
+    std::vector<double> projections;
+    projections.reserve(sums.size());
+    for (const Lanes& sum : sums) projections.push_back(sum.sum());
+    return projections;
+}
+
+}  // namespace
+
+std::vector<double> PhaseTable::nodes_of(double lower, double upper) {
+    std::vector<double> nodes;
+    for (int i = panel_nodes - 1; i >= 0; --i) {
+        const double t = std::cos(std::numbers::pi * i / (panel_nodes - 1));
+        nodes.push_back(0.5 * (lower + upper) + 0.5 * (upper - lower) * t);
+    }
+    nodes.front() = lower;
+    nodes.back() = upper;
+    return nodes;
+}
+
+// c_k = 2/N sum'' f_i cos(pi k i / N), N = panel_nodes - 1; first and last terms, and c_0 and c_N,
+// count half.
+Eigen::VectorXd PhaseTable::coefficients_of(const Eigen::VectorXd& values) {
+    constexpr int N = panel_nodes - 1;
+    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(panel_nodes);
+    for (int k = 0; k <= N; ++k) {
+        for (int i = 0; i <= N; ++i) {
+            const double halves = (i % N == 0 ? 0.5 : 1.0) * (k % N == 0 ? 0.5 : 1.0);
+            coefficients[k] +=
+                halves * 2 / N * std::cos(std::numbers::pi * k * i / N) * values[N - i];
+        }
+    }
+    return coefficients;
+}
+
+PhaseTable::PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values,
+                       double interpolation_error, double size_error, std::vector<double> noise,
+                       double noise_floor)
+    : parts_{std::move(edges),
+             Eigen::MatrixXd(values.rows(), values.cols()),
+             1,
+             interpolation_error,
+             size_error,
+             std::move(noise),
+             noise_floor} {
+    for (Eigen::Index panel = 0; panel < values.cols(); ++panel) {
+        parts_.coefficients.col(panel) = coefficients_of(values.col(panel));
+    }
+    // Normalised by its own integral, so that it conserves energy with chi_0 = 1.
+    const math::Quadrature rule = math::gauss_legendre(panel_nodes);
+    double integral = 0;
+    for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
+        const double half = 0.5 * (parts_.edges[p + 1] - parts_.edges[p]);
+        for (int i = 0; i < panel_nodes; ++i) {
+            const double theta = parts_.edges[p] + half * (1 + rule.nodes[i]);
+            integral += half * rule.weights[i] * std::sin(theta) *
+                        clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(p)).data(),
+                                 rule.nodes[i]);
+        }
+    }
+    parts_.mean = 0.5 * integral;
+    parts_.coefficients /= parts_.mean;
+}
+
+PhaseTable::PhaseTable(Parts parts) : parts_(std::move(parts)) {
+    const auto panels = static_cast<Eigen::Index>(parts_.edges.size()) - 1;
+    if (panels < 1 || parts_.coefficients.rows() != panel_nodes ||
+        parts_.coefficients.cols() != panels ||
+        (!parts_.noise.empty() && static_cast<Eigen::Index>(parts_.noise.size()) != panels) ||
+        !std::is_sorted(parts_.edges.begin(), parts_.edges.end())) {
+        throw std::invalid_argument("parts of a phase table that do not fit each other");
+    }
+}
+
+std::size_t PhaseTable::panel_at(double theta) const {
+    const auto above = std::upper_bound(parts_.edges.begin() + 1, parts_.edges.end() - 1, theta);
+    return static_cast<std::size_t>(above - parts_.edges.begin()) - 1;
+}
+
+double PhaseTable::at_angle(double theta) const {
+    const std::size_t panel = panel_at(theta);
+    const double lower = parts_.edges[panel], upper = parts_.edges[panel + 1];
+    const double t = (2 * theta - lower - upper) / (upper - lower);
+    return clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(panel)).data(), t);
+}
+
+double PhaseTable::operator()(double cos_theta) const {
+    return at_angle(std::acos(std::clamp(cos_theta, -1.0, 1.0)));
+}
+
+double PhaseTable::noise(double cos_theta) const {
+    if (parts_.noise.empty()) return 0;
+    const double theta = std::acos(std::clamp(cos_theta, -1.0, 1.0));
+    return parts_.noise[panel_at(theta)] * std::max(at_angle(theta), parts_.noise_floor);
+}
+
+std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {
+    // Each panel in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up to
+    // 2 rad per node to rounding.
+    constexpr int piece_nodes = 16;
+    const math::Quadrature rule = math::gauss_legendre(piece_nodes);
+    Samples samples;
+    for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
+        const double width = parts_.edges[p + 1] - parts_.edges[p];
+        const int pieces = static_cast<int>(std::ceil(width * highest_moment / 16.0 + 0.5));
+        for (int piece = 0; piece < pieces; ++piece) {
+            const double half = 0.5 * width / pieces;
+            const double centre = parts_.edges[p] + half * (2 * piece + 1);
+            for (int i = 0; i < piece_nodes; ++i) {
+                const double theta = centre + half * rule.nodes[i];
+                const double t = 2 * (theta - parts_.edges[p]) / width - 1;
+                samples.mu.push_back(std::cos(theta));
+                samples.weighted.push_back(
+                    half * rule.weights[i] * std::sin(theta) *
+                    clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(p)).data(), t));
+            }
+        }
+    }
+    constexpr int jobs = 8;
+    std::vector<std::vector<double>> parts(jobs);
+    const std::size_t share = (samples.mu.size() + jobs - 1) / jobs;
+    run(jobs, [&](int job) {
+        const std::size_t first = std::min(samples.mu.size(), job * share);
+        parts[job] =
+            projected(samples, first, std::min(samples.mu.size(), first + share), highest_moment);
+    });
+    std::vector<double> chi(highest_moment + 1, 0.0);
+    for (const auto& part : parts) {
+        for (int l = 0; l <= highest_moment; ++l) chi[l] += part[l];
+    }
+    const double whole = chi[0];
+    for (double& value : chi) value /= whole;
+    return chi;
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,142 @@
+#include "mie/ensemble/phase_tabulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "mie/sphere/angular_functions.h"
+#include "mie/sphere/terms.h"
+
+namespace miebrdf::mie {
+namespace {
+
+constexpr int both = -1;  // families
+
+constexpr double coarse_share = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
+
+// Noise of single points gives most to the lowest moments: more of them are not looked at.
+constexpr int moments_to_judge = 400;
+
+}  // namespace
+
+PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
+                                 const SizeDistribution& distribution, const RadiusRange& range,
+                                 double wave_number_per_um, const PhaseTabulationOptions& options,
+                                 const Executor& run)
+    : sizes_(relative_index, distribution, range, wave_number_per_um, options.size_tolerance),
+      options_(options),
+      run_(run),
+      terms_(number_of_terms(wave_number_per_um * range.largest_um)),
+      // P is a trigonometric polynomial of degree 2 x: nothing is finer than pi / x.
+      narrowest_(std::numbers::pi / (wave_number_per_um * range.largest_um)) {
+    active_ = graded_panels(narrowest_);
+    while (!active_.empty()) add_level(take_next());
+}
+
+// Panels that share the next level of sizes: halves wait until all of their generation are there,
+// because the spheres are computed anew for each call.
+std::vector<PhasePanel> PhaseTabulation::take_next() {
+    const auto order = [](const PhasePanel& panel) {
+        return std::pair(panel.generation(), panel.level());
+    };
+    auto first = order(active_.front());
+    for (const PhasePanel& panel : active_) first = std::min(first, order(panel));
+    std::vector<PhasePanel> next, others;
+    for (PhasePanel& panel : active_) {
+        (order(panel) == first ? next : others).push_back(std::move(panel));
+    }
+    active_ = std::move(others);
+    return next;
+}
+
+void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
+    std::vector<double> angles_deg;
+    for (const PhasePanel& panel : panels) {
+        for (const double theta : PhaseTable::nodes_of(panel.lower(), panel.upper())) {
+            angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
+        }
+    }
+    const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
+    const FamilyIntensity sums = sizes_.level(panels.front().level() + 1, angular, run_);
+    Eigen::Index first = 0;
+    for (PhasePanel& panel : panels) {
+        panel.add_level({sums.intensity.middleRows(first, PhaseTable::panel_nodes),
+                         {sums.scattered[0], sums.scattered[1]}},
+                        sizes_, options_.scattering_efficiency, options_.floor);
+        first += PhaseTable::panel_nodes;
+        sort_in(std::move(panel));
+    }
+}
+
+bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
+    if (panel.level() >= sizes_.last_level()) return false;
+    const double believed = sizes_.resolves(panel.level()) ? 1.0 : coarse_share;
+    return panel.noise() > believed * options_.size_tolerance ||
+           panel.moment_noise(options_.first_moment) > believed * options_.moment_tolerance;
+}
+
+void PhaseTabulation::sort_in(PhasePanel panel) {
+    // Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
+    const bool narrow = panel.upper() - panel.lower() <= 0.501 * narrowest_;
+    // Noise alone shows as a tail of 0.8 of itself.
+    if (panel.tail() > std::max(options_.interpolation_tolerance, 2 * panel.tail_of_noise()) &&
+        !narrow) {
+        const double middle = 0.5 * (panel.lower() + panel.upper());
+        active_.emplace_back(panel.lower(), middle, panel.generation() + 1);
+        active_.emplace_back(middle, panel.upper(), panel.generation() + 1);
+    } else {
+        (needs_more_sizes(panel) ? active_ : done_).push_back(std::move(panel));
+    }
+}
+
+// Half of what the families' moments differ, and what the polynomials leave out.
+double PhaseTabulation::moment_error(int highest_moment) const {
+    double squares = 0;
+    for (const PhasePanel& panel : done_) {
+        squares += std::pow(panel.moment_tail(options_.first_moment), 2);
+    }
+    double noise = 0;
+    if (sizes_.count() == 2) {
+        const int last = std::min(highest_moment, options_.first_moment + moments_to_judge);
+        const std::vector<double> a = table_of(0).moments(last, run_);
+        const std::vector<double> b = table_of(1).moments(last, run_);
+        for (int l = options_.first_moment; l <= last; ++l) {
+            noise = std::max(noise, 0.5 * std::abs(a[l] - b[l]));
+        }
+    }
+    return noise + std::sqrt(squares);
+}
+
+PhaseTable PhaseTabulation::table() const { return table_of(both); }
+
+PhaseTable PhaseTabulation::table_of(int family) const {
+    std::vector<const PhasePanel*> panels;
+    for (const PhasePanel& panel : done_) panels.push_back(&panel);
+    std::sort(panels.begin(), panels.end(),
+              [](const PhasePanel* a, const PhasePanel* b) { return a->lower() < b->lower(); });
+    std::vector<double> edges = {0};
+    constexpr Eigen::Index last = PhaseTable::panel_nodes - 1;
+    Eigen::MatrixXd values(last + 1, static_cast<Eigen::Index>(panels.size()));
+    // Of three neighbours, the noisiest: in narrow panels all nodes may agree by chance.
+    std::vector<double> noise;
+    double interpolation_error = 0, size_error = 0;
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        const auto column = static_cast<Eigen::Index>(p);
+        edges.push_back(panels[p]->upper());
+        values.col(column) = family == both ? panels[p]->values() : panels[p]->values_of(family);
+        if (p > 0) {
+            const bool better = panels[p]->level() > panels[p - 1]->level();
+            const double shared = better ? values(0, column) : values(last, column - 1);
+            values(0, column) = values(last, column - 1) = shared;
+        }
+        interpolation_error = std::max(interpolation_error, panels[p]->tail());
+        size_error = std::max(size_error, panels[p]->worst_noise());
+        noise.push_back(std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
+                                  panels[std::min(p + 1, panels.size() - 1)]->noise()}));
+    }
+    return PhaseTable(std::move(edges), values, interpolation_error, size_error, std::move(noise),
+                      options_.floor);
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,131 @@
+#include "mie/sphere/coefficients.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <type_traits>
+
+#include "mie/sphere/logarithmic_derivative.h"
+#include "mie/sphere/radial_functions.h"
+#include "mie/sphere/terms.h"
+
+namespace miebrdf::mie {
+namespace {
+
+using Complex = std::complex<double>;
+
+void validate(Complex m, double x) {
+    if (!(m.real() >= 0.01 && m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4)) {
+        throw std::invalid_argument(
+            fmt::format("relative refractive index {} + {}i; allowed: n in [0.01, 100], "
+                        "k in [0, 10000]",
+                        m.real(), m.imag()));
+    }
+    if (!(x >= 1e-30 && x <= 1e7)) {
+        throw std::invalid_argument(fmt::format("size parameter {}; allowed: 1e-30 to 1e7", x));
+    }
+}
+
+// p / (p + i q), with q real or complex.
+template <typename Number>
+Complex response(Number p, Number q) {
+    if constexpr (std::is_same_v<Number, double>) {
+        const double scale = 1 / (p * p + q * q);
+        return {p * p * scale, -p * q * scale};
+    } else {
+        const Complex d(p.real() - q.imag(), p.imag() + q.real());
+        const double scale = 1 / std::norm(d);
+        return {(p.real() * d.real() + p.imag() * d.imag()) * scale,
+                (p.imag() * d.real() - p.real() * d.imag()) * scale};
+    }
+}
+
+template <typename Number>
+double absorbed(Number A, Number p, Number q) {
+    if constexpr (std::is_same_v<Number, double>) {
+        return 0;
+    } else {
+        return -A.imag() / std::norm(Complex(p.real() - q.imag(), p.imag() + q.real()));
+    }
+}
+
+// Order n from what differs between a_n and b_n: A and p.
+template <typename Number>
+void set_order(Coefficients& c, int n, Number Aa, Number pa, Number Ab, Number pb,
+               const RadialFunctions& radial) {
+    const Number qa = Aa * radial.eta[n] - radial.eta[n - 1];
+    const Number qb = Ab * radial.eta[n] - radial.eta[n - 1];
+    c.a[n - 1] = response(pa, qa);
+    c.b[n - 1] = response(pb, qb);
+    c.absorbed[n - 1] = absorbed(Aa, pa, qa) + absorbed(Ab, pb, qb);
+}
+
+Coefficients empty(int terms) {
+    return {std::vector<Complex>(terms), std::vector<Complex>(terms), std::vector<double>(terms)};
+}
+
+// Number: double for a real index, else complex.
+template <typename Number>
+Coefficients by_recurrence(Number m, double x) {
+    const int terms = number_of_terms(x);
+    const RadialFunctions radial = radial_functions(x, terms);
+    const std::vector<double>& psi = radial.psi;
+    const std::vector<Number> D = logarithmic_derivatives(m * x, terms);
+    const Number inverse_m = 1.0 / m;
+    Coefficients c = empty(terms);
+    for (int n = 1; n <= terms; ++n) {
+        const Number A = D[n] * inverse_m + n / x;
+        const Number B = D[n] * m + n / x;
+        set_order<Number>(c, n, A, A * psi[n] - psi[n - 1], B, B * psi[n] - psi[n - 1], radial);
+    }
+    return c;
+}
+
+// p of b_n is psi_n (m D_n(mx) - D_n(x)), a difference that vanishes as x^2 relative to its parts,
+// so b_1 (and with it the asymmetry) would lose all digits at x = 1e-8. With E_n = z D_n - (n + 1)
+// it is
+//     p_b = psi_n Delta_n / x,  p_a = psi_n [(1 - m^2) (n + 1 + E_n(x)) + Delta_n] / (m^2 x),
+//     Delta_n = E_n(mx) - E_n(x) = [x^2 Delta_{n+1} - (m^2 - 1) x^2 B] / [B (B + Delta_{n+1})],
+// B = 2n + 3 + E_{n+1}(x): no term is a difference of nearly equal numbers, also for m near 1.
+template <typename Number>
+Coefficients of_small_sphere(Number m, double x) {
+    const int terms = number_of_terms(x);
+    const RadialFunctions radial = radial_functions(x, terms);
+    const std::vector<double>& psi = radial.psi;
+    const int start = terms + 30;  // |mx| <= 4: the start is forgotten below rounding
+    const std::vector<double> E = regular_logarithmic_derivatives(x, start + 1);
+    const Number m_squared = m * m;
+    const Number contrast = (m - 1.0) * (m + 1.0);
+    Coefficients c = empty(terms);
+    Number Delta = -contrast * x * x / (2.0 * start + 5.0);
+    for (int n = start; n >= 1; --n) {
+        const double B = 2 * n + 3 + E[n + 1];
+        Delta = x * x * (Delta - contrast * B) / (B * (B + Delta));
+        if (n > terms) continue;
+        const Number E_inside = E[n] + Delta;
+        const Number pa = psi[n] * (Delta - contrast * (n + 1 + E[n])) / (m_squared * x);
+        const Number pb = psi[n] * Delta / x;
+        const Number Aa = ((n + 1.0 + E_inside) / m_squared + static_cast<double>(n)) / x;
+        const Number Ab = (2.0 * n + 1.0 + E_inside) / x;
+        set_order<Number>(c, n, Aa, pa, Ab, pb, radial);
+    }
+    return c;
+}
+
+template <typename Number>
+Coefficients coefficients_of(Number m, double x) {
+    // 0.5: above, the cancellation costs less than one digit. 4: no zero of psi_n(mx) below.
+    const bool small = x < 0.5 && std::abs(m) * x < 4;
+    return small ? of_small_sphere(m, x) : by_recurrence(m, x);
+}
+
+}  // namespace
+
+Coefficients mie_coefficients(Complex relative_index, double size_parameter) {
+    validate(relative_index, size_parameter);
+    if (relative_index.imag() == 0) return coefficients_of(relative_index.real(), size_parameter);
+    return coefficients_of(relative_index, size_parameter);
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,29 @@
+#include "pipeline/cache/job_key.h"
+
+#include "materials/database/sha256.h"
+#include "pipeline/solver_version.h"
+
+namespace miebrdf {
+
+JobKey::JobKey(std::string_view kind) {
+    add(kind);
+    add(std::string_view(kSolverVersion));
+}
+
+JobKey& JobKey::add(std::string_view text) {
+    // The length first: no two sequences of parts give the same bytes.
+    bytes_ += std::to_string(text.size()) + ":";
+    bytes_.append(text);
+    return *this;
+}
+
+JobKey& JobKey::add(double number) { return add(std::span<const double>(&number, 1)); }
+
+JobKey& JobKey::add(std::span<const double> numbers) {
+    return add(
+        std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
+}
+
+std::string JobKey::hash() const { return materials::sha256_hex(bytes_); }
+
+}  // namespace miebrdf

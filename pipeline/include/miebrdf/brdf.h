@@ -1,0 +1,166 @@
+// The spectral BRDF of a scene: solved once, then asked at any directions.
+//
+//     const auto brdf = miebrdf::solve(scene, {450, 550, 650}, {.tolerance = 1e-3});
+//     const auto values = brdf.evaluate({{0.5}, {0.3, 0.9}, {0, 180}});
+//     values.at(wavelength, in, out, azimuth);   // 1/sr
+//     if (!values.converged()) std::cerr << values.shortfall() << '\n';
+#pragma once
+
+#include <miebrdf/control.h>
+#include <miebrdf/scene.h>
+#include <miebrdf/solver.h>
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace miebrdf {
+
+using rte::Directions;
+using rte::SolverOptions;
+
+/// The parts of a BRDF: R / pi of the layers alone, the lobe of the surface alone, and the sum of
+/// both as eq. (5) of Chen et al. (2013) couples them.
+enum class BrdfPart { total, subsurface, surface };
+/// Reads "total", "subsurface" or "surface". @throws UsageError
+BrdfPart parse_brdf_part(const std::string& name);
+const char* name_of(BrdfPart part);
+
+/// A set of parts; the others are neither computed nor returned.
+struct BrdfParts {
+    bool subsurface = true;
+    bool surface = true;  ///< there is none without Scene::surface
+    bool total = true;
+};
+
+/// What physics says about computed values, as numbers: reciprocity, energy and sign.
+struct PhysicsReport {
+    /// Largest |f(mu_in, mu_out) - f(mu_out, mu_in)| over the largest f, among the pairs of which
+    /// both were asked for; empty when there are none. The paper's coupling to a surface (eq. 5) is
+    /// not reciprocal; the layers alone are, to rounding.
+    std::optional<double> reciprocity_defect;
+    /// Largest share of the light that comes back, over the requested mu_in; at most 1.
+    std::optional<double> largest_albedo;
+    double least_value = 0.0;  ///< smallest BRDF value, 1/sr; negative values are wrong
+};
+
+/// An rms relative to the largest value at its incidence, and the direction where it is largest:
+/// what a finite number of sphere sizes leaves in the phase function at single angles.
+struct PhaseNoise {
+    double largest = 0.0;
+    double mu_in = 0.0;  ///< 0: there is no noise
+    double mu_out = 0.0;
+    double azimuth_deg = 0.0;
+};
+
+/// How the values at one wavelength came about.
+struct WavelengthReport {
+    double wavelength_nm = 0.0;
+    rte::SolverReport solver;
+    double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
+    PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
+    double error_estimate = 0.0;      ///< of single scattering and transfer together
+    bool converged = false;           ///< error_estimate <= tolerance, and every step says so
+};
+
+/// What all results have in common: one report for each wavelength, and the worst of them.
+struct ResultReport {
+    double tolerance = 0.0;
+    std::vector<WavelengthReport> wavelengths;
+    std::vector<std::string> sources;  ///< where the figures come from, one line for each medium
+
+    bool converged() const;
+    double error_estimate() const;                ///< largest over the wavelengths
+    const WavelengthReport& worst() const;        ///< of the error estimate
+    const WavelengthReport& noisiest() const;     ///< of phase_noise
+    /// What missed the tolerance and where, one line for each wavelength; empty when converged.
+    std::vector<std::string> shortfalls() const;
+    std::string shortfall() const;                ///< the lines joined
+};
+
+/// Values of the BRDF, 1/sr without the cosine, at every combination of directions.
+class BrdfValues : public ResultReport {
+  public:
+    Directions directions;
+    /// Of one wavelength, [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]; parts that
+    /// were not asked for are empty.
+    struct Slice {
+        std::vector<double> subsurface, surface, total;
+        PhysicsReport layers_physics;  ///< of subsurface
+        PhysicsReport physics;         ///< of total, or of the one part that was asked for
+
+        const std::vector<double>& of(BrdfPart part) const;
+    };
+    std::vector<Slice> slices;  ///< one for each wavelength
+
+    /// @throws std::out_of_range  for an index beyond its list, and for a part not asked for
+    double at(std::size_t wavelength, std::size_t in, std::size_t out, std::size_t azimuth,
+              BrdfPart part = BrdfPart::total) const;
+};
+
+/// Plane and spherical albedos. With a surface both are those of the whole: rho + (1 - rho) A.
+class AlbedoValues : public ResultReport {
+  public:
+    std::vector<double> mu_in;
+    std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
+    std::vector<double> spherical_albedo;           ///< [wavelength]
+
+    double at(std::size_t wavelength, std::size_t in) const { return plane_albedo[wavelength][in]; }
+};
+
+/// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
+struct Direction {
+    double mu_in = 1.0;
+    double mu_out = 1.0;
+    double azimuth_deg = 0.0;
+};
+
+class BrdfTable;
+struct TableOptions {
+    BrdfPart part = BrdfPart::total;
+};
+
+/// A scene at some wavelengths. Copies share one solution; functions may be called from several
+/// threads. Single scattering is computed when it is first needed, as much of it as is needed, and
+/// kept.
+class Brdf {
+  public:
+    /// Exact at the directions asked for: nothing is interpolated. Nodes, moments and Fourier
+    /// orders are chosen for these directions.
+    /// @throws UsageError  for directions out of range; InputError, Cancelled
+    BrdfValues evaluate(const Directions& directions, const BrdfParts& parts = {}) const;
+
+    /// Fourier order 0 alone, without phase functions.
+    AlbedoValues albedo(const std::vector<double>& mu_in) const;
+
+    /// For those who evaluate millions of directions (exports, renderers): light scattered more
+    /// than once is interpolated, what has sharp features is evaluated at every direction.
+    BrdfTable table(const TableOptions& options = {}) const;
+
+    /// How well the scene is solved at directions of all kinds, steep and grazing.
+    ResultReport report() const;
+
+    const Scene& scene() const;
+    const std::vector<double>& wavelength_nm() const;
+    const SolverOptions& options() const;
+    const std::vector<std::string>& sources() const;
+
+    struct State;
+    explicit Brdf(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+  private:
+    std::shared_ptr<State> state_;
+};
+
+/// Looks names up and checks everything; the work is done when values are asked for.
+/// @param wavelength_nm  in vacuum, at least one
+/// @throws UsageError  for scenes, wavelengths and options out of range
+/// @throws InputError  for unknown names and wavelengths that a material does not cover
+Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
+           const SolverOptions& options = {}, const Control& control = {});
+
+}  // namespace miebrdf

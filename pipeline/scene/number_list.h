@@ -1,0 +1,38 @@
+// Numbers and lists of numbers as people type them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace miebrdf {
+
+/// Reads one finite number; the whole text must be the number.
+/// @param what  names the quantity in the message ("cosine of incidence")
+/// @throws UsageError
+double parse_number(std::string_view text, const std::string& what);
+
+/// The same, and infinity from `inf`.
+double parse_number_or_infinity(std::string_view text, const std::string& what);
+
+/// Splits at commas (or another separator), blanks around the parts removed.
+std::vector<std::string> split_list(std::string_view text, char separator = ',');
+
+/// `a,b,c` and `first:last:step` (inclusive), which may be mixed.
+/// @throws UsageError  for an empty list, a step of the wrong sign, or more than 1,000,000 numbers
+std::vector<double> parse_number_list(std::string_view text, const std::string& what);
+
+/// The same, with every number in [lowest, highest]; `lowest_open` leaves the lower end out.
+std::vector<double> parse_number_list(std::string_view text, const std::string& what, double lowest,
+                                      double highest, bool lowest_open = false);
+
+/// Vacuum wavelength in nm from `550`, `550nm`, `0.55um`, `5500A`, `2.25eV`, `18182cm-1` or
+/// `545THz` (materials/index/units.h).
+/// @throws UsageError  for an unknown unit or a wavelength that is not positive
+double parse_wavelength_nm(std::string_view text);
+
+/// A list of wavelengths in nm; every part may carry its unit, and `rgb` is 620, 535, 480 nm. Steps
+/// are in nm, or with a unit (`2eV:3eV:0.25eV`) even in that unit.
+std::vector<double> parse_wavelengths_nm(std::string_view text);
+
+}  // namespace miebrdf

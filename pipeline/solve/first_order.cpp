@@ -1,0 +1,100 @@
+#include "pipeline/solve/first_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace miebrdf::exports {
+namespace {
+
+/// Of the tolerance: so that steps between the pieces of a table stay below whatever is made of its
+/// values (azimuthal series, for instance).
+constexpr double kPhaseShare = 0.01;
+constexpr double kNarrowShare = 0.1;
+
+/// Half of the shortest wave that a phase function of so many moments can have.
+double narrowest_panel(const std::vector<std::vector<rte::ScaledMedium>>& stacks) {
+    std::size_t moments = 2;
+    for (const auto& media : stacks) {
+        for (const rte::ScaledMedium& medium : media)
+            moments = std::max(moments, medium.exact.chi.size());
+    }
+    return std::numbers::pi / static_cast<double>(moments);
+}
+
+}  // namespace
+
+FirstOrder::FirstOrder(const std::vector<std::vector<rte::ScaledMedium>>& stacks, bool exact,
+                       double tolerance)
+    : wavelengths_(stacks.size()) {
+    std::size_t layers = 0;
+    for (const auto& media : stacks) layers = std::max(layers, media.size());
+    // A layer that is not there at a wavelength has no depth.
+    depth_ = Eigen::ArrayXXd::Zero(Eigen::Index(wavelengths_), Eigen::Index(layers));
+    std::vector<const rte::ScaledMedium*> media_of(layers * wavelengths_, nullptr);
+    for (std::size_t w = 0; w < wavelengths_; ++w) {
+        for (std::size_t layer = 0; layer < stacks[w].size(); ++layer) {
+            const rte::ScaledMedium& medium = stacks[w][stacks[w].size() - 1 - layer];
+            depth_(Eigen::Index(w), Eigen::Index(layer)) = medium.optical_depth;
+            media_of[layer * wavelengths_ + w] = &medium;
+        }
+    }
+    const auto phases = [&](const Eigen::VectorXd& angles) {
+        Eigen::MatrixXd values =
+            Eigen::MatrixXd::Zero(angles.size(), Eigen::Index(media_of.size()));
+        for (std::size_t f = 0; f < media_of.size(); ++f) {
+            for (Eigen::Index a = 0; a < angles.size() && media_of[f] != nullptr; ++a) {
+                values(a, Eigen::Index(f)) =
+                    rte::first_order_strength(*media_of[f], exact, std::cos(angles[a]));
+            }
+        }
+        return values;
+    };
+    if (layers > 0) {
+        phases_.emplace(phases, narrowest_panel(stacks),
+                        math::AngleTolerance{.relative = kPhaseShare * tolerance});
+    }
+    if (exact) {
+        narrow_ = rte::NarrowFeatures(stacks, kLeastCosine, kNarrowShare * tolerance);
+        narrow_.tabulate();
+    }
+}
+
+Eigen::ArrayXXd FirstOrder::layer_weights(double slant) const {
+    Eigen::ArrayXXd weights(depth_.rows(), depth_.cols());
+    Eigen::ArrayXd above = Eigen::ArrayXd::Ones(depth_.rows());  // light left on its way down
+    for (Eigen::Index layer = 0; layer < depth_.cols(); ++layer) {
+        const Eigen::ArrayXd lost =
+            (-slant * depth_.col(layer)).unaryExpr([](double x) { return std::expm1(x); });
+        weights.col(layer) = -above * lost;
+        above *= 1.0 + lost;
+    }
+    return weights;
+}
+
+void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
+                          std::span<double> reflection) const {
+    std::fill(reflection.begin(), reflection.end(), 0.0);
+    const double narrow_in = std::max(mu_in, kLeastCosine);
+    const double narrow_out = std::max(mu_out, kLeastCosine);
+    narrow_.add_to(reflection.data(), {&narrow_in, 1}, {&narrow_out, 1}, cos_azimuth);
+    if (!phases_) return;
+    const Eigen::ArrayXXd weights =
+        layer_weights(1.0 / mu_in + 1.0 / mu_out) / (4.0 * (mu_in + mu_out));
+    Eigen::VectorXd phases(weights.size());
+    Eigen::ArrayXd sums(weights.rows());
+    for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
+        phases_->evaluate(std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a])),
+                          phases);
+        // Summed in an array that is always aligned alike: where Eigen begins with vectors, which
+        // the compiler gives other roundings than scalars, must not depend on the caller's memory.
+        sums = (weights *
+                Eigen::Map<const Eigen::ArrayXXd>(phases.data(), weights.rows(), weights.cols()))
+                   .rowwise()
+                   .sum();
+        for (std::size_t w = 0; w < wavelengths_; ++w)
+            reflection[a * wavelengths_ + w] += sums[Eigen::Index(w)];
+    }
+}
+
+}  // namespace miebrdf::exports

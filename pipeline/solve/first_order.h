@@ -1,0 +1,48 @@
+// Light scattered once by layers, at several wavelengths and any directions.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rte/first_order/single_scattering.h"
+#include "rte/math/angle_table.h"
+#include "rte/phase/narrow_features.h"
+
+namespace miebrdf::exports {
+
+/// rte::single_scattering and rte::NarrowFeatures of some wavelengths side by side: what depends on
+/// directions alone (angle of scattering, place in the tables, slant) is found once for all of
+/// them. Phase functions are read from a table a hundred times finer than the tolerance.
+class FirstOrder {
+  public:
+    /// Narrow features closer to the horizon are those of this cosine: beyond its end their table
+    /// is a polynomial gone astray.
+    static constexpr double kLeastCosine = 1e-3;
+
+    /// @param stacks     for each wavelength the media from the bottom up
+    /// @param exact      the exact phase functions and narrow features, else what the discrete
+    ///                   equations use
+    /// @param tolerance  the solver's
+    FirstOrder(const std::vector<std::vector<rte::ScaledMedium>>& stacks, bool exact,
+               double tolerance);
+
+    std::size_t wavelengths() const { return wavelengths_; }
+
+    /// R at directions that share their cosines: reflection[a * wavelengths() + w].
+    void evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
+                  std::span<double> reflection) const;
+
+  private:
+    /// Weights of the phase functions at a slant 1/mu_in + 1/mu_out: column = layer.
+    Eigen::ArrayXXd layer_weights(double slant) const;
+
+    std::size_t wavelengths_;
+    Eigen::ArrayXXd depth_;  ///< tau' of wavelength (row) and layer from the top down (column)
+    /// alpha / (1 - alpha f) P, function layer * wavelengths + wavelength.
+    std::optional<math::AngleTable> phases_;
+    rte::NarrowFeatures narrow_;
+};
+
+}  // namespace miebrdf::exports

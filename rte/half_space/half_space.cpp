@@ -1,0 +1,133 @@
+#include "rte/half_space/half_space.h"
+
+#include <Eigen/LU>
+
+#include "rte/math/positive_definite.h"
+
+namespace miebrdf::rte {
+namespace {
+
+// R(mu_p, mu_q) = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q) / (4 (mu_p + mu_q)) at the nodes: the
+// right side of eq. (3), factorised.
+void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, OrderWork& work,
+                             Eigen::MatrixXd& X) {
+    const Eigen::VectorXd& D = work.flux_weights;
+    reflected_moments(work.mu_over_flux_weights, X, mode, work.phi);
+    work.phi += mode.at_nodes;
+    work.weighted = work.phi * work.alternating.asDiagonal();
+    work.square.resize(X.rows(), X.cols());
+    work.square.noalias() = work.weighted * work.phi.transpose();
+    for (Eigen::Index q = 0; q < X.cols(); ++q) {
+        X.col(q) =
+            0.5 * D[q] * D.array() * work.square.col(q).array() / (grid.mu.array() + grid.mu[q]);
+    }
+    X.triangularView<Eigen::StrictlyLower>() = X.transpose();  // reciprocity, exactly
+}
+
+// The same without its first term (Y Y), at the requested pairs.
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+                   Reflector& result) {
+    reflected_moments(requested.mu, result.rows, mode, work.moments);
+    result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      result.multiple);
+    divide_by_cosines(requested, result.multiple);
+}
+
+// Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
+// decays as exp(-k tau), so its integral is 1 / (1 + mu k).
+void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
+                          const RequestedDirections& requested, OrderWork& work,
+                          Reflector& result) {
+    const TransferModes& modes = work.decomposition.modes();
+    work.sources.find(medium, mode, modes);
+    Eigen::MatrixXd& weights = work.sources.even;
+    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+        const double k = modes.rates[j];
+        weights.col(j).array() = 0.5 *
+                                 (weights.col(j).array() - k * work.sources.odd.col(j).array()) /
+                                 (1.0 + k * requested.mu.array());
+    }
+    work.rows.resize(weights.rows(), modes.vectors.rows());
+    work.rows.noalias() = weights * modes.vectors.transpose();
+    result.rows = work.rows;
+    result.rows.noalias() += work.rows * result.nodes;  // s = (I + X) i_down at the surface
+}
+
+// In closed form. False if there is no physical solution.
+bool solve_by_modes(const ScatteringMode& medium, const PhaseMode& mode, const ZenithGrid& grid,
+                    const RequestedDirections& requested, double tolerance, OrderWork& work,
+                    Reflector& result) {
+    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
+    if (!modes.physical) return false;
+    work.decomposition.function(modes.rates.array(), work.square);
+    work.square.diagonal().array() += 1.0;
+    if (!math::invert_positive_definite(work.square, result.nodes)) return false;
+    result.nodes *= 2.0;
+    result.nodes.diagonal().array() -= 1.0;
+    apply_equation_at_nodes(mode, grid, work, result.nodes);
+    fill_rows_from_modes(medium, mode, requested, work, result);
+    return true;
+}
+
+// The row of Ambartsumian's equation at each cosine, for any X that satisfies it at the nodes:
+// r (I + mu (P - Q X)) = [(E - O) + (E + O) X] / 2, P = (U + V) / 2, Q = (V - U) / 2.
+void fill_rows_by_solving(const ScatteringMode& medium, const PhaseMode& mode,
+                          const ZenithGrid& grid, const RequestedDirections& requested,
+                          Reflector& result) {
+    const Eigen::Index n = grid.size();
+    const auto [even, odd] = phase_rows(medium, mode);
+    const Eigen::MatrixXd sources = 0.5 * ((even - odd) + (even + odd) * result.nodes);
+    const Eigen::MatrixXd same_side =
+        mode.scaled_nodes * (0.5 * medium.strengths).asDiagonal() * mode.scaled_nodes.transpose();
+    const Eigen::MatrixXd opposite_side = mode.scaled_nodes *
+                                          (0.5 * alternating(medium.strengths)).asDiagonal() *
+                                          mode.scaled_nodes.transpose();
+    Eigen::MatrixXd propagator = -same_side - opposite_side * result.nodes;
+    propagator.diagonal() += grid.mu.cwiseInverse();
+    result.rows.resize(requested.mu.size(), n);
+    for (Eigen::Index r = 0; r < requested.mu.size(); ++r) {
+        const Eigen::MatrixXd system =
+            Eigen::MatrixXd::Identity(n, n) + requested.mu[r] * propagator.transpose();
+        result.rows.row(r) = system.partialPivLu().solve(sources.row(r).transpose()).transpose();
+    }
+}
+
+}  // namespace
+
+void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
+                      const ZenithGrid& grid, const RequestedDirections& requested,
+                      double tolerance, OrderWork& work, Reflector& result) {
+    work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
+    work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
+    alternating(medium.strengths, work.alternating);
+    if (method == HalfSpaceMethod::automatic) {
+        result.iterations = 0;
+        result.residual = 0.0;
+        result.converged = true;
+        if (few_sweeps_suffice(medium, tolerance)) {
+            sweep_half_space(mode, grid, requested, tolerance, work, result);
+            result.iterations = 0;
+        } else {
+            result.physical =
+                solve_by_modes(medium, mode, grid, requested, tolerance, work, result);
+        }
+    } else {
+        result = method == HalfSpaceMethod::fixed_point
+                     ? iterate_half_space(medium, mode, grid, tolerance)
+                     : double_to_half_space(medium, mode, grid, tolerance);
+        if (result.physical) fill_rows_by_solving(medium, mode, grid, requested, result);
+    }
+    if (result.physical) fill_multiple(mode, requested, work, result);
+}
+
+Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
+                           const PhaseMode& mode, const ZenithGrid& grid,
+                           const RequestedDirections& requested, double tolerance) {
+    OrderWork work;
+    Reflector result;
+    solve_half_space(method, medium, mode, grid, requested, tolerance, work, result);
+    return result;
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,130 @@
+#include "rte/layer/layer.h"
+
+#include <cmath>
+
+#include "rte/math/positive_definite.h"
+
+namespace miebrdf::rte {
+namespace {
+
+using Eigen::MatrixXd;
+
+// h(k) of the impedances. k tanh(k tau/2) and k / sinh(k tau), the second -> 1 / tau.
+double tanh_rate(double k, double tau) { return k * std::tanh(0.5 * k * tau); }
+
+double sinh_rate(double k, double tau) {
+    const double y = k * tau;
+    if (y < 1e-8) return 1.0 / tau;
+    return 2.0 * k * std::exp(-y) / -std::expm1(-2.0 * y);
+}
+
+// Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
+// `opposite` = (I + Z_m)^-1. False if they have no physical solution.
+bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
+    work.decomposition.function(work.tanh_rates.array(), layer.thin_impedance);
+    work.decomposition.function(work.sinh_rates.array(), layer.coupling);
+    work.square = layer.thin_impedance;
+    work.square.diagonal().array() += 1.0;
+    work.other_square = work.square + 2.0 * layer.coupling;
+    if (!math::invert_positive_definite(work.square, layer.alike)) return false;
+    if (!math::invert_positive_definite(work.other_square, layer.opposite)) return false;
+    layer.reflection = layer.alike + layer.opposite;
+    layer.reflection.diagonal().array() -= 1.0;
+    if (parts == ReflectorParts::nodes) {
+        work.square.noalias() = layer.coupling * layer.opposite;
+        layer.transmission.resize(work.square.rows(), work.square.cols());
+        layer.transmission.noalias() = 2.0 * layer.alike * work.square;
+    }
+    return true;
+}
+
+// Radiance at the requested cosines, upward at the top and downward at the bottom, for light
+// incident at each node on the top. Inside the layer s = i_up + i_down and a = i_down - i_up
+// follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
+// value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
+void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
+               const RequestedDirections& requested, OrderWork& work, LayerOperator& layer) {
+    const TransferModes& modes = work.decomposition.modes();
+    work.sources.find(medium, mode, modes);
+    work.decays.set(tau, requested.mu);
+    const Eigen::Index cosines = requested.mu.size();
+    work.near.resize(cosines);
+    work.far.resize(cosines);
+    for (Eigen::Index j = 0; j < modes.rates.size(); ++j) {
+        work.decays.integrate(tau * modes.rates[j], work.near, work.far);
+        const double tanh = work.tanh_rates[j];
+        const double coth = tanh + 2.0 * work.sinh_rates[j];
+        for (Eigen::Index r = 0; r < cosines; ++r) {  // becomes: of light alike, of opposite
+            const double sum = work.near[r] + work.far[r];
+            const double difference = work.near[r] - work.far[r];
+            double& even = work.sources.even(r, j);
+            double& odd = work.sources.odd(r, j);
+            const double alike = even * sum - odd * difference * tanh;
+            const double opposite = even * difference - odd * sum * coth;
+            even = alike;
+            odd = opposite;
+        }
+    }
+    const Eigen::Index n = modes.vectors.rows();
+    work.rows.resize(cosines, n);
+    layer.reflection_rows.resize(cosines, n);
+    layer.transmission_rows.resize(cosines, n);
+    work.rows.noalias() = 0.5 * work.sources.even * modes.vectors.transpose();
+    layer.reflection_rows.noalias() = work.rows * layer.alike;
+    work.rows.noalias() = 0.5 * work.sources.odd * modes.vectors.transpose();
+    layer.transmission_rows.noalias() = work.rows * layer.opposite;
+    work.rows = layer.transmission_rows;
+    layer.transmission_rows = layer.reflection_rows - work.rows;
+    layer.reflection_rows += work.rows;
+}
+
+// Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
+// (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
+void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+                   LayerOperator& layer) {
+    layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      layer.multiple);
+    work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
+    for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
+        work.moments.col(c).array() *= requested.mu.array();
+    }
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
+                                 mode.at_in, requested, layer.multiple);
+    divide_by_cosines(requested, layer.multiple);
+}
+
+}  // namespace
+
+Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) const {
+    return 2.0 * (alike * (coupling * (opposite * incident)));
+}
+
+void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+                 const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
+                 double tolerance, OrderWork& work, LayerOperator& layer) {
+    const double tau = optical_depth;
+    layer.physical = false;
+    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
+    if (!modes.physical) return;
+    work.tanh_rates = modes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
+    work.sinh_rates = modes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
+    if (!fill_nodes(parts, work, layer)) return;
+    alternating(medium.strengths, work.alternating);
+    layer.direct = (-tau / requested.mu.array()).exp();
+    fill_rows(tau, medium, mode, requested, work, layer);
+    fill_multiple(mode, requested, work, layer);
+    layer.physical = true;
+}
+
+LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+                          const ZenithGrid& grid, const RequestedDirections& requested) {
+    OrderWork work;
+    LayerOperator layer;
+    solve_layer(optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0, work,
+                layer);
+    return layer;
+}
+
+}  // namespace miebrdf::rte

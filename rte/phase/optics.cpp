@@ -1,0 +1,144 @@
+#include <miebrdf/optics.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "rte/math/legendre.h"
+
+namespace miebrdf::rte {
+namespace {
+
+void require_albedo(double albedo) {
+    if (!(albedo >= 0.0 && albedo <= 1.0)) {
+        throw std::invalid_argument(
+            fmt::format("single-scattering albedo {}; allowed: [0, 1]", albedo));
+    }
+}
+
+Optics with_albedo(double single_scattering_albedo) {
+    require_albedo(single_scattering_albedo);
+    Optics optics;
+    optics.single_scattering_albedo = single_scattering_albedo;
+    optics.one_minus_albedo = 1.0 - single_scattering_albedo;
+    return optics;
+}
+
+}  // namespace
+
+void validate(const Optics& optics) {
+    require_albedo(optics.single_scattering_albedo);
+    const double sum = optics.single_scattering_albedo + optics.one_minus_albedo;
+    // Two roundings of numbers up to 1; what a file prints with 12 digits passes as well.
+    if (!(optics.one_minus_albedo >= 0.0 && std::abs(sum - 1.0) <= 1e-11)) {
+        throw std::invalid_argument(
+            fmt::format("one_minus_albedo {} with albedo {}: allowed is 1 - albedo within 1e-11",
+                        optics.one_minus_albedo, optics.single_scattering_albedo));
+    }
+    if (optics.chi.empty() || !(std::abs(optics.chi[0] - 1.0) <= 1e-9)) {
+        throw std::invalid_argument(
+            fmt::format("chi_0 = {}; allowed: 1 within 1e-9 (the mean of P over the sphere)",
+                        optics.chi.empty() ? std::nan("") : optics.chi[0]));
+    }
+    for (std::size_t l = 1; l < optics.chi.size(); ++l) {
+        if (!(std::abs(optics.chi[l]) <= 1.0 + 1e-9)) {
+            throw std::invalid_argument(
+                fmt::format("chi_{} = {}; allowed: [-1, 1]", l, optics.chi[l]));
+        }
+    }
+}
+
+Optics isotropic_optics(double single_scattering_albedo) {
+    return with_albedo(single_scattering_albedo);
+}
+
+Optics rayleigh_optics(double single_scattering_albedo) {
+    Optics optics = with_albedo(single_scattering_albedo);
+    optics.chi = {1.0, 0.0, 0.1};  // P = 3/4 (1 + cos^2) = 1 + P_2 / 2, chi_2 = 1 / (2 * 5)
+    return optics;
+}
+
+Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetry) {
+    Optics optics = with_albedo(single_scattering_albedo);
+    const double g = asymmetry;
+    if (!(g > -1.0 && g < 1.0)) {
+        throw std::invalid_argument(fmt::format("asymmetry {}; allowed: (-1, 1)", g));
+    }
+    // Up to (2l+1) g^l below rounding, and never more than a peak of 1e-5 needs.
+    constexpr std::size_t most_moments = 1 << 20;
+    for (double moment = g; optics.chi.size() < most_moments; moment *= g) {
+        if (!((2.0 * double(optics.chi.size()) + 1.0) * std::abs(moment) > 1e-17)) break;
+        optics.chi.push_back(moment);
+    }
+    optics.phase = [g](double cos_theta) {
+        // 1 + g^2 - 2 g cos, written so that nothing cancels in the peak (backward for g < 0).
+        const double peak = 1.0 - std::abs(g);
+        const double away = 1.0 - std::copysign(cos_theta, g * cos_theta);
+        const double base = peak * peak + 2.0 * std::abs(g) * away;
+        return (1.0 - g) * (1.0 + g) / (base * std::sqrt(base));
+    };
+    return optics;
+}
+
+Optics mix(const std::vector<MixtureComponent>& components) {
+    double extinction = 0.0;
+    for (const MixtureComponent& component : components) {
+        validate(component.optics);
+        if (!(component.extinction >= 0.0 && std::isfinite(component.extinction))) {
+            throw std::invalid_argument(
+                fmt::format("extinction {} of a mixture's component; allowed: 0 or more",
+                            component.extinction));
+        }
+        extinction += component.extinction;
+    }
+    if (!(extinction > 0.0)) {
+        throw std::invalid_argument("a mixture needs a component with extinction above 0");
+    }
+
+    Optics mixture;
+    mixture.single_scattering_albedo = mixture.one_minus_albedo = 0.0;
+    mixture.chi.clear();
+    std::vector<double> scattering;
+    bool any_phase = false;
+    for (const MixtureComponent& component : components) {
+        const Optics& optics = component.optics;
+        const double share = component.extinction / extinction;
+        scattering.push_back(share * optics.single_scattering_albedo);
+        mixture.single_scattering_albedo += scattering.back();
+        mixture.one_minus_albedo += share * optics.one_minus_albedo;
+        mixture.chi.resize(std::max(mixture.chi.size(), optics.chi.size()), 0.0);
+        any_phase = any_phase || bool(optics.phase);
+    }
+    if (mixture.single_scattering_albedo == 0.0) {
+        mixture.chi = {1.0};  // nothing scatters: any phase function will do
+        return mixture;
+    }
+    for (std::size_t c = 0; c < components.size(); ++c) {
+        scattering[c] /= mixture.single_scattering_albedo;
+        const std::vector<double>& chi = components[c].optics.chi;
+        for (std::size_t l = 0; l < chi.size(); ++l) mixture.chi[l] += scattering[c] * chi[l];
+    }
+    for (const MixtureComponent& component : components) {
+        if (!component.optics.has_more_moments)
+            continue;  // beyond a list that was cut, none is known
+        mixture.has_more_moments = true;
+        mixture.chi.resize(std::min(mixture.chi.size(), component.optics.chi.size()));
+    }
+    if (any_phase) {
+        mixture.phase = [components, scattering](double cos_theta) {
+            double sum = 0.0;
+            for (std::size_t c = 0; c < components.size(); ++c) {
+                const Optics& optics = components[c].optics;
+                sum +=
+                    scattering[c] * (optics.phase ? optics.phase(cos_theta)
+                                                  : math::legendre_series(optics.chi, cos_theta));
+            }
+            return sum;
+        };
+    }
+    return mixture;
+}
+
+}  // namespace miebrdf::rte

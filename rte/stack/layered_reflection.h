@@ -1,0 +1,42 @@
+// Reflection by coats on a base: the whole radiative transfer of one wavelength behind two
+// functions. Symbols, signs and normalisation: docs/conventions.md.
+#pragma once
+
+#include <vector>
+
+#include <miebrdf/solver.h>
+#include "rte/boundary/boundary.h"
+#include "rte/stack/stack.h"
+
+namespace miebrdf::rte {
+
+/// reflection[(i * mu_out.size() + o) * azimuth_deg.size() + a] = R(mu_in[i], mu_out[o],
+/// azimuth_deg[a]); BRDF = R / pi.
+struct ReflectionTable {
+    std::vector<double> reflection;
+    std::vector<double>
+        plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
+    SolverReport report;
+};
+
+struct AlbedoTable {
+    std::vector<double> plane_albedo;  ///< one for each mu_in
+    double spherical_albedo = 0.0;     ///< of uniform light from everywhere
+    SolverReport report;
+};
+
+/// R at the directions asked for, by the equations themselves: nothing is interpolated.
+/// @throws std::invalid_argument  for optics, optical depths, cosines, azimuths or options out of
+///         range, with the value and what is allowed. Not converging is an outcome.
+ReflectionTable reflect(const Stack& stack, const Directions& directions,
+                        const SolverOptions& options = {});
+
+/// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
+/// @param boundary  above the layers; both albedos are of the light that it lets in, and count what
+///                  it lets out:
+///                      A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
+///                      spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
+AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
+                   const SolverOptions& options = {}, const Boundary& boundary = {});
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,69 @@
+#include "rte/surface/surface_lobe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "rte/surface/diffuse_reflectance.h"
+#include "rte/surface/directional_reflectance.h"
+
+namespace miebrdf::rte {
+namespace {
+
+void check_cosine(double mu, const char* name) {
+    if (!(mu > 0 && mu <= 1)) {
+        throw std::invalid_argument(fmt::format("{} = {}; allowed: (0, 1]", name, mu));
+    }
+}
+
+/// The square of the horizontal part of (towards source) + (towards viewer). The sines are
+/// subtracted through the cosines and 1 - cos(azimuth) is 2 sin^2: close to the mirror direction,
+/// where a smooth surface has its peak, nothing cancels.
+double horizontal_sum2(double mu_in, double mu_out, double azimuth_deg) {
+    const double sin_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
+    const double sin_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
+    const double sum = sin_in + sin_out;
+    const double difference = sum > 0 ? (mu_out - mu_in) * (mu_out + mu_in) / sum : 0.0;
+    const double half = std::sin(azimuth_deg * std::numbers::pi / 360.0);
+    return difference * difference + 4.0 * sin_in * sin_out * half * half;
+}
+
+}  // namespace
+
+SurfaceLobe::SurfaceLobe(std::complex<double> refractive_index, const SurfaceOptions& options)
+    : refractive_index_(refractive_index),
+      options_(options),
+      fresnel_(refractive_index, options.fresnel),
+      shadowing_(options) {}
+
+double SurfaceLobe::brdf(double mu_in, double mu_out, double azimuth_deg) const {
+    check_cosine(mu_in, "mu_in");
+    check_cosine(mu_out, "mu_out");
+    if (!std::isfinite(azimuth_deg)) {
+        throw std::invalid_argument(
+            fmt::format("azimuth {} degrees; allowed: finite", azimuth_deg));
+    }
+    const double horizontal2 = horizontal_sum2(mu_in, mu_out, azimuth_deg);
+    const double vertical = mu_in + mu_out;
+    const double length = std::sqrt(horizontal2 + vertical * vertical);
+    const FacetGeometry facet{mu_in, mu_out, vertical / length, std::min(1.0, 0.5 * length)};
+    const double density = normal_density(options_.distribution, options_.beckmann_alpha,
+                                          horizontal2 / (vertical * vertical));
+    // A density that has underflowed stays 0, however large the other factors are.
+    return density == 0 ? 0.0 : 0.25 * density * shadowing_(facet) * fresnel_(facet.cos_facet);
+}
+
+double SurfaceLobe::directional_reflectance(double mu_in) const {
+    return rte::directional_reflectance(refractive_index_, options_, mu_in).value;
+}
+
+double SurfaceLobe::averaged_diffuse_reflectance_factor() const {
+    return mean_transmittance([this](double mu) { return directional_reflectance(mu); },
+                              HemisphereMean::solid_angle)
+        .value;
+}
+
+}  // namespace miebrdf::rte

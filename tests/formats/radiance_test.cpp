@@ -1,0 +1,39 @@
+#include <cmath>
+#include <pugixml.hpp>
+#include <sstream>
+
+#include <miebrdf/error.h>
+#include "pipeline/formats/file_check.h"
+#include "pipeline/formats/klems_writer.h"
+#include "pipeline/formats/tensor_tree_writer.h"
+#include "tests/support/catch.h"
+#include "tests/support/sampling.h"
+#include "tests/support/test_material.h"
+
+using namespace miebrdf;
+using namespace miebrdf::exports;
+
+TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exports][radiance]") {
+    const support::ColouredMaterial material;
+    std::ostringstream out;
+    write_radiance_klems(material.rgb, out);
+    pugi::xml_document document;
+    REQUIRE(document.load_string(out.str().c_str()));
+    const auto layer = document.child("WindowElement").child("Optical").child("Layer");
+    CHECK(layer.child("Material").child_value("Name") ==
+          std::string("half-space of Henyey-Greenstein scatterers"));
+    const auto read = read_brdf_file(out.str(), "test");
+    const FileCheck check = check_file(*read);
+    CAPTURE(*check.reciprocity_rms);
+    CHECK(*check.reciprocity_rms <= 0.06);
+    // A patch holds the mean over its angles: compare in the middle of one (20 degrees).
+    const auto expected = support::integrated_albedo(material.rgb, 0.94);
+    const auto found = directional_albedo(*read, 0.94);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(found[c] / expected[c] - 1) <= 2e-2);
+}
+
+TEST_CASE("radiance: levels out of range are refused", "[exports][radiance][errors]") {
+    const support::ColouredMaterial material;
+    std::ostringstream out;
+    CHECK_THROWS_WITH(write_radiance_tree(material.rgb, 12, out), Catch::Contains("2 to 8"));
+}

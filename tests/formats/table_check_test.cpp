@@ -1,0 +1,110 @@
+#include "pipeline/formats/table_check.h"
+
+#include <numbers>
+
+#include "pipeline/formats/file_check.h"
+#include "pipeline/formats/readers/grid_file.h"
+#include "pipeline/formats/table_grid.h"
+#include "tests/support/catch.h"
+#include "tests/support/sampling.h"
+#include "tests/support/test_material.h"
+
+using namespace miebrdf;
+using namespace miebrdf::exports;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::unique_ptr<BrdfFile> table_of(const TableGrid& grid, const BrdfSource& source) {
+    GridTable table;
+    table.format = "test";
+    table.in = grid.mu_in;
+    table.out = grid.mu_out;
+    table.azimuth_deg = grid.azimuth_deg;
+    table.wavelength_nm = source.wavelength_nm();
+    table.set_values(tabulate(source, grid, {}));
+    return make_grid_file(std::move(table));
+}
+
+/// 1 / pi times `shape`.
+class Shape : public support::TestMaterial {
+  public:
+    explicit Shape(double (*shape)(const Direction&)) : TestMaterial({550}, 0.0), shape_(shape) {}
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        for (std::size_t d = 0; d < directions.size(); ++d) values[d] = shape_(directions[d]) / kPi;
+    }
+
+  private:
+    double (*shape_)(const Direction&);
+};
+
+TableGrid default_grid() {
+    return {sine_squared_cosines(16), sine_squared_cosines(16), equally_spaced(0, 180, 19)};
+}
+
+}  // namespace
+
+TEST_CASE("a white Lambertian table has albedo 1, whatever directions it lists",
+          "[exports][table_check]") {
+    const TableGrid grid =
+        GENERATE(default_grid(), TableGrid{{0.5}, {0.1, 0.3, 0.9}, {0, 90, 180}},
+                 TableGrid{{0.2, 1}, {0.05, 0.1, 0.2, 0.5, 0.6, 1}, {10, 20, 30, 70}},
+                 TableGrid{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 330, 12)},
+                 TableGrid{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 360, 13)});
+    const auto file = table_of(grid, Shape([](const Direction&) { return 1.0; }));
+    const auto albedos = table_albedos(*file, *file->listed());
+    REQUIRE(albedos.size() == grid.mu_in.size());
+    for (const TableAlbedo& found : albedos) {
+        CAPTURE(grid.mu_out, grid.azimuth_deg, found.mu_in);
+        // Six Gauss nodes on panels of up to a radian, where the cosine goes like sin^2 x sin 2x.
+        CHECK(std::abs(found.albedo[0] - 1) <= 1e-7);
+        CHECK(found.error_estimate[0] <= 1e-7);
+    }
+}
+
+TEST_CASE("albedos of the default table are within their error estimate",
+          "[exports][table_check]") {
+    const support::TestMaterial material({400, 550, 700}, 0.6);
+    const auto file = table_of(default_grid(), material);
+    for (const TableAlbedo& found : table_albedos(*file, *file->listed())) {
+        if (found.mu_in < 0.1) continue;  // the reference has 200 midpoints
+        const auto expected = support::integrated_albedo(material, found.mu_in);
+        for (std::size_t c = 0; c < 3; ++c) {
+            CAPTURE(found.mu_in, c, found.albedo[c], expected[c]);
+            const double error = std::abs(found.albedo[c] - expected[c]);
+            CHECK(error <= 1e-3 * expected[c]);
+            CHECK(error <= found.error_estimate[c] + 1e-4 * expected[c]);
+        }
+    }
+}
+
+TEST_CASE("what a table cannot resolve is in the error estimate, and no more than that passes",
+          "[exports][table_check]") {
+    // A white surface with a bright ring, too narrow for the table, which happens to hit it.
+    const Shape narrow([](const Direction& d) {
+        return 1.0 + 0.6 * std::exp(-std::pow((d.azimuth_deg - 40.0) / 2.0, 2));
+    });
+    const FileCheck unresolved = check_file(*table_of(default_grid(), narrow));
+    CHECK(*unresolved.largest_albedo > 1.02);  // the ring alone counts for 0.012
+    CHECK(*unresolved.largest_albedo <= 1.002 + unresolved.largest_albedo_error);
+    // Light out of nowhere is none of the table's doing.
+    const Shape bright([](const Direction&) { return 1.01; });
+    const FileCheck refused = check_file(*table_of(default_grid(), bright));
+    CHECK(*refused.largest_albedo > 1.002 + refused.largest_albedo_error);
+    const Shape both([](const Direction& d) {
+        return 1.1 + 0.6 * std::exp(-std::pow((d.azimuth_deg - 40.0) / 2.0, 2));
+    });
+    const FileCheck also_refused = check_file(*table_of(default_grid(), both));
+    CHECK(*also_refused.largest_albedo > 1.002 + also_refused.largest_albedo_error);
+}
+
+TEST_CASE("tables of few directions have no albedo, and reciprocity only where they list both ways",
+          "[exports][table_check]") {
+    const Shape lopsided([](const Direction& d) { return 0.1 + d.mu_in; });
+    const FileCheck one = check_file(*table_of({{0.5}, {0.3, 0.9}, {0, 180}}, lopsided));
+    CHECK_FALSE(one.largest_albedo.has_value());
+    CHECK_FALSE(one.reciprocity_rms.has_value());
+    const FileCheck two = check_file(*table_of({{0.5, 0.9}, {0.3, 0.5, 0.9}, {0, 180}}, lopsided));
+    CHECK(two.reciprocity_rms.value() > 0.3);
+}

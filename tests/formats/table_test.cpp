@@ -1,0 +1,151 @@
+#include "pipeline/formats/table_writer.h"
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <sstream>
+
+#include <miebrdf/error.h>
+#include "pipeline/formats/deviation.h"
+#include "pipeline/formats/readers/npz_reader.h"
+#include "pipeline/io/atomic_file.h"
+#include "tests/support/catch.h"
+#include "tests/support/child_process.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_material.h"
+
+using namespace miebrdf;
+using namespace miebrdf::exports;
+using support::material;
+
+namespace {
+
+const TableGrid& grid() {
+    static const TableGrid instance{{0.1, 0.5, 1.0}, {0.05, 0.3, 0.6, 1.0}, {0, 45, 90, 180}};
+    return instance;
+}
+
+/// The file's values at the table's own directions are those of the BRDF, bit for bit.
+void check_exact(const BrdfFile& file) {
+    CHECK(file.wavelength_nm() == support::seven_wavelengths());
+    std::vector<double> expected(7), found(7);
+    for (const double mu_in : grid().mu_in) {
+        for (const double mu_out : grid().mu_out) {
+            for (const double azimuth : grid().azimuth_deg) {
+                const Direction direction{mu_in, mu_out, azimuth};
+                material().evaluate({&direction, 1}, expected);
+                file.evaluate(direction, found);
+                CHECK(found == expected);
+            }
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("csv and json tables read back to the same doubles", "[exports][table]") {
+    std::ostringstream csv, json;
+    write_table_csv(material(), grid(), csv);
+    write_table_json(material(), grid(), json);
+    const auto from_csv = read_brdf_file(csv.str(), "test");
+    CHECK(from_csv->format() == "csv");
+    check_exact(*from_csv);
+    const auto from_json = read_brdf_file(json.str(), "test");
+    CHECK(from_json->format() == "json");
+    check_exact(*from_json);
+}
+
+TEST_CASE("npz holds the axes by name, the same doubles, and the same bytes each time",
+          "[exports][table]") {
+    const support::TemporaryFolder folder;
+    write_table_npz(material(), grid(), folder / "a.npz");
+    write_table_npz(material(), grid(), folder / "b.npz");
+    const std::string content = support::read_file(folder / "a.npz");
+    CHECK(content == support::read_file(folder / "b.npz"));
+    CHECK(folder.count() == 2);
+    const auto arrays = read_npz_arrays(content);
+    CHECK(arrays.at("brdf").shape == std::vector<std::size_t>{7, 3, 4, 4});
+    CHECK(arrays.at("mu_out").values == grid().mu_out);
+    CHECK(arrays.at("meta").is_bytes);
+    check_exact(*read_brdf_file(content, "test"));
+}
+
+TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[exports][table]") {
+    const support::TemporaryFolder folder;
+    write_table_npz(material(), grid(), folder / "a.npz");
+    const std::string content = support::read_file(folder / "a.npz");
+    const std::size_t first = content.find("\x93NUMPY");
+    REQUIRE(first != content.npos);
+    CHECK(content[first + 6] == 1);
+    const std::size_t length = static_cast<unsigned char>(content[first + 8]) +
+                               256u * static_cast<unsigned char>(content[first + 9]);
+    CHECK((10 + length) % 64 == 0);
+    CHECK(content[first + 10 + length - 1] == '\n');
+    CHECK_THAT(content.substr(first + 10, length),
+               Catch::Contains("'descr': '<f8'") && Catch::Contains("'shape': (7,)"));
+    double value = 0;
+    std::memcpy(&value, content.data() + first + 10 + length, 8);
+    CHECK(value == 400.0);
+}
+
+TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[exports][table]") {
+    // A limit on the size of files raises SIGXFSZ at a known byte of the archive.
+    const support::TemporaryFolder folder;
+    const rlim_t limit = GENERATE(rlim_t(0), rlim_t(100), rlim_t(4000));
+    const pid_t child = support::in_child(
+        [&] {
+            std::signal(SIGXFSZ, [](int) {
+                remove_unfinished_files();
+                _exit(7);
+            });
+            const rlimit bytes{limit, limit};
+            setrlimit(RLIMIT_FSIZE, &bytes);
+            write_table_npz(material(), grid(), folder / "a.npz");
+        },
+        [](const std::exception&) { return 8; });
+    CHECK(support::exit_code(child) == 7);
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
+    const support::TemporaryFolder folder;
+    write_table_npz(material(), grid(), folder / "a.npz");
+    REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+    const pid_t child =
+        support::in_child([&] { write_table_npz(material(), grid(), folder / "pipe"); },
+                          [](const std::exception&) { return 8; });
+    CHECK(support::read_file(folder / "pipe") == support::read_file(folder / "a.npz"));
+    CHECK(support::exit_code(child) == 0);
+    CHECK_NOTHROW(write_table_npz(material(), grid(), "/dev/null"));
+    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/dev/full"), InputError);
+}
+
+TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behind",
+          "[exports][table][errors]") {
+    const support::TemporaryFolder folder;
+    const pid_t child = support::in_child(
+        [&] {
+            std::signal(SIGXFSZ, SIG_IGN);
+            const rlimit bytes{4000, 4000};
+            setrlimit(RLIMIT_FSIZE, &bytes);
+            write_table_npz(material(), grid(), folder / "a.npz");
+        },
+        [](const std::exception& error) {
+            const bool told = std::string(error.what()).find("File too large") != std::string::npos;
+            return dynamic_cast<const InputError*>(&error) != nullptr && told ? 8 : 9;
+        });
+    CHECK(support::exit_code(child) == 8);
+    CHECK(folder.count() == 0);
+}
+
+TEST_CASE("tables refuse directions out of range and unwritable places",
+          "[exports][table][errors]") {
+    std::ostringstream out;
+    CHECK_THROWS_WITH(write_table_csv(material(), {{0.0}, {1.0}, {0}}, out),
+                      Catch::Contains("(0, 1]"));
+    CHECK_THROWS_AS(write_table_csv(material(), {{}, {1.0}, {0}}, out), UsageError);
+    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/nowhere/at/all.npz"), InputError);
+}
