@@ -5,7 +5,7 @@
 #include <map>
 
 #include <miebrdf/error.h>
-#include "pipeline/formats/deviation.h"
+#include "pipeline/formats/check/check.h"
 #include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 

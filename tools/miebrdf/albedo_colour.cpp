@@ -7,7 +7,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/colour/colour.h"
-#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/formats/common/rgb_weights.h"
 
 namespace miebrdf::program {
 namespace {

@@ -9,7 +9,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/solve/shared_work.h"
 #include "tools/miebrdf/command.h"
-#include "tools/miebrdf/export_formats.h"
+#include "tools/miebrdf/export_options.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/scene_file.h"
 #include "tools/miebrdf/scene_requests.h"
