@@ -1,4 +1,4 @@
-#include "pipeline/scene/layer_sizes.h"
+#include "pipeline/scene/particle_sizes.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -73,7 +73,7 @@ void set_once(std::optional<Value>& size, const Value& value, const std::string&
 }
 
 void read_size(const std::string& key, const std::string& value, const std::string& layer,
-               LayerSizes& sizes) {
+               ParticleSizes& sizes) {
     const std::string what = fmt::format("medium '{}': {}", layer, key);
     if (key == "radius") {
         set_once(sizes.effective_radius_um, parse_number(value, what), key, layer);
@@ -86,8 +86,9 @@ void read_size(const std::string& key, const std::string& value, const std::stri
 
 }  // namespace
 
-mie::SizeDistribution resolved_sizes(const LayerSizes& own, const mie::SizeDistribution& of_scene) {
-    mie::SizeDistribution sizes = of_scene;
+mie::SizeDistribution sizes_of(const Medium& medium, const ParticleOptions& of_scene) {
+    const ParticleSizes& own = medium.sizes;
+    mie::SizeDistribution sizes = of_scene.sizes;
     if (own.effective_radius_um) sizes.effective_radius_um = *own.effective_radius_um;
     if (own.effective_variance) sizes.effective_variance = *own.effective_variance;
     if (own.distribution) {
@@ -98,7 +99,7 @@ mie::SizeDistribution resolved_sizes(const LayerSizes& own, const mie::SizeDistr
     return sizes;
 }
 
-void validate(const LayerSizes& sizes, const std::string& layer) {
+void validate(const ParticleSizes& sizes, const std::string& layer) {
     const auto refuse = [&](const char* key, double value, const char* allowed) {
         throw UsageError(fmt::format("medium '{}': {} {} is out of range; allowed: {}", layer, key,
                                      value, allowed));
@@ -114,7 +115,7 @@ void validate(const LayerSizes& sizes, const std::string& layer) {
     }
 }
 
-std::string describe(const LayerSizes& sizes) {
+std::string describe(const ParticleSizes& sizes) {
     std::string text;
     if (sizes.effective_radius_um) text += fmt::format(",radius={}", *sizes.effective_radius_um);
     if (sizes.effective_variance) text += fmt::format(",variance={}", *sizes.effective_variance);

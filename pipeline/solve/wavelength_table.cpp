@@ -1,16 +1,18 @@
-#include "pipeline/solve/wavelength_solution.h"
+#include "pipeline/solve/wavelength_table.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "pipeline/solve/probe_directions.h"
-#include "rte/fourier/order_tail.h"
+#include "pipeline/solve/checks.h"
+#include "pipeline/solve/tolerance.h"
+#include "rte/fourier/fourier_reflection.h"
 #include "rte/grid/discretisation.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/surface/layered_brdf.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -48,15 +50,29 @@ SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples
     return {std::move(modes), orders};
 }
 
+FirstOrder first_order_of(std::span<const WavelengthTable> tables, const SolverOptions& solver) {
+    std::vector<std::vector<rte::ScaledMedium>> stacks;
+    for (const WavelengthTable& table : tables) stacks.push_back(table.media());
+    return {stacks, solver.single_scattering_correction, solver.tolerance};
+}
+
 }  // namespace
 
-WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
-                                       std::optional<std::complex<double>> surface_index,
-                                       const Request& request, Component component) {
-    if (component != Component::surface) solve(optics, request);
-    if (surface_index && component != Component::subsurface) {
-        lobe_.emplace(*surface_index, *request.scene.surface);
-        const rte::SurfaceTransmission transmission(*lobe_, request.scene.coupling);
+const Directions& probe_directions() {
+    static const Directions directions{
+        {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
+    return directions;
+}
+
+WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
+                                 const SceneOptics& optics, const SolverOptions& solver,
+                                 BrdfPart part) {
+    report_.converged = report_.solver.converged = true;
+    if (part != BrdfPart::surface) solve(optics, solver);
+    report_.wavelength_nm = scene.wavelength_nm[w];
+    if (scene.surface && part != BrdfPart::subsurface) {
+        lobe_.emplace(scene.surface_index[w], *scene.surface);
+        const rte::SurfaceTransmission transmission(*lobe_, scene.coupling);
         for (const double mu : SmoothPart::nodes()) {
             factor_in_.push_back(transmission.in(mu));
             factor_out_.push_back(transmission.out(mu));
@@ -65,16 +81,19 @@ WavelengthSolution::WavelengthSolution(const SceneOptics& optics,
     }
 }
 
-void WavelengthSolution::solve(const SceneOptics& optics, const Request& request) {
+void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solver) {
+    const rte::Stack& stack = optics.stack;
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return;  // black
     const std::vector<double>& nodes = SmoothPart::nodes();
-    report_ = rte::reflect(optics.stack, probe_directions(), request.solver).report;
+    SolverOptions options = solver;
+    options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
+    report_.solver = rte::reflect(stack, probe_directions(), options).report;
 
-    rte::SolverOptions options = request.solver;
-    options.streams = report_.streams;
+    options.streams = report_.solver.streams;
     const rte::ScaledStack scaled =
-        rte::scale_stack(optics.stack, report_.moments, options.delta_m);
+        rte::scale_stack(stack, report_.solver.moments, options.delta_m);
     const rte::ZenithGrid grid = rte::make_zenith_grid(
-        rte::choose_discretisation(optics.stack, options, report_.streams).grid, report_.streams);
+        rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
     rte::RequestedDirections requested;
     requested.mu =
         Eigen::Map<const Eigen::VectorXd>(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
@@ -89,27 +108,42 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
         azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
     }
     const rte::MultipleScattering multiple = rte::sum_orders(
-        scaled, grid, requested, azimuth_deg, rte::share_of_orders * options.tolerance, options);
+        scaled, grid, requested, azimuth_deg, kToleranceShares.orders * options.tolerance, options);
     media_ = scaled.media;
     smooth_ = tabulate(multiple, samples);
-    report_.azimuthal_orders = multiple.orders;
-    report_.converged = report_.converged && multiple.converged && multiple.physical;
+    report_.solver.azimuthal_orders = multiple.orders;
+    report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
+    judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
 }
 
-Direction WavelengthSolution::worst_direction() const {
-    const std::size_t azimuths = probe_directions().azimuth_deg.size(),
-                      outs = probe_directions().mu_out.size();
-    const std::size_t pair = report_.worst_value / azimuths;
-    return {probe_directions().mu_in[pair / outs], probe_directions().mu_out[pair % outs],
-            probe_directions().azimuth_deg[report_.worst_value % azimuths]};
-}
-
-double WavelengthSolution::lobe(const Direction& direction) const {
+double WavelengthTable::lobe(const Direction& direction) const {
     return lobe_ ? lobe_->brdf(direction.mu_in, direction.mu_out, direction.azimuth_deg) : 0.0;
 }
 
-double WavelengthSolution::transmitted(double mu_in, double mu_out) const {
+double WavelengthTable::transmitted(double mu_in, double mu_out) const {
     return lobe_ ? at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out) : 1.0;
+}
+
+SharpPart::SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver)
+    : tables_(tables), first_order_(first_order_of(tables, solver)) {}
+
+void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+    const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
+    const std::size_t count = tables_.size();
+    std::vector<double> cos_azimuth;
+    cos_azimuth.reserve(directions.size());
+    for (const Direction& d : directions)
+        cos_azimuth.push_back(std::cos(d.azimuth_deg * (kPi / 180)));
+    first_order_.evaluate(mu_in, mu_out, cos_azimuth, values);
+    for (std::size_t w = 0; w < count; ++w) {
+        const WavelengthTable& table = tables_[w];
+        const double transmitted = table.transmitted(mu_in, mu_out) / kPi;
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            double& value = values[d * count + w];
+            value *= transmitted;
+            if (table.has_surface()) value += table.lobe(directions[d]);
+        }
+    }
 }
 
 void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
@@ -122,4 +156,4 @@ void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions,
     }
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -1,4 +1,4 @@
-#include "pipeline/solve/phase_noise.h"
+#include "pipeline/solve/checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,18 @@
 
 namespace miebrdf {
 namespace {
+
+/// Where each value is in a list, if it is there.
+std::vector<std::optional<std::size_t>> places_of(const std::vector<double>& values,
+                                                  const std::vector<double>& list) {
+    std::vector<std::optional<std::size_t>> places;
+    for (const double value : values) {
+        const auto found = std::find(list.begin(), list.end(), value);
+        auto& place = places.emplace_back();
+        if (found != list.end()) place = static_cast<std::size_t>(found - list.begin());
+    }
+    return places;
+}
 
 /// A layer whose phase function has noise: R of single scattering per P.
 struct NoisyLayer {
@@ -42,7 +54,30 @@ double noise_of(const std::vector<NoisyLayer>& layers, double mu_in, double mu_o
 
 }  // namespace
 
-PhaseNoise largest_phase_noise(const rte::Stack& stack, const rte::Directions& directions,
+PhysicsReport physics_of(const std::vector<double>& values, const Directions& directions) {
+    const auto& [mu_in, mu_out, azimuth] = directions;
+    PhysicsReport report;
+    report.least_value = *std::min_element(values.begin(), values.end());
+    const double largest = *std::max_element(values.begin(), values.end());
+    const auto swapped_in = places_of(mu_out, mu_in), swapped_out = places_of(mu_in, mu_out);
+    for (std::size_t i = 0; i < mu_in.size(); ++i) {
+        for (std::size_t o = 0; o < mu_out.size(); ++o) {
+            const auto back_in = swapped_in[o], back_out = swapped_out[i];
+            if (!back_in || !back_out) continue;
+            for (std::size_t a = 0; a < azimuth.size(); ++a) {
+                const double there = values[(i * mu_out.size() + o) * azimuth.size() + a];
+                const double back =
+                    values[(*back_in * mu_out.size() + *back_out) * azimuth.size() + a];
+                const double defect = there == back ? 0.0 : std::abs(there - back) / largest;
+                report.reciprocity_defect =
+                    std::max(report.reciprocity_defect.value_or(0.0), defect);
+            }
+        }
+    }
+    return report;
+}
+
+PhaseNoise largest_phase_noise(const rte::Stack& stack, const Directions& directions,
                                const std::vector<double>& reflection, int moments) {
     std::vector<NoisyLayer> layers;
     if (stack.base_kind == rte::BaseKind::half_space) {
@@ -70,6 +105,18 @@ PhaseNoise largest_phase_noise(const rte::Stack& stack, const rte::Directions& d
         }
     }
     return worst;
+}
+
+double rest_of_tolerance(double tolerance, double mie_error_estimate) {
+    return std::max(tolerance - mie_error_estimate, 0.5 * tolerance);
+}
+
+void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
+           double tolerance) {
+    report.mie_error_estimate = mie_error_estimate;
+    report.error_estimate = report.solver.error_estimate + mie_error_estimate;
+    report.converged =
+        report.solver.converged && mie_converged && report.error_estimate <= tolerance;
 }
 
 }  // namespace miebrdf

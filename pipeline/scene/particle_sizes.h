@@ -1,37 +1,27 @@
-// Sizes that the particles of one layer have for themselves, where others have those of the scene.
+// Sizes of particles: a layer's own over those of its scene, and as words.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <miebrdf/scene.h>
 
-#include <miebrdf/sizes.h>
+#include <string>
 
 namespace miebrdf {
 
-/// What a layer says about its spheres; what it leaves out is that of its scene.
-struct LayerSizes {
-    std::optional<double> effective_radius_um;              ///< > 0
-    std::optional<double> effective_variance;               ///< > 0, up to 10; ignored for mono
-    std::optional<mie::SizeDistributionKind> distribution;  ///< any but tabulated
-
-    bool operator==(const LayerSizes&) const = default;
-};
-
-/// The sizes of a layer: its own over those of the scene.
-mie::SizeDistribution resolved_sizes(const LayerSizes& own, const mie::SizeDistribution& of_scene);
+/// The sizes of a medium: its own over those of the scene.
+mie::SizeDistribution sizes_of(const Medium& medium, const ParticleOptions& of_scene);
 
 /// @param layer  named in the message
 /// @throws UsageError  with the key, its value and the allowed range
-void validate(const LayerSizes& sizes, const std::string& layer);
+void validate(const ParticleSizes& sizes, const std::string& layer);
 
 /// The sizes as they follow a medium: `,radius=0.1,variance=0.3,distribution=gamma`; empty where
-/// the layer says nothing.
-std::string describe(const LayerSizes& sizes);
+/// nothing is said.
+std::string describe(const ParticleSizes& sizes);
 
 /// A medium's text in two: `TiO2,radius=0.1` is `TiO2` and a radius.
 struct SizedText {
     std::string medium;
-    LayerSizes sizes;
+    ParticleSizes sizes;
 };
 
 /// Takes `,radius=UM`, `,variance=V` and `,distribution=KIND` in any order from the end of a text.

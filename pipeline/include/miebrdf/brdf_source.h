@@ -1,5 +1,8 @@
-// Where the values of an export come from: a spectral BRDF that can be asked at any directions.
+// What exports and pictures are made of: a spectral BRDF that can be asked at any directions. A
+// solved scene gives one (BrdfTable); a material of one's own is another.
 #pragma once
+
+#include <miebrdf/control.h>
 
 #include <array>
 #include <memory>
@@ -7,11 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/solve/run_control.h"
+namespace miebrdf {
 
-namespace miebrdf::exports {
-
-/// Directions as everywhere in miebrdf: cosines in (0, 1], azimuth_deg 0 = mirror side.
+/// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
 struct Direction {
     double mu_in = 1.0;
     double mu_out = 1.0;
@@ -71,9 +72,9 @@ std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm)
 /// Evaluates in parallel; the result does not depend on the number of threads.
 /// @throws Cancelled
 std::vector<double> evaluate_all(const BrdfSource& source, std::span<const Direction> directions,
-                                 const std::string& stage, const RunControl& control);
+                                 const std::string& stage, const Control& control);
 
 /// @throws UsageError  when the source has colours instead of wavelengths
 void require_wavelengths(const BrdfSource& source, const std::string& format);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf
