@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/plot/palette.h"
+#include "pipeline/plot/colour_map.h"
 
 namespace miebrdf::bench {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include <miebrdf/error.h>
-#include "pipeline/render/light_spectrum.h"
+#include "pipeline/render/lighting.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {

@@ -1,4 +1,4 @@
-#include "pipeline/render/analytic_brdf.h"
+#include "tests/render/analytic_brdf.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/render/half_vector.h"
+#include "pipeline/render/sampler.h"
 
 namespace miebrdf::render {
 namespace {
