@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include <miebrdf/surface.h>
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/checks.h"
@@ -17,8 +18,7 @@
 #include "pipeline/solve/surface_part.h"
 #include "pipeline/solve/tolerance.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_memory.h"
-#include "rte/surface/layered_brdf.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 namespace {

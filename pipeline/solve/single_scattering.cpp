@@ -15,7 +15,7 @@
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/tolerance.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 namespace {
