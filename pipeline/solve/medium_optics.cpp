@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
-#include "mie/ensemble/ensemble.h"
 #include "rte/first_order/single_scattering.h"
 
 namespace miebrdf {
@@ -95,7 +94,7 @@ mie::EnsembleOptics average(const Medium& medium, const mie::EnsembleRequest& re
                             const mie::Executor& run) {
     try {
         return mie::average_over_sizes(request, run);
-    } catch (const std::invalid_argument& error) {
+    } catch (const UsageError& error) {
         const LayerSizes own = sizes_of(medium);
         throw UsageError(fmt::format(
             "{}{} ({} {} um, {} {}, --host-index {}, at {} nm)",

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include <miebrdf/ensemble.h>
 #include <miebrdf/optics.h>
-#include "mie/ensemble/executor.h"
 #include "pipeline/solve/resolved_medium.h"
 
 namespace miebrdf {

@@ -1,14 +1,13 @@
 #include "pipeline/solve/packed_optics.h"
 
-#include "mie/ensemble/phase_table.h"
+#include <miebrdf/ensemble.h>
 #include "pipeline/cache/packed_numbers.h"
 
 namespace miebrdf {
 namespace {
 
 void pack_table(const mie::PhaseTable::Parts& parts, NumberPacker& packer) {
-    const Eigen::MatrixXd& c = parts.coefficients;
-    packer.add(parts.edges).add(std::vector<double>(c.data(), c.data() + c.size()));
+    packer.add(parts.edges).add(parts.coefficients);
     packer.add(parts.mean).add(parts.interpolation_error).add(parts.size_error);
     packer.add(parts.noise).add(parts.noise_floor);
 }
@@ -16,10 +15,7 @@ void pack_table(const mie::PhaseTable::Parts& parts, NumberPacker& packer) {
 mie::PhaseTable unpack_table(NumberUnpacker& unpacker) {
     mie::PhaseTable::Parts parts;
     parts.edges = unpacker.list();
-    const std::vector<double> c = unpacker.list();
-    parts.coefficients = Eigen::Map<const Eigen::MatrixXd>(
-        c.data(), mie::PhaseTable::panel_nodes,
-        static_cast<Eigen::Index>(c.size()) / mie::PhaseTable::panel_nodes);
+    parts.coefficients = unpacker.list();
     parts.mean = unpacker.number();
     parts.interpolation_error = unpacker.number();
     parts.size_error = unpacker.number();

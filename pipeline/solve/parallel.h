@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
 #include "pipeline/solve/run_control.h"
 
 namespace miebrdf {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mie/ensemble/phase_table.h"
+#include <miebrdf/ensemble.h>
 #include "rte/first_order/single_scattering.h"
 
 namespace miebrdf {

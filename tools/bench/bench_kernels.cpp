@@ -4,8 +4,8 @@
 #include <cmath>
 #include <complex>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
