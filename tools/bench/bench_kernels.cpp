@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include <miebrdf/surface.h>
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"

@@ -4,9 +4,9 @@
 #include <complex>
 #include <limits>
 
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include <miebrdf/surface.h>
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
 #include "rte/stack/layered_reflection.h"
 #include "tools/bench/stress.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "tools/bench/reference_data.h"
 #include "tools/bench/stress.h"
 

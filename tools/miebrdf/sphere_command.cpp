@@ -1,8 +1,7 @@
 // miebrdf sphere: Mie theory for single spheres.
 #include <fmt/format.h>
 
-#include "mie/sphere/amplitudes.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"

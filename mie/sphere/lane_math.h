@@ -1,11 +1,46 @@
-// a_n and b_n from the waves on both sides of the boundary, of eight spheres or eight orders.
+// Eight numbers in one vector, for eight spheres or eight orders at once: their arithmetic, and a_n
+// and b_n from the waves on both sides of a sphere's boundary.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
-
-#include "mie/sphere/lanes.h"
+#include <type_traits>
 
 namespace miebrdf::mie {
+
+constexpr int kLaneCount = 8;  // one AVX-512 register; two or four registers elsewhere
+using Lanes = Eigen::Array<double, kLaneCount, 1>;
+
+/// Complex numbers, real and imaginary parts apart.
+struct ComplexLanes {
+    Lanes re, im;
+};
+
+inline Lanes real_part(const Lanes& z) { return z; }
+inline Lanes real_part(const ComplexLanes& z) { return z.re; }
+inline Lanes norm(const Lanes& z) { return z * z; }
+inline Lanes norm(const ComplexLanes& z) { return z.re * z.re + z.im * z.im; }
+inline Lanes times(const Lanes& a, const Lanes& b) { return a * b; }
+inline ComplexLanes times(const ComplexLanes& a, const Lanes& b) { return {a.re * b, a.im * b}; }
+inline ComplexLanes times(const ComplexLanes& a, const ComplexLanes& b) {
+    return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline Lanes times(double m, const Lanes& a) { return m * a; }
+inline ComplexLanes times(std::complex<double> m, const ComplexLanes& a) {
+    return {m.real() * a.re - m.imag() * a.im, m.real() * a.im + m.imag() * a.re};
+}
+inline Lanes minus(const Lanes& a, const Lanes& b) { return a - b; }
+inline ComplexLanes minus(const ComplexLanes& a, const ComplexLanes& b) {
+    return {a.re - b.re, a.im - b.im};
+}
+inline Lanes plus(const Lanes& a, const Lanes& b) { return a + b; }
+inline ComplexLanes plus(const ComplexLanes& a, const ComplexLanes& b) {
+    return {a.re + b.re, a.im + b.im};
+}
+
+/// Lanes of the kind of Number (double or std::complex<double>).
+template <typename Number>
+using LanesOf = std::conditional_t<std::is_same_v<Number, double>, Lanes, ComplexLanes>;
 
 /// a_n or b_n: p / (p + i q), and 1 / |p + i q|^2 for the absorption.
 struct Response {

@@ -4,10 +4,8 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include <miebrdf/sizes.h>
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
 #include "mie/ensemble/size_sums.h"
-#include "mie/sphere/angular_functions.h"
 
 namespace miebrdf::mie {
 

@@ -1,27 +1,24 @@
-#include "mie/sizes/size_families.h"
+#include "mie/ensemble/size_families.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "mie/sizes/size_nodes.h"
-#include "mie/sizes/size_refinement.h"
-#include "mie/sphere/sphere_block.h"
-#include "mie/sphere/terms.h"
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 namespace {
 
-constexpr int largest_chunk_count = 4;  // of each family
-constexpr int least_chunk_size = 16;
+constexpr int kMostChunksOfFamily = 4;  // of each family
+constexpr int kLeastFamilyChunk = 16;
 
 // Sizes of level 0 by family, in units of the coarsest even count (3.4 ripple periods apart).
-constexpr double family_share[2] = {1.21, 1.29};
-constexpr int least_unit = 32;  // without ripple: of each
+constexpr double kFamilyShare[2] = {1.21, 1.29};
+constexpr int kLeastUnit = 32;  // without ripple: of each
 
-constexpr double finest_spacing = 0.1;    // in x
-constexpr double resolved_spacing = 0.8;  // in x, both families together
-constexpr double default_tolerance = 1e-2;
+constexpr double kFinestSpacing = 0.1;    // in x
+constexpr double kResolvedSpacing = 0.8;  // in x, both families together
+constexpr double kDefaultTolerance = 1e-2;
 
 struct Chunk {
     int family;
@@ -39,7 +36,7 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
     const auto& last = blocks.back();
     SphereBlockOf<float> block;
     block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
-                    most_sizes_per_block);
+                    kMostSizesPerBlock);
     Intensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
     for (const auto [first, count] : blocks) {
         const std::size_t here = count;
@@ -69,18 +66,18 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     }
     const double width = wave_number_per_um * (range.largest_um - range.smallest_um);
     if (rippled_) {
-        const int unit = std::max(least_unit, coarsest_even_count(relative_index.real(), width));
+        const int unit = std::max(kLeastUnit, coarsest_even_count(relative_index.real(), width));
         for (int family : {0, 1}) {
-            first_counts_[family] = static_cast<int>(std::lround(family_share[family] * unit));
+            first_counts_[family] = static_cast<int>(std::lround(kFamilyShare[family] * unit));
         }
     }
     const int together = first_counts_[0] + first_counts_[1];
     if (!rippled_) {
-        const double levels = std::log2(width / (resolved_spacing * together));
+        const double levels = std::log2(width / (kResolvedSpacing * together));
         resolved_level_ = std::max(0, static_cast<int>(std::ceil(levels)));
     }
-    const double finer = std::min(1.0, std::pow(size_tolerance / default_tolerance, 1 / 1.5));
-    const double most = std::clamp(width / (finest_spacing * finer), 4096.0, double(node_limit));
+    const double finer = std::min(1.0, std::pow(size_tolerance / kDefaultTolerance, 1 / 1.5));
+    const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
 }
 
@@ -102,7 +99,7 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<float>& 
     for (int family = first_family; family < family_count_; ++family) {
         sizes[family] = sizes_of(family, level);
         const SizeChunks parts(static_cast<int>(sizes[family].parameters.size()),
-                               largest_chunk_count, least_chunk_size);
+                               kMostChunksOfFamily, kLeastFamilyChunk);
         for (int i = 0; i < parts.count(); ++i) chunks.push_back({family, parts.blocks(i)});
     }
     // From small to large spheres.
