@@ -8,6 +8,7 @@
 #include <optional>
 
 #include <miebrdf/surface.h>
+#include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/checks.h"

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <miebrdf/ensemble.h>
+#include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/scene/medium_kinds.h"
