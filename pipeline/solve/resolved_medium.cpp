@@ -73,7 +73,7 @@ void ResolvedMedium::add_to(JobKey& key, double wavelength_nm,
         // Only n, k and the sizes count: two names for the same figures are the same job.
         key.add(std::string_view("mie")).add(index->real()).add(index->imag()).add(wavelength_nm);
         const mie::SizeDistribution sizes = particles_of(medium, particles).sizes;
-        key.add(static_cast<int>(sizes.kind)).add(sizes.effective_radius_um);
+        key.add(std::string_view(name_of(sizes.kind))).add(sizes.effective_radius_um);
         key.add(sizes.effective_variance).add(particles.host_index);
         if (sizes.kind == mie::SizeDistributionKind::tabulated) {
             key.add(std::span<const double>(sizes.radii_um));
