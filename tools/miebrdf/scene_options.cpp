@@ -27,7 +27,7 @@ Value one_of(const std::map<std::string, Value>& words, const std::string& word,
 std::string sizes_text(const mie::SizeDistribution& sizes) {
     std::string text =
         fmt::format("{}, effective radius {} um", name_of(sizes.kind), sizes.effective_radius_um);
-    if (sizes.kind != mie::SizeDistributionKind::mono)
+    if (has_variance(sizes.kind))
         text += fmt::format(", effective variance {}", sizes.effective_variance);
     return text;
 }
@@ -58,8 +58,11 @@ void ParticleArguments::add_to(CLI::App& command) {
         ->add_option("--effective-variance", options_.sizes.effective_variance,
                      "effective variance")
         ->capture_default_str();
-    group->add_option("--size-distribution", distribution_, "power-law, gamma, log-normal or mono")
-        ->capture_default_str();
+    std::string laws;
+    for (const auto& form : mie::size_distribution_forms()) {
+        laws += (laws.empty() ? "" : ", ") + form.name;
+    }
+    group->add_option("--size-distribution", distribution_, laws)->capture_default_str();
     group
         ->add_option("--host-index", options_.host_index,
                      "refractive index of the medium between the particles")
@@ -74,7 +77,7 @@ void ParticleArguments::add_to(CLI::App& command) {
 
 ParticleOptions ParticleArguments::parse() const {
     ParticleOptions options = options_;
-    options.sizes.kind = parse_size_distribution(distribution_);
+    options.sizes.kind = mie::parse_size_distribution(distribution_);
     return options;
 }
 
