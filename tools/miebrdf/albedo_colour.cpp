@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include <miebrdf/error.h>
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/formats/rgb_weights.h"
 
 namespace miebrdf::program {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/colour/cie_observer.h"
+#include <miebrdf/colour.h>
 #include "pipeline/io/table.h"
 #include "pipeline/solve/brdf.h"
 

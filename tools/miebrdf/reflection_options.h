@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour/cie_observer.h"
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
