@@ -9,8 +9,8 @@
 #include "mie/sphere/amplitudes.h"
 #include "mie/sphere/sphere.h"
 #include "rte/math/quadrature.h"
-#include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include "pipeline/solve/brdf.h"
 #include "pipeline/solve/scene_optics.h"
 #include "tools/bench/photon_tracer.h"
-#include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {

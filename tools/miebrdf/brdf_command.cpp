@@ -169,30 +169,26 @@ int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {
 
 /// A command whose options are `Arguments`.
 template <typename Arguments>
-void add_command(CLI::App& program, Shell& shell, const char* name, const char* description,
-                 const char* example, int (*run)(const Arguments&, const Shell&)) {
-    auto* command = program.add_subcommand(name, description);
+void add(CLI::App& command, Shell& shell, int (*run)(const Arguments&, const Shell&)) {
     auto arguments = std::make_shared<Arguments>();
-    arguments->add_to(*command);
-    shell.add_common_options(*command);
-    command->footer(std::string("Example:\n  ") + example);
-    shell.on_run(*command, [arguments, run, &shell] { return run(*arguments, shell); });
+    arguments->add_to(command);
+    shell.add_common_options(command);
+    shell.on_run(command, [arguments, run, &shell] { return run(*arguments, shell); });
 }
 
 }  // namespace
 
-void add_brdf_command(CLI::App& program, Shell& shell) {
-    add_command<BrdfArguments>(
-        program, shell, "brdf", "the spectral BRDF of a coated, rough material",
-        "miebrdf brdf --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 --wavelengths 400:700:10 "
-        "--mu-in 0.5,1 --mu-out 0.1:1:0.1 --azimuth 0,90,180",
-        run_brdf);
+void add_brdf(CLI::App& command, Shell& shell) {
+    add<BrdfArguments>(command, shell, run_brdf);
+    command.footer(
+        "Example:\n  miebrdf brdf --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 --wavelengths "
+        "400:700:10 --mu-in 0.5,1 --mu-out 0.1:1:0.1 --azimuth 0,90,180");
 }
 
-void add_albedo_command(CLI::App& program, Shell& shell) {
-    add_command<AlbedoArguments>(
-        program, shell, "albedo", "plane and spherical albedo of a scene",
-        "miebrdf albedo --base TiO2 --coat AlGaAs7@0.1 --wavelengths 400:700:50", run_albedo);
+void add_albedo(CLI::App& command, Shell& shell) {
+    add<AlbedoArguments>(command, shell, run_albedo);
+    command.footer(
+        "Example:\n  miebrdf albedo --base TiO2 --coat AlGaAs7@0.1 --wavelengths 400:700:50");
 }
 
 }  // namespace miebrdf::program

@@ -10,8 +10,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "pipeline/io/atomic_file.h"
-#include "tools/miebrdf/interrupt.h"
-#include "tools/miebrdf/progress_line.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
 namespace {

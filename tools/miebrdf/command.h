@@ -77,24 +77,13 @@ class Shell {
     std::function<int()> action_;
 };
 
-void add_sphere_command(CLI::App& program, Shell& shell);
-void add_optics_command(CLI::App& program, Shell& shell);
-void add_phase_command(CLI::App& program, Shell& shell);
-void add_brdf_command(CLI::App& program, Shell& shell);
-void add_albedo_command(CLI::App& program, Shell& shell);
-void add_table1_command(CLI::App& program, Shell& shell);
-void add_materials_command(CLI::App& program, Shell& shell);
-void add_export_command(CLI::App& program, Shell& shell);
-void add_check_command(CLI::App& program, Shell& shell);
-void add_plot_command(CLI::App& program, Shell& shell);
-void add_render_command(CLI::App& program, Shell& shell);  // docs/rendering.md has what it needs
-void add_plan_command(CLI::App& program, Shell& shell);
-void add_run_command(CLI::App& program, Shell& shell);
-void add_cache_command(CLI::App& program, Shell& shell);
-
-/// All of them.
-void add_commands(CLI::App& program, Shell& shell);
-void add_bench_command(CLI::App& program, Shell& shell);
-void add_stress_command(CLI::App& program, Shell& shell);
+/// A command: what it is called, one line about it, and the function that adds its options and says
+/// what it does.
+struct Command {
+    const char* name;
+    const char* help;
+    void (*add)(CLI::App& command, Shell& shell);
+    bool in_scene_files = false;  ///< it computes something that a scene file may ask for
+};
 
 }  // namespace miebrdf::program

@@ -74,17 +74,15 @@ int run_export(const ExportArguments& arguments, const Shell& shell) {
 
 }  // namespace
 
-void add_export_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("export", "the BRDF of a scene as a file for renderers and tools");
+void add_export(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ExportArguments>();
-    arguments->add_to(*command);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
+    arguments->add_to(command);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
         "Example:\n  miebrdf export --format rgl --base TiO2 --coat AlGaAs7@0.1 --wavelengths "
         "400:700:10 "
         "-o algaas7_on_tio2.bsdf");
-    shell.on_run(*command, [arguments, &shell] { return run_export(*arguments, shell); });
+    shell.on_run(command, [arguments, &shell] { return run_export(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program

@@ -114,46 +114,41 @@ int run_phase(const MediumArguments& arguments, const Shell& shell) {
     return spectrum.converged ? kGood : kNotConverged;
 }
 
-CLI::App* add_medium_command(CLI::App& program, const std::string& name, const std::string& title,
-                             MediumArguments& arguments) {
-    auto* command = program.add_subcommand(name, title);
+void add_medium_options(CLI::App& command, MediumArguments& arguments) {
     command
-        ->add_option("medium", arguments.medium,
-                     "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
-                     "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
-                     "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
+        .add_option("medium", arguments.medium,
+                    "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
+                    "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
+                    "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
         ->type_name("MEDIUM")
         ->required();
-    arguments.materials.add_to(*command, "rgb");
-    arguments.particles.add_to(*command);
-    return command;
+    arguments.materials.add_to(command, "rgb");
+    arguments.particles.add_to(command);
 }
 
 }  // namespace
 
-void add_optics_command(CLI::App& program, Shell& shell) {
+void add_optics(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
-    auto* command = add_medium_command(
-        program, "optics", "albedo, asymmetry, extinction and moments of a medium", *arguments);
-    command->add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
+    add_medium_options(command, *arguments);
+    command.add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
         ->type_name("L")
         ->check(CLI::Range(0, 100000));
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
-    shell.on_run(*command, [arguments, &shell] { return run_optics(*arguments, shell); });
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
+    shell.on_run(command, [arguments, &shell] { return run_optics(*arguments, shell); });
 }
 
-void add_phase_command(CLI::App& program, Shell& shell) {
+void add_phase(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
-    auto* command =
-        add_medium_command(program, "phase", "the phase function of a medium", *arguments);
+    add_medium_options(command, *arguments);
     arguments->angles = "0:180:1";
-    command->add_option("--angles", arguments->angles, "scattering angles in degrees")
+    command.add_option("--angles", arguments->angles, "scattering angles in degrees")
         ->type_name("LIST")
         ->capture_default_str();
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
-    shell.on_run(*command, [arguments, &shell] { return run_phase(*arguments, shell); });
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
+    shell.on_run(command, [arguments, &shell] { return run_phase(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program

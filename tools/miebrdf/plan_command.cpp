@@ -82,21 +82,19 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name) {
 
 }  // namespace
 
-void add_plan_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand(
-        "plan", "what brdf, albedo or a scene file would compute, and what they leave out");
+void add_plan(CLI::App& command, Shell& shell) {
     auto path = std::make_shared<std::string>();
-    command->require_subcommand(0, 1);
-    command->add_option("scene", *path, "scene file (TOML)")->type_name("SCENE.toml");
-    add_kind<BrdfArguments>(*command, shell, "brdf");
-    add_kind<AlbedoArguments>(*command, shell, "albedo");
-    shell.add_common_options(*command);
-    command->footer(
+    command.require_subcommand(0, 1);
+    command.add_option("scene", *path, "scene file (TOML)")->type_name("SCENE.toml");
+    add_kind<BrdfArguments>(command, shell, "brdf");
+    add_kind<AlbedoArguments>(command, shell, "albedo");
+    shell.add_common_options(command);
+    command.footer(
         "Example:\n  miebrdf plan docs/examples/paint.toml\n  miebrdf plan brdf --base TiO2 "
         "--mu-in 1 "
         "--mu-out 0.1:1:0.1");
-    command->callback([command, path, &shell] {
-        if (!command->get_subcommands().empty()) return;
+    command.callback([&command, path, &shell] {
+        if (!command.get_subcommands().empty()) return;
         shell.set_action([path, &shell] {
             if (path->empty()) {
                 throw UsageError("plan what? give a scene file, or brdf or albedo with options");

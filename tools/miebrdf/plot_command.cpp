@@ -39,15 +39,14 @@ void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const
     }
 }
 
-void add_plot_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("plot", "charts as SVG or PNG");
-    command->require_subcommand(1);
-    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
-    command->footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
-    add_scene_plots(*command, shell);
-    add_profile_plot(*command, shell);
-    add_map_plots(*command, shell);
-    add_medium_plots(*command, shell);
+void add_plot(CLI::App& command, Shell& shell) {
+    command.require_subcommand(1);
+    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
+    add_scene_plots(command, shell);
+    add_profile_plot(command, shell);
+    add_map_plots(command, shell);
+    add_medium_plots(command, shell);
 }
 
 }  // namespace miebrdf::program

@@ -162,18 +162,16 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
 
 }  // namespace
 
-void add_render_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("render", "a picture of a lit object of these materials");
+void add_render(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<RenderArguments>();
-    arguments->command = command;
-    arguments->scene.add_to(*command, SceneArguments::Base::optional, kDefaultWavelengths);
-    add_render_options(*command, *arguments);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
+    arguments->command = &command;
+    arguments->scene.add_to(command, SceneArguments::Base::optional, kDefaultWavelengths);
+    add_render_options(command, *arguments);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
         "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o "
         "sphere.png");
-    shell.on_run(*command, [arguments, &shell] { return run_render(*arguments, shell); });
+    shell.on_run(command, [arguments, &shell] { return run_render(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program

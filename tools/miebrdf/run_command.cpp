@@ -8,7 +8,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/solve/shared_work.h"
-#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/export_formats.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/scene_file.h"
@@ -18,12 +18,14 @@
 namespace miebrdf::program {
 namespace {
 
-/// Commands that a scene file may use: those that compute something.
-const std::vector<std::string> kCommands = {
-#ifdef MIEBRDF_HAS_RENDER
-    "render",
-#endif
-    "brdf",   "albedo", "export", "optics", "phase", "sphere", "table1"};
+/// Names of the commands that a scene file may use: those that compute something.
+std::vector<std::string> scene_commands() {
+    std::vector<std::string> names;
+    for (const Command& command : commands()) {
+        if (command.in_scene_files) names.emplace_back(command.name);
+    }
+    return names;
+}
 
 /// The commands' own parsers are what knows their options.
 std::optional<OptionKind> kind_of(const CLI::App& program, const std::string& command,
@@ -111,7 +113,7 @@ int run(const std::string& path, const Shell& shell) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
         shell.note(
             fmt::format("result {} of {}: {}", i + 1, lines.size(), command_line_of(lines[i])));
-        const int code = run_program(lines[i], &shared);
+        const int code = run_program(commands(), lines[i], &shared);
         if (code != kGood && code != kNotConverged) return code;
         worst = std::max(worst, code);
     }
@@ -123,9 +125,9 @@ int run(const std::string& path, const Shell& shell) {
 std::vector<std::vector<std::string>> scene_command_lines(const std::string& path) {
     CLI::App probe;
     Shell probe_shell("");
-    add_commands(probe, probe_shell);
+    add_commands(probe, probe_shell, commands());
     const SceneCommands commands = {
-        kCommands,
+        scene_commands(),
         [&](const auto& command, const auto& name) { return kind_of(probe, command, name); },
         [&](const auto& command) { return option_names(*probe.get_subcommand(command)); },
         [](const auto& command, const auto& format) {
@@ -138,16 +140,15 @@ std::vector<std::vector<std::string>> scene_command_lines(const std::string& pat
     return read_scene_file(path, commands);
 }
 
-void add_run_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("run", "everything that a scene file asks for");
+void add_run(CLI::App& command, Shell& shell) {
     auto path = std::make_shared<std::string>();
     command
-        ->add_option("scene", *path, "scene file (TOML); its keys are the options of the commands")
+        .add_option("scene", *path, "scene file (TOML); its keys are the options of the commands")
         ->type_name("SCENE.toml")
         ->required();
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf run docs/examples/paint.toml");
-    shell.on_run(*command, [path, &shell] { return run(*path, shell); });
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf run docs/examples/paint.toml");
+    shell.on_run(command, [path, &shell] { return run(*path, shell); });
 }
 
 }  // namespace miebrdf::program

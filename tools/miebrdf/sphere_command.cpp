@@ -61,25 +61,24 @@ int run(const SphereArguments& arguments, const Shell& shell) {
 
 }  // namespace
 
-void add_sphere_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("sphere", "Mie theory for single homogeneous spheres");
+void add_sphere(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<SphereArguments>();
     command
-        ->add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
+        .add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
         ->type_name("N,K")
         ->required();
     command
-        ->add_option("--size-parameter", arguments->size_parameters,
-                     "2 pi radius / wavelength in the host, list or range")
+        .add_option("--size-parameter", arguments->size_parameters,
+                    "2 pi radius / wavelength in the host, list or range")
         ->type_name("LIST")
         ->required();
     command
-        ->add_option("--angles", arguments->angles,
-                     "scattering angles in degrees: print amplitudes S1, S2 there instead")
+        .add_option("--angles", arguments->angles,
+                    "scattering angles in degrees: print amplitudes S1, S2 there instead")
         ->type_name("LIST");
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
-    shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
+    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program
