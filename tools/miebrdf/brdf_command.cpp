@@ -1,10 +1,11 @@
 // miebrdf brdf and miebrdf albedo: a scene's reflection.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
+#include "pipeline/colour/colour.h"
 #include "pipeline/solve/brdf.h"
-#include "tools/miebrdf/albedo_colour.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 
@@ -140,6 +141,42 @@ int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
     }
     shell.write(std::move(table));
     return result.converged ? kGood : kNotConverged;
+}
+
+/// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
+Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
+
+std::vector<Cell> colour_row(const std::string& quantity, const Cell& mu_in, const Xyz& xyz,
+                             Illuminant illuminant) {
+    const Lab lab = to_lab(xyz, illuminant);
+    const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
+    std::vector<Cell> row = {quantity, mu_in};
+    for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, encode_srgb(rgb.red),
+                               encode_srgb(rgb.green), encode_srgb(rgb.blue)}) {
+        row.push_back(decimals(value));
+    }
+    return row;
+}
+
+/// Columns quantity, mu_in, XYZ, Lab, encoded sRGB: a row for the plane albedo at each mu_in and
+/// one for the spherical albedo, to six decimals.
+/// @param result  at ascending wavelengths
+void add_colours(Table& table, const AlbedoResult& result, const std::vector<double>& mu_in,
+                 Illuminant illuminant) {
+    std::vector<double> wavelength_nm, albedo;
+    for (const AlbedoSlice& slice : result.slices) wavelength_nm.push_back(slice.wavelength_nm);
+    const ObserverWeights weights = observer_weights(wavelength_nm, illuminant);
+    table.columns = {"quantity", "mu_in", "x",        "y",          "z",        "lab_l",
+                     "lab_a",    "lab_b", "srgb_red", "srgb_green", "srgb_blue"};
+    const auto add = [&](const std::string& quantity, const Cell& mu, const auto& value_of) {
+        albedo.clear();
+        for (const AlbedoSlice& slice : result.slices) albedo.push_back(value_of(slice));
+        table.rows.push_back(colour_row(quantity, mu, to_xyz(weights, albedo), illuminant));
+    };
+    for (std::size_t i = 0; i < mu_in.size(); ++i) {
+        add("plane_albedo", mu_in[i], [i](const AlbedoSlice& s) { return s.plane_albedo[i]; });
+    }
+    add("spherical_albedo", Cell(), [](const AlbedoSlice& s) { return s.spherical_albedo; });
 }
 
 int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {

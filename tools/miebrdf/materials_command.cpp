@@ -31,9 +31,8 @@ void add_materials(CLI::App& command, Shell& shell) {
     command.require_subcommand(1);
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     add_materials_query_commands(command, shell);
-    add_materials_nk_command(command, shell);
+    add_materials_nk_commands(command, shell);
     add_materials_edit_commands(command, shell);
-    add_materials_plot_command(command, shell);
     add_materials_check_commands(command, shell);
     command.footer(
         "Example:\n  miebrdf materials search oxide --covers 400:700\n"

@@ -23,11 +23,9 @@ class DatabaseArgument {
 };
 
 void add_materials_query_commands(CLI::App& materials, Shell& shell);  ///< list, search, show
-void add_materials_nk_command(CLI::App& materials, Shell& shell);
+void add_materials_nk_commands(CLI::App& materials, Shell& shell);     ///< nk, plot
 void add_materials_edit_commands(CLI::App& materials,
                                  Shell& shell);  ///< import, alias, default, remove
-
-void add_materials_plot_command(CLI::App& materials, Shell& shell);
 void add_materials_check_commands(CLI::App& materials, Shell& shell);  ///< export, diff, verify
 
 }  // namespace miebrdf::program

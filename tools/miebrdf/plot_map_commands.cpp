@@ -10,7 +10,7 @@
 #include "pipeline/plot/slice_directions.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/solved_source.h"
-#include "tools/miebrdf/plot_scene_arguments.h"
+#include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {

@@ -7,7 +7,6 @@
 #include "pipeline/solve/medium_optics.h"
 #include "pipeline/solve/parallel.h"
 #include "tools/miebrdf/plot_command.h"
-#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {

@@ -8,7 +8,7 @@
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/plot_scene_arguments.h"
+#include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include <miebrdf/error.h>
+#include "pipeline/formats/rgb_weights.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/albedo_colour.h"
 
 namespace miebrdf::program {
 namespace {
@@ -17,6 +17,27 @@ CLI::Option* add_list(CLI::App& command, const char* name, std::string& text, co
 
 std::vector<double> cosines(const std::string& text, const char* name) {
     return parse_number_list(text, name, 0.0, 1.0, true);
+}
+
+/// Reads d65, a or e. @throws UsageError
+Illuminant parse_illuminant(const std::string& name) {
+    if (name == "d65") return Illuminant::d65;
+    if (name == "a") return Illuminant::a;
+    if (name == "e") return Illuminant::e;
+    throw UsageError(fmt::format("unknown illuminant '{}'; allowed: d65, a, e", name));
+}
+
+/// Sorts the wavelengths and refuses those that no colour can be told from: fewer than eight, or
+/// not from 430 nm or less to 650 nm or more. @throws UsageError
+void prepare_for_colour(Request& request) {
+    std::vector<double>& nm = request.wavelength_nm;
+    std::sort(nm.begin(), nm.end());
+    nm.erase(std::unique(nm.begin(), nm.end()), nm.end());
+    // Fewer, or a part of the visible, give another colour without a sign of it (docs/colour.md).
+    if (exports::covers_the_visible(nm)) return;
+    throw UsageError(
+        "--colour needs at least eight wavelengths, from 430 nm or less to 650 nm or more; write "
+        "e.g. --wavelengths 400:700:10");
 }
 
 }  // namespace
