@@ -4,11 +4,6 @@
 
 namespace miebrdf {
 
-NumberPacker& NumberPacker::add(double number) {
-    numbers_.push_back(number);
-    return *this;
-}
-
 NumberPacker& NumberPacker::add(const std::vector<double>& numbers) {
     numbers_.push_back(static_cast<double>(numbers.size()));
     numbers_.insert(numbers_.end(), numbers.begin(), numbers.end());
@@ -17,6 +12,11 @@ NumberPacker& NumberPacker::add(const std::vector<double>& numbers) {
 
 NumberPacker& NumberPacker::add(const std::string& text) {
     return add(std::vector<double>(text.begin(), text.end()));
+}
+
+NumberPacker& NumberPacker::add(const Eigen::MatrixXd& matrix) {
+    add(matrix.rows());
+    return add(std::vector<double>(matrix.data(), matrix.data() + matrix.size()));
 }
 
 double NumberUnpacker::number() {
@@ -32,17 +32,34 @@ std::size_t NumberUnpacker::count() {
     return static_cast<std::size_t>(size);
 }
 
-std::vector<double> NumberUnpacker::list() {
+void NumberUnpacker::read(std::vector<double>& numbers) {
     const std::size_t size = count();
     const auto first = numbers_.begin() + static_cast<std::ptrdiff_t>(next_);
     next_ += size;
-    return {first, first + static_cast<std::ptrdiff_t>(size)};
+    numbers.assign(first, first + static_cast<std::ptrdiff_t>(size));
 }
 
-std::string NumberUnpacker::text() {
-    std::string text;
-    for (const double code : list()) text.push_back(static_cast<char>(code));
-    return text;
+void NumberUnpacker::read(std::string& text) {
+    std::vector<double> codes;
+    read(codes);
+    text.clear();
+    for (const double code : codes) text.push_back(static_cast<char>(code));
+}
+
+void NumberUnpacker::read(Eigen::MatrixXd& matrix) {
+    Eigen::Index rows = 0;
+    read(rows);
+    std::vector<double> values;
+    read(values);
+    const auto size = static_cast<Eigen::Index>(values.size());
+    if (rows < 0 || (rows == 0 ? size > 0 : size % rows != 0))
+        throw std::runtime_error("stored matrix has no shape");
+    matrix = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, rows == 0 ? 0 : size / rows);
+}
+
+void NumberUnpacker::read(std::complex<double>& value) {
+    const double real = number();
+    value = {real, number()};
 }
 
 }  // namespace miebrdf

@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/render/cubic_taps.h"
-#include "pipeline/render/lanes.h"
+#include "pipeline/render/table_nodes.h"
 #include "rte/first_order/single_scattering.h"
 
 namespace miebrdf::render {

@@ -10,7 +10,7 @@
 #include "rte/math/angle_table.h"
 #include "rte/phase/narrow_features.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// rte::single_scattering and rte::NarrowFeatures of some wavelengths side by side: what depends on
 /// directions alone (angle of scattering, place in the tables, slant) is found once for all of
@@ -45,4 +45,4 @@ class FirstOrder {
     rte::NarrowFeatures narrow_;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

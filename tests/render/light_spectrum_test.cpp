@@ -1,4 +1,4 @@
-#include "pipeline/render/light_spectrum.h"
+#include "pipeline/render/lighting.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/render/procedural.h"
+#include "pipeline/render/mesh.h"
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/render/analytic_brdf.h"
+#include "tests/render/analytic_brdf.h"
 #include "pipeline/render/renderer.h"
 
 namespace miebrdf::render {

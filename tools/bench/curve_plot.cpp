@@ -12,7 +12,7 @@
 
 #include "pipeline/io/markup.h"
 #include "pipeline/plot/axis.h"
-#include "pipeline/plot/palette.h"
+#include "pipeline/plot/colour_map.h"
 #include "tools/bench/results.h"
 
 namespace miebrdf::bench {

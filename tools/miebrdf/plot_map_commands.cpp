@@ -7,7 +7,6 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/slice.h"
-#include "pipeline/plot/slice_directions.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/plot_command.h"

@@ -13,7 +13,7 @@
 #include <miebrdf/version.h>
 #include "pipeline/plan/plan.h"
 #include "pipeline/render/image.h"
-#include "pipeline/render/light_spectrum.h"
+#include "pipeline/render/lighting.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
