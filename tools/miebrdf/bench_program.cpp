@@ -55,7 +55,7 @@ void forward_to_bench_program(CLI::App& command, Shell& shell) {
     command.callback([&command, &shell] {
         std::vector<std::string> words = command.remaining();
         words.insert(words.begin(), command.get_name());
-        shell.set_action([words]() -> int { run_bench_program(words); });
+        shell.set_job([words]() -> int { run_bench_program(words); });
     });
 }
 

@@ -20,11 +20,11 @@ std::filesystem::path DatabaseArgument::file() const {
     return file_.empty() ? materials::default_user_database() : std::filesystem::path(file_);
 }
 
-materials::Database DatabaseArgument::open() const {
-    if (!file_.empty() && !std::filesystem::exists(file_)) {
-        throw InputError(fmt::format("materials database '{}' does not exist", file_));
-    }
-    return materials::Database::layered(file());
+materials::Database open_database(const std::string& file) {
+    if (file.empty()) return materials::Database::layered(materials::default_user_database());
+    if (!std::filesystem::exists(file))
+        throw InputError(fmt::format("materials database '{}' does not exist", file));
+    return materials::Database::layered(file);
 }
 
 void add_materials(CLI::App& command, Shell& shell) {

@@ -9,12 +9,17 @@
 
 namespace miebrdf::program {
 
+/// The user's own materials over the embedded ones.
+/// @param file  empty: $MIEBRDF_DATABASE, else the default place
+/// @throws InputError
+materials::Database open_database(const std::string& file);
+
 /// Which database a subcommand reads or writes.
 class DatabaseArgument {
   public:
     void add_to(CLI::App& command);
-    /// The user's own materials over the embedded ones. @throws InputError
-    materials::Database open() const;
+    /// @throws InputError
+    materials::Database open() const { return open_database(file_); }
     /// Where changes go: --database, $MIEBRDF_DATABASE or the default place.
     std::filesystem::path file() const;
 

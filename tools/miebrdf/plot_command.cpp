@@ -57,7 +57,7 @@ CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
                          const std::string& title, const ScenePlot& arguments,
                          const std::string& default_wavelengths) {
     auto* command = plot.add_subcommand(kind, title);
-    arguments->scene.add_to(*command, SceneArguments::Base::required, default_wavelengths);
+    arguments->scene.add_to(*command, shell, SceneArguments::Base::required, default_wavelengths);
     arguments->plot.add_to(*command);
     shell.add_common_options(*command, Writes::file);
     return command;
@@ -92,21 +92,19 @@ std::vector<double> incidences(const ScenePlotArguments& arguments) {
     return parse_number_list(arguments.incidence, "incidence (degrees)", 0.0, 89.9);
 }
 
-const std::vector<double>& component_of(const SpectralSlice& slice, const std::string& name) {
-    if (name == "total") return slice.total;
-    if (name == "subsurface") return slice.subsurface;
-    if (name != "surface") {
-        throw UsageError(
-            fmt::format("unknown component '{}'; allowed: total, subsurface, surface", name));
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene) {
+    std::vector<BrdfPart> parts;
+    for (const std::string& name : split_list(text)) {
+        parts.push_back(parse_brdf_part(name));
+        if (parts.back() == BrdfPart::surface && !scene.surface)
+            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
     }
-    if (slice.surface.empty())
-        throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
-    return slice.surface;
+    return parts;
 }
 
 std::string title_of(const Scene& scene) {
     std::string title;
-    for (auto coat = scene.coats.rbegin(); coat != scene.coats.rend(); ++coat) {
+    for (auto coat = scene.layers.rbegin(); coat != scene.layers.rend(); ++coat) {
         title += fmt::format("{} (\u03c4 = {:g}) on ", describe(coat->medium), coat->optical_depth);
     }
     return title + describe(scene.base);

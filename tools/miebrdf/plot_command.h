@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include <miebrdf/brdf.h>
 #include "pipeline/plot/picture.h"
-#include "pipeline/solve/brdf.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -66,8 +66,9 @@ std::vector<double> cosines_of(const std::vector<double>& degrees);
 /// --incidence. @throws UsageError
 std::vector<double> incidences(const ScenePlotArguments& arguments);
 
-/// @throws UsageError  for an unknown name, and for a surface that is not there
-const std::vector<double>& component_of(const SpectralSlice& slice, const std::string& name);
+/// Names of components, separated by commas.
+/// @throws UsageError  for an unknown name, and for the surface of a scene without one
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
 
 /// "paint (tau = 0.1) on base"
 std::string title_of(const Scene& scene);

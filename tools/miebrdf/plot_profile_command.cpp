@@ -166,20 +166,26 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
     const plot::AxisOptions axis = value_axis(arguments);
     std::vector<ProfilePoint> points;
     if (!arguments.points.empty()) points = read_profile_points(arguments.points);
-    request.directions = {
+    const Directions directions = {
         cosines_of(incidence_deg), cosines_of(zenith_deg), {arguments.azimuth_deg}};
+    const std::vector<BrdfPart> parts = parse_components(arguments.components, request.scene);
+    if (parts.size() != 1) throw UsageError("a profile shows one --component");
 
     std::vector<rte::CoatMethod> methods{request.solver.coat_method};
-    for (const std::string& name : arguments.coat_methods)
-        methods.push_back(parse_coat_method(name));
+    for (const std::string& name : arguments.coat_methods) {
+        apply(*find_scene_word("coat-method"), std::vector<WordValue>{name}, request);
+        methods.push_back(request.solver.coat_method);
+    }
     std::vector<plot::Panel> panels(incidence_deg.size());
     bool converged = true;
     for (std::size_t m = 0; m < methods.size(); ++m) {
         request.solver.coat_method = methods[m];
-        const BrdfResult result = compute_brdf(request, shell.control());
+        const BrdfValues result =
+            solve(request.scene, request.wavelength_nm, request.solver, shell.control())
+                .evaluate(directions);
         // The first method is the answer; the others are shown for what they are.
-        if (m == 0) converged = result.converged;
-        const auto& values = component_of(result.slices.front(), arguments.components);
+        if (m == 0) converged = result.converged();
+        const std::vector<double>& values = result.slices.front().of(parts.front());
         for (std::size_t i = 0; i < panels.size(); ++i) {
             const auto first = values.begin() + static_cast<std::ptrdiff_t>(i * zenith_deg.size());
             // The answer is drawn last: over the others where they agree.
@@ -217,8 +223,6 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
 }
 
 }  // namespace
-
-
 
 void add_profile_plot(CLI::App& plot, Shell& shell) {
     auto profile = std::make_shared<ProfileArguments>();

@@ -24,13 +24,12 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments,
-                  SharedWork* shared) {
+int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
     program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
-    Shell shell(command_line_of(arguments), shared);
+    Shell shell(command_line_of(arguments));
     add_commands(program, shell, commands);
     try {
         // CLI11 takes its arguments from the back.
@@ -40,7 +39,7 @@ int parse_and_run(std::span<const Command> commands, const std::vector<std::stri
     } catch (const CLI::ParseError& error) {
         return complain(kUsage, explain(program, error));
     }
-    const int code = shell.run();
+    const int code = shell.prepare()();
     if (code == kNotConverged) {
         shell.note(
             "not converged: the estimated error is above the tolerance (`miebrdf brdf` says "
@@ -72,16 +71,33 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
     return line;
 }
 
-int run_program(std::span<const Command> commands, const std::vector<std::string>& arguments,
-                SharedWork* shared) {
+std::string message_of(const Error& error) {
+    std::string message = error.what();
+    for (const SceneWord& word : scene_words()) {
+        const std::string option = "--" + word.name;
+        // The field that was at fault comes first; others may be named where they help.
+        if (word.field == error.field() && message.rfind(word.field + ":", 0) == 0) {
+            const std::string unit = word.unit.empty() ? "" : fmt::format(" ({})", word.unit);
+            message.replace(0, word.field.size(), option + unit);
+        }
+        if (word.field.find('_') == std::string::npos) continue;  // an ordinary word
+        for (std::size_t at = message.find(word.field); at != std::string::npos;
+             at = message.find(word.field, at)) {
+            message.replace(at, word.field.size(), option);
+        }
+    }
+    return message;
+}
+
+int run_program(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     try {
-        return parse_and_run(commands, arguments, shared);
+        return parse_and_run(commands, arguments);
     } catch (const Cancelled&) {
         return complain(interrupt_exit_code(), "interrupted; nothing unfinished was written");
     } catch (const UsageError& error) {
-        return complain(kUsage, error.what());
-    } catch (const InputError& error) {
-        return complain(kBadInput, error.what());
+        return complain(kUsage, message_of(error));
+    } catch (const Error& error) {
+        return complain(kBadInput, message_of(error));
     } catch (const std::invalid_argument& error) {
         return complain(kUsage, error.what());
     } catch (const std::bad_alloc&) {

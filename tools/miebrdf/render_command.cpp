@@ -11,9 +11,9 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
-#include "pipeline/plan/plan.h"
 #include "pipeline/render/image.h"
 #include "pipeline/render/lighting.h"
+#include "pipeline/render/ray_table.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
@@ -98,7 +98,11 @@ void write_spectral_exr(const render::SpectralPicture& picture,
     render::write_exr(all, names, notes, path);
 }
 
-using Materials = std::vector<std::shared_ptr<const render::SolvedBrdf>>;
+/// A material of the picture: its BRDFs as tables, one, or one for each wavelength.
+struct Material {
+    std::vector<BrdfTable> tables;
+    std::shared_ptr<const render::RayTable> rays;
+};
 
 /// Wavelengths of a picture that asks for none: where all bundled materials are known, and close
 /// enough for the colours of smooth spectra.
@@ -120,41 +124,38 @@ class Stopwatch {
 /// The scene options themselves are the material, unless there are --material strings.
 std::vector<std::vector<Request>> material_requests(const RenderArguments& arguments,
                                                     const std::vector<double>& wavelength_nm) {
-    const bool has_base = arguments.command->get_option("--base")->count() > 0;
-    if (has_base == !arguments.materials.empty()) {
+    if (arguments.scene.given("base") == !arguments.materials.empty()) {
         throw UsageError("a picture needs either --base (with its options) or --material strings");
     }
     std::vector<std::vector<Request>> all;
     for (const std::string& text : arguments.materials)
         all.push_back(parse_material(text, wavelength_nm));
-    if (has_base) {
-        Request request = arguments.scene.parse();
-        request.wavelength_nm = wavelength_nm;
-        all.push_back({request});
-    }
+    if (arguments.scene.given("base")) all.push_back({arguments.scene.parse()});
     return all;
 }
 
-std::vector<double> wavelengths_of(const RenderArguments& arguments) {
-    const auto* option = arguments.command->get_option("--wavelengths");
-    return parse_wavelengths_nm(option->count() > 0 ? option->as<std::string>()
-                                                    : kDefaultWavelengths);
+Brdf solved(const Request& request, const Shell& shell) {
+    return solve(request.scene, request.wavelength_nm, request.solver, shell.control());
 }
 
-Materials solve(const RenderArguments& arguments, const std::vector<std::vector<Request>>& requests,
-                const Shell& shell) {
+std::vector<Material> make_materials(const RenderArguments& arguments,
+                                     const std::vector<std::vector<Request>>& requests,
+                                     const Shell& shell) {
     const auto [cosines, azimuths] = parse_pair(arguments.table, "table");
-    const render::Component component = parse_component(arguments.component);
-    Materials materials;
-    for (const auto& request : requests) {
-        materials.push_back(
-            render::solve_brdf(request, component, {int(cosines), int(azimuths)}, shell.control()));
+    const BrdfPart part = parse_brdf_part(arguments.component);
+    std::vector<Material> materials;
+    for (const std::vector<Request>& request : requests) {
+        Material& material = materials.emplace_back();
+        for (const Request& one : request)
+            material.tables.push_back(solved(one, shell).table({part, shell.command_line()}));
+        material.rays = std::make_shared<render::RayTable>(
+            material.tables, render::TableSize{int(cosines), int(azimuths)});
         if (!arguments.measure_interpolation) continue;
-        if (request.size() > 1 || component != render::Component::total) {
+        if (request.size() > 1 || part != BrdfPart::total) {
             throw UsageError("--measure-interpolation needs one request and the total component");
         }
         const auto error =
-            render::interpolation_error(*materials.back(), request.front(), shell.control());
+            render::interpolation_error(*material.rays, solved(request.front(), shell));
         shell.note(
             fmt::format("interpolation error relative to the largest value at each incidence: "
                         "median {:.1e}, largest {:.1e}",
@@ -190,7 +191,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
         throw UsageError("a picture needs -o FILE.png or --exr FILE.exr");
     }
     check_picture_paths(shell.common().output, arguments.exr);
-    const std::vector<double> wavelength_nm = wavelengths_of(arguments);
+    const std::vector<double> wavelength_nm = arguments.scene.parse().wavelength_nm;
     const auto [width, height] = parse_pair(arguments.size, "size");
     const auto [elevation, azimuth] = parse_pair(arguments.camera, "camera");
     const auto requests = material_requests(arguments, wavelength_nm);
@@ -206,10 +207,10 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     options.environment_visible = arguments.background == "environment";
 
     Stopwatch watch;
-    const Materials materials = solve(arguments, requests, shell);
+    const std::vector<Material> materials = make_materials(arguments, requests, shell);
     const double solve_s = watch.lap_s();
     render::RenderScene scene{std::move(object), std::move(map), {}, std::move(lighting)};
-    scene.materials.assign(materials.begin(), materials.end());
+    for (const Material& material : materials) scene.materials.push_back(material.rays);
     const render::SpectralPicture picture =
         render::render_picture(scene, camera, options, shell.control());
     const double render_s = watch.lap_s();
@@ -217,9 +218,15 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     render::PictureNotes notes = {{"Software", fmt::format("miebrdf {}", kVersion)},
                                   {"Comment", shell.command_line()}};
     bool converged = true;
-    for (const auto& material : materials) {
-        converged = converged && material->converged();
-        for (const std::string& source : material->sources()) notes.emplace_back("Source", source);
+    for (const Material& material : materials) {
+        for (const BrdfTable& table : material.tables) {
+            converged = converged && table.report().converged();
+            for (const std::string& source : table.provenance().sources) {
+                if (std::find(notes.begin(), notes.end(),
+                              std::pair<std::string, std::string>("Source", source)) == notes.end())
+                    notes.emplace_back("Source", source);
+            }
+        }
     }
     if (!arguments.exr.empty()) write_spectral_exr(picture, wavelength_nm, notes, arguments.exr);
     if (!shell.common().output.empty()) {
@@ -234,10 +241,10 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     }
     shell.tell_written(std::move(files));
     shell.note(
-        fmt::format("{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
-                    "radiance; solver {}",
-                    counted(wavelength_nm.size(), "wavelength"), solve_s, render_s, picture.noise,
-                    converged ? "converged" : "NOT converged"));
+        fmt::format("{} wavelength{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the "
+                    "mean radiance; solver {}",
+                    wavelength_nm.size(), wavelength_nm.size() == 1 ? "" : "s", solve_s, render_s,
+                    picture.noise, converged ? "converged" : "NOT converged"));
     return converged ? kGood : kNotConverged;
 }
 
@@ -245,8 +252,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
 
 void add_render(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<RenderArguments>();
-    arguments->command = &command;
-    arguments->scene.add_to(command, SceneArguments::Base::optional, kDefaultWavelengths);
+    arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kDefaultWavelengths);
     add_render_options(command, *arguments);
     shell.add_common_options(command, Writes::file);
     command.footer(

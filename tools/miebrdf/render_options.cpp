@@ -6,6 +6,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {
@@ -81,7 +82,7 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->type_name("FILE");
 }
 
-/// An option of a material and its value; switches have none.
+/// A word of a scene as it was written; switches have no value.
 struct Word {
     std::string key;
     std::string value;
@@ -128,27 +129,42 @@ std::vector<Word> words_of(const std::string& text) {
     return words;
 }
 
+/// The names that a material may say; wavelengths belong to the whole picture.
+std::vector<std::string> names_of_words() {
+    std::vector<std::string> names;
+    for (const SceneWord& word : scene_words()) {
+        if (word.name != "wavelengths") names.push_back(word.name);
+    }
+    return names;
+}
+
 Request parse_words(const std::vector<Word>& words, const std::string& text) {
-    CLI::App parser;
-    SceneArguments arguments;
-    arguments.add_to(parser);
-    std::vector<std::string> line;  // from the back, as CLI11 takes it
-    for (auto word = words.rbegin(); word != words.rend(); ++word) {
-        line.push_back("--" + word->key + (word->value.empty() ? "" : "=" + word->value));
+    const auto refuse = [&](const std::string& reason) {
+        throw UsageError(fmt::format(
+            "material '{}': {}; wanted: base=MEDIUM [coat=MEDIUM@DEPTH] [roughness=A] ...", text,
+            reason));
+    };
+    SaidWords said;
+    for (const Word& word : words) {
+        const SceneWord* known = find_scene_word(word.key);
+        if (word.key == "wavelengths") {
+            throw UsageError(
+                fmt::format("material '{}': wavelengths belong to the whole picture", text));
+        }
+        if (known == nullptr) {
+            refuse(fmt::format("unknown word '{}'{}", word.key,
+                               did_you_mean(word.key, names_of_words())));
+        }
+        const bool is_flag = known->kind == WordKind::flag;
+        if (is_flag != word.value.empty()) {
+            refuse(fmt::format(is_flag ? "'{}' has no value" : "'{}' needs a value", word.key));
+        }
+        if (known->kind != WordKind::repeated && said.count(word.key) > 0)
+            refuse(fmt::format("'{}' is given twice", word.key));
+        said[word.key].push_back(is_flag ? WordValue(true) : WordValue(word.value));
     }
-    try {
-        parser.parse(line);
-    } catch (const CLI::ParseError& error) {
-        throw UsageError(
-            fmt::format("material '{}': {}; wanted: base=MEDIUM [coat=MEDIUM@DEPTH] "
-                        "[roughness=A] ...",
-                        text, error.what()));
-    }
-    if (parser.get_option("--wavelengths")->count() > 0) {
-        throw UsageError(
-            fmt::format("material '{}': wavelengths belong to the whole picture", text));
-    }
-    return arguments.parse();
+    if (said.count("base") == 0) refuse("there is no base");
+    return request_of(said);
 }
 
 }  // namespace
@@ -178,14 +194,6 @@ std::vector<Request> parse_material(const std::string& text,
         }
     }
     return requests;
-}
-
-render::Component parse_component(const std::string& text) {
-    if (text == "total") return render::Component::total;
-    if (text == "subsurface") return render::Component::subsurface;
-    if (text == "surface") return render::Component::surface;
-    throw UsageError(
-        fmt::format("unknown component '{}'; allowed: total, subsurface, surface", text));
 }
 
 }  // namespace miebrdf::program

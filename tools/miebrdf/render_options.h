@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pipeline/render/renderer.h"
-#include "pipeline/render/solved_brdf.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -15,7 +14,6 @@ namespace miebrdf::program {
 
 struct RenderArguments {
     SceneArguments scene;
-    CLI::App* command = nullptr;
     std::vector<std::string> materials;
     std::string component = "total";
     std::string object = "sphere";
@@ -47,9 +45,5 @@ void add_render_options(CLI::App& command, RenderArguments& a);
 /// @throws UsageError
 std::vector<Request> parse_material(const std::string& text,
                                     const std::vector<double>& wavelength_nm);
-
-/// `total`, `subsurface` or `surface`.
-/// @throws UsageError
-render::Component parse_component(const std::string& text);
 
 }  // namespace miebrdf::program

@@ -5,10 +5,8 @@
 #include "mie/sphere/amplitudes.h"
 #include "mie/sphere/sphere.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/medium_optics.h"
-#include "pipeline/solve/parallel.h"
 #include "tools/miebrdf/command.h"
-#include "tools/miebrdf/scene_options.h"
+#include "tools/miebrdf/media_options.h"
 
 namespace miebrdf::program {
 namespace {
@@ -48,7 +46,8 @@ Table amplitudes(std::complex<double> index, const std::vector<double>& size_par
 }
 
 int run(const SphereArguments& arguments, const Shell& shell) {
-    const std::complex<double> index = parse_index(arguments.index, "index");
+    const std::complex<double> index =
+        parse_index(std::vector<WordValue>{arguments.index}, "index");
     const auto sizes = parse_number_list(arguments.size_parameters, "size parameter");
     bool all_reached = true;
     Table table = arguments.angles.empty()
@@ -68,113 +67,77 @@ struct MediumArguments {
     std::string medium;
     int highest_moment = -1;
     std::string angles;
-    MaterialArguments materials;
-    ParticleArguments particles;
-};
+    MediaArguments media;
 
-struct MediumSpectrum {
-    std::string source;
-    std::string particles;  ///< empty: no Mie theory
-    std::vector<double> wavelength_nm;
-    std::vector<MediumOptics> optics;
-    bool converged = true;
-};
-
-MediumSpectrum compute(const MediumArguments& arguments, const std::vector<double>& angles_deg,
-                       const RunControl& control) {
-    const ParticleOptions particles = arguments.particles.parse();
-    validate(particles);
-    OpticsDemand demand;
-    demand.highest_moment = arguments.highest_moment;
-    demand.angles_deg = angles_deg;
-    demand.tolerance = particles.tolerance > 0.0 ? particles.tolerance : kDefaultMieTolerance;
-
-    MediumSpectrum spectrum;
-    spectrum.wavelength_nm = arguments.materials.wavelengths_nm();
-    MediumResolver resolver(arguments.materials.database());
-    const ResolvedMedium medium = resolver.resolve(parse_medium(arguments.medium));
-    require_contrast(medium, spectrum.wavelength_nm, particles);
-    spectrum.source = medium.source;
-    if (needs_mie(medium.medium))
-        spectrum.particles = describe_particles(particles_of(medium.medium, particles));
-    spectrum.optics.resize(spectrum.wavelength_nm.size());
-    const mie::Executor pieces = pieces_of_job(control);
-    run_parallel("single scattering", spectrum.optics.size(), control, [&](std::size_t w) {
-        spectrum.optics[w] =
-            medium_optics(medium, spectrum.wavelength_nm[w], particles, demand, pieces);
-    });
-    for (const MediumOptics& optics : spectrum.optics) {
-        spectrum.converged = spectrum.converged && optics.converged;
+    MediaSpectra look_up(const std::vector<double>& angles_deg) const {
+        return media.look_up({medium}, {.highest_moment = highest_moment,
+                                        .angles_deg = angles_deg,
+                                        .tolerance = kDefaultMieTolerance});
     }
-    return spectrum;
-}
+};
 
-void add_facts(Table& table, const MediumSpectrum& spectrum, const std::string& units) {
+void add_facts(Table& table, const MediaSpectra& spectra, const std::string& units) {
     table.facts.emplace_back("units", units);
-    table.facts.emplace_back("source", spectrum.source);
-    if (!spectrum.particles.empty()) table.facts.emplace_back("particles", spectrum.particles);
-    if (!spectrum.converged) {
+    table.facts.emplace_back("source", spectra.scene.sources.front());
+    if (!spectra.particles.empty()) table.facts.emplace_back("particles", spectra.particles);
+    if (!spectra.converged())
         table.facts.emplace_back("not converged", "the size average missed its tolerance");
-    }
 }
 
 Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
 
-int run_optics(const MediumArguments& arguments, const Shell& shell) {
-    const MediumSpectrum spectrum = compute(arguments, {}, shell.control());
+std::vector<Cell> optics_row(const MediaSpectra& spectra, std::size_t w) {
+    const MediumOptics& o = spectra.optics[w].front();
+    const auto& index = spectra.scene.media.front().index;
+    std::vector<Cell> row = {spectra.scene.wavelength_nm[w],
+                             index.empty() ? Cell() : Cell(index[w].real()),
+                             index.empty() ? Cell() : Cell(index[w].imag()),
+                             o.optics.single_scattering_albedo,
+                             o.asymmetry,
+                             cell_of(o.q_ext),
+                             o.error_estimate};
+    const auto& chi = o.optics.chi;
+    for (int l = 0; l <= spectra.demand.highest_moment; ++l)
+        row.emplace_back(l < static_cast<int>(chi.size()) ? chi[l] : 0.0);
+    return row;
+}
+
+int write_optics(MediaSpectra spectra, const Shell& shell) {
+    spectra.compute(shell.control());
     Table table;
-    add_facts(table, spectrum, "wavelength_nm: nm in vacuum; all others dimensionless");
+    add_facts(table, spectra, "wavelength_nm: nm in vacuum; all others dimensionless");
     table.columns = {"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
                      "error_estimate"};
-    for (int l = 0; l <= arguments.highest_moment; ++l)
+    for (int l = 0; l <= spectra.demand.highest_moment; ++l)
         table.columns.push_back(fmt::format("chi_{}", l));
-    for (std::size_t w = 0; w < spectrum.optics.size(); ++w) {
-        const MediumOptics& o = spectrum.optics[w];
-        std::vector<Cell> row = {spectrum.wavelength_nm[w],
-                                 o.refractive_index ? Cell(o.refractive_index->real()) : Cell(),
-                                 o.refractive_index ? Cell(o.refractive_index->imag()) : Cell(),
-                                 o.optics.single_scattering_albedo,
-                                 o.asymmetry,
-                                 cell_of(o.q_ext),
-                                 o.error_estimate};
-        for (int l = 0; l <= arguments.highest_moment; ++l) {
-            const auto& chi = o.optics.chi;
-            row.emplace_back(l < static_cast<int>(chi.size()) ? chi[l] : 0.0);
-        }
-        table.rows.push_back(std::move(row));
-    }
+    for (std::size_t w = 0; w < spectra.optics.size(); ++w)
+        table.rows.push_back(optics_row(spectra, w));
     shell.write(std::move(table));
-    return spectrum.converged ? kGood : kNotConverged;
+    return spectra.converged() ? kGood : kNotConverged;
 }
 
-int run_phase(const MediumArguments& arguments, const Shell& shell) {
-    const auto angles =
-        parse_number_list(arguments.angles, "scattering angle (degrees)", 0.0, 180.0);
-    const MediumSpectrum spectrum = compute(arguments, angles, shell.control());
+int write_phase(MediaSpectra spectra, const Shell& shell) {
+    spectra.compute(shell.control());
     Table table;
-    add_facts(table, spectrum,
+    add_facts(table, spectra,
               "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1");
     table.columns = {"wavelength_nm", "angle_deg", "phase"};
-    for (std::size_t w = 0; w < spectrum.optics.size(); ++w) {
+    const std::vector<double>& angles = spectra.demand.angles_deg;
+    for (std::size_t w = 0; w < spectra.optics.size(); ++w) {
         for (std::size_t a = 0; a < angles.size(); ++a) {
             table.rows.push_back(
-                {spectrum.wavelength_nm[w], angles[a], spectrum.optics[w].phase[a]});
+                {spectra.scene.wavelength_nm[w], angles[a], spectra.optics[w].front().phase[a]});
         }
     }
     shell.write(std::move(table));
-    return spectrum.converged ? kGood : kNotConverged;
+    return spectra.converged() ? kGood : kNotConverged;
 }
 
-void add_medium_options(CLI::App& command, MediumArguments& arguments) {
-    command
-        .add_option("medium", arguments.medium,
-                    "a material's NAME, source:KEY, index:N,K, isotropic:ALBEDO, "
-                    "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have their "
-                    "sizes beside them: TiO2,radius=0.2,variance=0.1,distribution=gamma")
+void add_medium_options(CLI::App& command, Shell& shell, MediumArguments& arguments) {
+    command.add_option("medium", arguments.medium, forms_of_media())
         ->type_name("MEDIUM")
         ->required();
-    arguments.materials.add_to(command, "rgb");
-    arguments.particles.add_to(command);
+    arguments.media.add_to(command, shell, "rgb");
 }
 
 }  // namespace
@@ -201,25 +164,33 @@ void add_sphere(CLI::App& command, Shell& shell) {
 
 void add_optics(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
-    add_medium_options(command, *arguments);
+    add_medium_options(command, shell, *arguments);
     command.add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
         ->type_name("L")
         ->check(CLI::Range(0, 100000));
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
-    shell.on_run(command, [arguments, &shell] { return run_optics(*arguments, shell); });
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        return [spectra = arguments->look_up({}), &shell] { return write_optics(spectra, shell); };
+    });
 }
 
 void add_phase(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
-    add_medium_options(command, *arguments);
+    add_medium_options(command, shell, *arguments);
     arguments->angles = "0:180:1";
     command.add_option("--angles", arguments->angles, "scattering angles in degrees")
         ->type_name("LIST")
         ->capture_default_str();
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
-    shell.on_run(command, [arguments, &shell] { return run_phase(*arguments, shell); });
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        const auto angles_deg =
+            parse_number_list(arguments->angles, "scattering angle (degrees)", 0.0, 180.0);
+        return [spectra = arguments->look_up(angles_deg), &shell] {
+            return write_phase(spectra, shell);
+        };
+    });
 }
 
 }  // namespace miebrdf::program

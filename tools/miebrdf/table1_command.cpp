@@ -1,11 +1,10 @@
 // miebrdf table1: the paper's averaged diffuse reflectance factors.
-#include "pipeline/solve/table1.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include <miebrdf/error.h>
+#include <miebrdf/table1.h>
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 
@@ -35,8 +34,8 @@ Table1Request parse(const Table1Arguments& arguments) {
         request.beckmann_alpha = arguments.roughness;
     }
     request.conventions = arguments.convention == "all"
-                              ? rte::table1_conventions()
-                              : std::vector{rte::table1_convention(arguments.convention)};
+                              ? table1_conventions()
+                              : std::vector{table1_convention(arguments.convention)};
     return request;
 }
 
@@ -76,9 +75,9 @@ Table table_of(const Table1Result& result, const Table1Request& request) {
 
 void add_table1(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<Table1Arguments>();
-    arguments->convention = rte::table1_conventions().front().name;
+    arguments->convention = table1_conventions().front().name;
     std::string names;
-    for (const auto& c : rte::table1_conventions()) names += c.name + ", ";
+    for (const auto& c : table1_conventions()) names += c.name + ", ";
     command.add_option("material", arguments->materials, "materials; default: the paper's four")
         ->type_name("MATERIAL");
     command

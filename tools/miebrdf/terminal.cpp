@@ -27,8 +27,14 @@ ProgressStyle parse_progress_style(const std::string& text) {
     throw UsageError(fmt::format("unknown progress style '{}'; allowed: auto, none, json", text));
 }
 
-ProgressLine::~ProgressLine() {
+void ProgressLine::begin() {
+    stage_.clear();
+    stage_start_ = last_update_ = Clock::now();
+}
+
+void ProgressLine::end() {
     if (line_shown_) std::fputs("\r\033[K", stderr);
+    line_shown_ = false;
 }
 
 void ProgressLine::update(const std::string& stage, std::size_t done, std::size_t total) {

@@ -18,12 +18,15 @@ ProgressStyle parse_progress_style(const std::string& text);
 class ProgressLine {
   public:
     explicit ProgressLine(ProgressStyle style) : style_(style) {}
-    /// Wipes the line, so that what follows starts on a clean one.
-    ~ProgressLine();
+    ~ProgressLine() { end(); }
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
+    /// The work begins now: the clock of its first stage starts.
+    void begin();
     void update(const std::string& stage, std::size_t done, std::size_t total);
+    /// Wipes the line, so that what follows starts on a clean one.
+    void end();
 
   private:
     using Clock = std::chrono::steady_clock;

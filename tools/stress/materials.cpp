@@ -5,9 +5,9 @@
 #include <cmath>
 #include <complex>
 
+#include <miebrdf/brdf.h>
+#include "materials/database/database.h"
 #include "materials/index/refractive_index.h"
-#include "pipeline/solve/brdf.h"
-#include "pipeline/solve/resolved_medium.h"
 #include "tools/stress/battery.h"
 
 namespace miebrdf::stress {
@@ -75,14 +75,6 @@ void check_tables(Log& log) {
     });
 }
 
-Request request_of(const char* base, std::vector<double> wavelengths) {
-    Request request;
-    request.scene.base = parse_medium(base);
-    request.wavelength_nm = std::move(wavelengths);
-    request.directions = {{0.5}, {0.7}, {30}};
-    return request;
-}
-
 void check_many_wavelengths(Log& log, const Options& options) {
     for (const int count : {1, 2, options.fast ? 1000 : 10000}) {
         const std::string name = fmt::format("{} wavelengths of a grey medium", count);
@@ -91,7 +83,10 @@ void check_many_wavelengths(Log& log, const Options& options) {
             for (int i = 0; i < count; ++i) {
                 wavelengths[static_cast<std::size_t>(i)] = 300 + 0.1 * i;
             }
-            const auto result = compute_brdf(request_of("hg:0.9,0.5", wavelengths), {.threads = 1});
+            Scene scene;
+            scene.base = medium("hg:0.9,0.5");
+            const auto result =
+                solve(scene, wavelengths, {}, {.threads = 1}).evaluate({{0.5}, {0.7}, {30}});
             double different = 0;
             for (const auto& slice : result.slices) {
                 different += slice.total != result.slices.front().total;
@@ -106,7 +101,7 @@ void check_many_wavelengths(Log& log, const Options& options) {
 
 // The ends of a real table, on them and one step beyond.
 void check_ends(Log& log) {
-    const RefractiveIndex table = *MediumResolver().resolve(parse_medium("TiO2")).table;
+    const RefractiveIndex table = materials::Database::embedded().refractive_index("TiO2");
     for (const double end : {table.shortest_nm(), table.longest_nm()}) {
         const std::string name = fmt::format("TiO2 at the end of its table, {} nm", end);
         log.run(name, [&] {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/solve/brdf.h"
-#include "pipeline/solve/visible_layers.h"
+#include <miebrdf/brdf.h>
+#include "pipeline/solve/scene_optics.h"
 #include "rte/grid/discretisation.h"
 #include "rte/phase/delta_m.h"
 #include "rte/stack/layered_reflection.h"
@@ -105,17 +105,16 @@ void check_hidden_base(Log& log) {
             const std::string name =
                 fmt::format("base hidden by {}, tolerance {:.0e}", paint, tolerance);
             log.run(name, [&] {
-                Request request;
-                request.scene.base = parse_medium("isotropic:1");
-                request.wavelength_nm = {550};
-                request.directions = kDirections;
-                request.solver = {.tolerance = tolerance, .streams = 16};
-                const auto optics = [&](double depth) {
-                    request.scene.coats = {parse_coat(fmt::format("{}@{:.17g}", paint, depth))};
-                    return SceneMedia(request).optics({550}, demand_of(request, PhaseDemand::whole),
-                                                      {.threads = 1});
+                const rte::SolverOptions solver{.tolerance = tolerance, .streams = 16};
+                const auto coated = [&](double depth) {
+                    Scene scene;
+                    scene.base = miebrdf::medium("isotropic:1");
+                    scene.layers = {layer(fmt::format("{}@{:.17g}", paint, depth))};
+                    return scene;
                 };
-                const auto coat = optics(1)[0].stack.coats.at(0).optics;
+                const auto coat = compute_optics(resolve(coated(1), {550}), 1, 0,
+                                                 demand_of(solver, 0.0, PhaseDemand::whole))
+                                      .optics;
                 const auto hidden = [&](double depth) {
                     return long(hides_what_is_below(coat, depth, kDirections, tolerance));
                 };
@@ -124,8 +123,10 @@ void check_hidden_base(Log& log) {
                             std::abs(double(found.size()) - 1), 0, "deeper coats hide more");
                 for (const SwitchPoint& depth : found) {
                     const auto at = [&](double d) {
-                        request.scene.coats = {parse_coat(fmt::format("{}@{:.17g}", paint, d))};
-                        return compute_brdf(request, {.threads = 1}).slices.at(0).total;
+                        return solve(coated(d), {550}, solver, {.threads = 1})
+                            .evaluate(kDirections)
+                            .slices.at(0)
+                            .total;
                     };
                     log.at_most(name, "jump of the BRDF over the largest",
                                 largest_jump(at(depth.below), at(depth.above)), 0.1 * tolerance,
