@@ -14,11 +14,6 @@ NumberPacker& NumberPacker::add(const std::string& text) {
     return add(std::vector<double>(text.begin(), text.end()));
 }
 
-NumberPacker& NumberPacker::add(const Eigen::MatrixXd& matrix) {
-    add(matrix.rows());
-    return add(std::vector<double>(matrix.data(), matrix.data() + matrix.size()));
-}
-
 double NumberUnpacker::number() {
     if (next_ >= numbers_.size()) throw std::runtime_error("stored result is too short");
     return numbers_[next_++];
@@ -44,17 +39,6 @@ void NumberUnpacker::read(std::string& text) {
     read(codes);
     text.clear();
     for (const double code : codes) text.push_back(static_cast<char>(code));
-}
-
-void NumberUnpacker::read(Eigen::MatrixXd& matrix) {
-    Eigen::Index rows = 0;
-    read(rows);
-    std::vector<double> values;
-    read(values);
-    const auto size = static_cast<Eigen::Index>(values.size());
-    if (rows < 0 || (rows == 0 ? size > 0 : size % rows != 0))
-        throw std::runtime_error("stored matrix has no shape");
-    matrix = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, rows == 0 ? 0 : size / rows);
 }
 
 void NumberUnpacker::read(std::complex<double>& value) {

@@ -1,7 +1,6 @@
 // Results as a row of numbers and back, for the cache.
 #pragma once
 
-#include <Eigen/Core>
 #include <complex>
 #include <optional>
 #include <string>
@@ -20,7 +19,6 @@ class NumberPacker {
     }
     NumberPacker& add(const std::vector<double>& numbers);
     NumberPacker& add(const std::string& text);
-    NumberPacker& add(const Eigen::MatrixXd& matrix);
     NumberPacker& add(std::complex<double> value) { return add(value.real()).add(value.imag()); }
     template <typename T>
     NumberPacker& add(const std::optional<T>& value) {
@@ -51,7 +49,6 @@ class NumberUnpacker {
     }
     void read(std::vector<double>& numbers);
     void read(std::string& text);
-    void read(Eigen::MatrixXd& matrix);
     void read(std::complex<double>& value);
     template <typename T>
     void read(std::optional<T>& value) {

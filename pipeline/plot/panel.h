@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/plot/axis.h"
 #include "pipeline/plot/svg.h"
 

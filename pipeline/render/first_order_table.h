@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/render/table_nodes.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf::render {
 

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::render {

@@ -8,7 +8,7 @@
 
 #include "pipeline/render/table_nodes.h"
 #include "rte/boundary/fresnel.h"
-#include "rte/surface/layered_brdf.h"
+#include <miebrdf/surface.h>
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::render {

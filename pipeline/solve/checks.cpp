@@ -1,12 +1,13 @@
 #include "pipeline/solve/checks.h"
 
+#include <miebrdf/ensemble.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "mie/ensemble/phase_table.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "rte/stack/stack.h"
+#include <miebrdf/optics.h>
 
 namespace miebrdf {
 

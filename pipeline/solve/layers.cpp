@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 
+#include <miebrdf/surface.h>
+#include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/checks.h"
@@ -17,8 +19,7 @@
 #include "pipeline/solve/surface_part.h"
 #include "pipeline/solve/tolerance.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_memory.h"
-#include "rte/surface/layered_brdf.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 namespace {

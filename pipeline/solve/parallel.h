@@ -6,7 +6,7 @@
 #include <string>
 
 #include <miebrdf/control.h>
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
 
 namespace miebrdf {
 

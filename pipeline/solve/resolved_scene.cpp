@@ -11,6 +11,7 @@
 #include <map>
 
 #include "materials/database/database.h"
+#include "pipeline/cache/job_key.h"
 #include "pipeline/scene/particle_sizes.h"
 
 namespace miebrdf {

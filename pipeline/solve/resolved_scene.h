@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/cache/job_key.h"
-
 namespace miebrdf {
+
+class JobKey;
 
 /// A medium at every wavelength of its scene.
 struct ResolvedMedium {

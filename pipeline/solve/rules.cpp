@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/scene/medium_kinds.h"
-#include "rte/fourier/fourier_reflection.h"
+#include "rte/grid/directions.h"
 
 namespace miebrdf {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <miebrdf/brdf.h>
 
+#include <miebrdf/optics.h>
 #include "pipeline/solve/single_scattering.h"
-#include "rte/stack/stack.h"
 
 namespace miebrdf {
 

@@ -8,14 +8,14 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/ensemble/phase_table.h"
+#include <miebrdf/ensemble.h>
+#include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/tolerance.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 namespace {
@@ -140,9 +140,7 @@ JobList list_jobs(const ResolvedScene& scene, const std::vector<std::size_t>& me
 std::size_t bytes_of(const MediumOptics& optics) {
     const auto* table = optics.optics.phase.target<mie::PhaseTable>();
     const std::size_t of_table =
-        table == nullptr ? 0
-                         : static_cast<std::size_t>(table->parts().coefficients.size()) +
-                               2 * table->parts().edges.size();
+        table == nullptr ? 0 : table->parts().coefficients.size() + 2 * table->parts().edges.size();
     return sizeof(double) * (optics.optics.chi.size() + optics.phase.size() + of_table);
 }
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
 #include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf {

@@ -2,13 +2,13 @@
 
 #include <optional>
 
+#include <miebrdf/surface.h>
+#include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/rules.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface/layered_brdf.h"
-#include "rte/surface/surface_lobe.h"
 
 namespace miebrdf {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <numbers>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/resolved_scene.h"
-#include "rte/surface/surface_lobe.h"
 
 namespace miebrdf {
 

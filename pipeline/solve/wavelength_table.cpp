@@ -5,12 +5,12 @@
 #include <limits>
 #include <numbers>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/tolerance.h"
-#include "rte/fourier/fourier_reflection.h"
 #include "rte/grid/discretisation.h"
+#include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/layered_brdf.h"
 
 namespace miebrdf {
 namespace {

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/first_order.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/smooth_part.h"
-#include "rte/first_order/single_scattering.h"
-#include "rte/surface/surface_lobe.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mie/ensemble/ensemble.h"
+#include <miebrdf/ensemble.h>
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

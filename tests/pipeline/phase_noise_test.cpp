@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mie/ensemble/phase_table.h"
+#include <miebrdf/ensemble.h>
 #include "pipeline/solve/brdf.h"
 #include "tests/support/catch.h"
 
@@ -20,8 +20,11 @@ namespace {
 rte::Optics noisy_isotropic(double albedo, double forward, double backward) {
     rte::Optics optics = rte::isotropic_optics(albedo);
     constexpr double pi = std::numbers::pi;
-    optics.phase =
-        mie::PhaseTable({0, pi / 2, pi}, Eigen::MatrixXd::Ones(8, 2), 0, 0, {forward, backward}, 0);
+    const std::vector<double> one = {1, 0, 0, 0, 0, 0, 0, 0};  // the Chebyshev polynomial T_0
+    std::vector<double> both = one;
+    both.insert(both.end(), one.begin(), one.end());
+    optics.phase = mie::PhaseTable(mie::PhaseTable::Parts{
+        .edges = {0, pi / 2, pi}, .coefficients = both, .noise = {forward, backward}});
     return optics;
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <miebrdf/error.h>
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 

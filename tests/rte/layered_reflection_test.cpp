@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rte/grid/zenith_grid.h"
+#include "rte/grid/directions.h"
 #include "rte/math/quadrature.h"
 #include "tests/rte/reference_cases.h"
 #include "tests/support/catch.h"

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "mie/sphere/sphere_block.h"
 #include "tools/bench/process_memory.h"
 #include "tools/miebrdf/program.h"

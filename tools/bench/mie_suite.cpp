@@ -5,9 +5,8 @@
 #include <complex>
 #include <stdexcept>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/amplitudes.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "rte/math/quadrature.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"

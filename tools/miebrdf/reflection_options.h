@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <miebrdf/brdf.h>
-#include "pipeline/colour/cie_observer.h"
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {

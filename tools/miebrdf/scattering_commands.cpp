@@ -2,8 +2,7 @@
 #include <fmt/format.h>
 
 #include <miebrdf/error.h>
-#include "mie/sphere/amplitudes.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/media_options.h"

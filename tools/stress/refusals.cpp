@@ -4,10 +4,10 @@
 #include <complex>
 #include <limits>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+#include <miebrdf/surface.h>
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/directional_reflectance.h"
 #include "tools/stress/battery.h"
 
 namespace miebrdf::stress {

@@ -7,11 +7,10 @@
 #include <complex>
 #include <numbers>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/logarithmic_derivative.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+#include "mie/sphere/radial_functions.h"
 #include "mie/sphere/sphere_block.h"
-#include "mie/sphere/terms.h"
 #include "tools/stress/battery.h"
 
 namespace miebrdf::stress {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <complex>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "tools/bench/truth.h"
 #include "tools/stress/battery.h"
 

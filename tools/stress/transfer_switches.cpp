@@ -8,7 +8,7 @@
 #include <miebrdf/brdf.h>
 #include "pipeline/solve/scene_optics.h"
 #include "rte/grid/discretisation.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "tools/bench/truth.h"
 #include "tools/stress/battery.h"
