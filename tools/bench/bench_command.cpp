@@ -8,9 +8,8 @@
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/bench/curve_plot.h"
-#include "tools/bench/document.h"
-#include "tools/bench/report_page.h"
-#include "tools/bench/rule_savings.h"
+#include "tools/bench/report.h"
+#include "tools/bench/results.h"
 #include "tools/bench/suites.h"
 #include "tools/miebrdf/command.h"
 
