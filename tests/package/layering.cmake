@@ -94,6 +94,16 @@ foreach(area materials mie rte pipeline)
     message(STATUS "layering: ${area}: ${count} files")
 endforeach()
 
+# The program has nothing of the reference methods, the stress battery or their tables: these are a
+# second program, miebrdf-bench.
+file(GLOB files RELATIVE "${ROOT}" "${ROOT}/tools/miebrdf/*.h" "${ROOT}/tools/miebrdf/*.cpp")
+foreach(path IN LISTS files)
+    file(STRINGS "${ROOT}/${path}" includes REGEX "#[ \t]*include[ \t]*\"tools/(bench|stress)/")
+    foreach(line IN LISTS includes)
+        refuse("${path}: ${line} does not belong into miebrdf")
+    endforeach()
+endforeach()
+
 # Every source of ours that the solver includes is part of the hash in its cache keys, but for the
 # materials: their n and k are in the keys themselves.
 file(STRINGS "${ROOT}/pipeline/CMakeLists.txt" hashed REGEX "^set\\(solver_areas ")

@@ -9,9 +9,9 @@
 
 #include <miebrdf/surface.h>
 #include "rte/math/quadrature.h"
-#include "tools/bench/random.h"
+#include "tools/bench/photon_tracer.h"
 #include "tools/bench/suites.h"
-#include "tools/bench/surface_truth.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {
