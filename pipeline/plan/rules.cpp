@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rte/fourier/fourier_reflection.h"
+#include "rte/stack/fourier_sum.h"
 
 namespace miebrdf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "pipeline/render/cubic_taps.h"
 #include "pipeline/render/lanes.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf::render {
 

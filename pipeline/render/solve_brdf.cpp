@@ -12,9 +12,8 @@
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/probe_directions.h"
 #include "pipeline/solve/visible_layers.h"
-#include "rte/fourier/fourier_reflection.h"
-#include "rte/fourier/order_tail.h"
 #include "rte/grid/discretisation.h"
+#include "rte/stack/fourier_sum.h"
 
 namespace miebrdf::render {
 

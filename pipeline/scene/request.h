@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <miebrdf/surface.h>
 #include "pipeline/scene/medium.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/surface_lobe.h"
 
 namespace miebrdf {
 

@@ -1,9 +1,9 @@
 // Plane and spherical albedo of a scene: azimuthal order 0 alone, no phase function.
+#include <miebrdf/surface.h>
 #include "pipeline/solve/brdf.h"
 #include "pipeline/solve/layers.h"
 #include "pipeline/solve/slice_report.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface/surface_lobe.h"
 
 namespace miebrdf {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "rte/first_order/single_scattering.h"
-#include "rte/math/angle_table.h"
-#include "rte/phase/narrow_features.h"
+#include "rte/first_order/first_order.h"
+#include "rte/first_order/narrow_features.h"
+#include "rte/math/chebyshev.h"
 
 namespace miebrdf::exports {
 

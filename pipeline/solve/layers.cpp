@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include <miebrdf/surface.h>
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/plan/rules.h"
 #include "pipeline/solve/distinct_directions.h"
@@ -16,8 +17,7 @@
 #include "pipeline/solve/shared_work.h"
 #include "pipeline/solve/tolerance.h"
 #include "pipeline/solve/visible_layers.h"
-#include "rte/stack/stack_memory.h"
-#include "rte/surface/layered_brdf.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 

@@ -9,7 +9,7 @@
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/ensemble.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 namespace {

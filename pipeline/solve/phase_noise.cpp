@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "mie/ensemble/phase_table.h"
-#include "rte/first_order/single_scattering.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf {
 namespace {

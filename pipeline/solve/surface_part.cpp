@@ -2,10 +2,10 @@
 
 #include <optional>
 
+#include <miebrdf/surface.h>
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/plan/rules.h"
-#include "rte/surface/layered_brdf.h"
 
 namespace miebrdf {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/parallel.h"
-#include "rte/surface/surface_lobe.h"
 
 namespace miebrdf {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <miebrdf/table1.h>
 #include "pipeline/solve/resolved_medium.h"
 #include "pipeline/solve/run_control.h"
-#include "rte/surface/table1.h"
 
 namespace miebrdf {
 

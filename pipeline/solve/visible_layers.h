@@ -1,8 +1,8 @@
 // Which layers can be seen from above: what lies below a coat that hides it is not computed.
 #pragma once
 
+#include <miebrdf/optics.h>
 #include "pipeline/solve/scene_optics.h"
-#include "rte/stack/stack.h"
 
 namespace miebrdf {
 

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "pipeline/solve/probe_directions.h"
-#include "rte/fourier/order_tail.h"
 #include "rte/grid/discretisation.h"
+#include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
 
 namespace miebrdf::exports {

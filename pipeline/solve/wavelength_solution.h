@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/brdf_source.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/smooth_part.h"
-#include "rte/first_order/single_scattering.h"
-#include "rte/surface/layered_brdf.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf::exports {
 

@@ -1,4 +1,4 @@
-#include "rte/surface/table1.h"
+#include <miebrdf/table1.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "rte/grid/discretisation.h"
+#include "rte/stack/scaled_stack.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -6,11 +6,11 @@
 #include <numbers>
 
 #include <miebrdf/error.h>
+#include <miebrdf/surface.h>
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/layers.h"
 #include "pipeline/solve/table1.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface/surface_lobe.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/temporary_folder.h"

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <complex>
 
+#include <miebrdf/surface.h>
 #include "mie/ensemble/ensemble.h"
 #include "mie/sphere/sphere.h"
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/directional_reflectance.h"
 
 namespace {
 

@@ -4,10 +4,10 @@
 #include <complex>
 #include <limits>
 
+#include <miebrdf/surface.h>
 #include "mie/ensemble/ensemble.h"
 #include "mie/sphere/sphere.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/directional_reflectance.h"
 #include "tools/bench/stress.h"
 
 namespace miebrdf::bench {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <complex>
 
+#include <miebrdf/surface.h>
 #include "rte/boundary/fresnel.h"
-#include "rte/surface/directional_reflectance.h"
-#include "rte/surface/surface_lobe.h"
 #include "tools/bench/stress.h"
 
 namespace miebrdf::bench {

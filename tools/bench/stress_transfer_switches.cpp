@@ -8,7 +8,7 @@
 #include "pipeline/solve/brdf.h"
 #include "pipeline/solve/visible_layers.h"
 #include "rte/grid/discretisation.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "tools/bench/reference_data.h"
 #include "tools/bench/stress.h"
