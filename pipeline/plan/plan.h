@@ -39,7 +39,6 @@ struct Plan {
 /// What the results of one run have done before the next one is planned (shared_work.h).
 struct EarlierWork {
     std::set<std::string> optics;  ///< optics_hash of Mie jobs
-    std::set<std::string> bases;   ///< base_hash of half-spaces
 };
 
 /// @param quantity  reflection: what compute_brdf does; albedo: what compute_albedo does

@@ -5,7 +5,7 @@
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
 #include "pipeline/plan/rules.h"
-#include "pipeline/solve/tolerance.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -34,9 +34,6 @@ double Planner::transfer_cost(int orders, std::size_t layers) const {
 
 void Planner::radiative_transfer() {
     if (!needs_layers_ || jobs_nm_.empty()) return;
-    const std::size_t shared = shared_bases();
-    const double shared_s =
-        static_cast<double>(shared) * orders() * order_seconds(streams_, 1, cosines());
     plan_.steps.push_back(
         {"radiative transfer",
          fmt::format("{}{} of a half-space and {}, {}{} streams, {}",
@@ -45,7 +42,7 @@ void Planner::radiative_transfer() {
                      counted(visible_.coats.size(), "coat"),
                      request_.solver.streams > 0 ? "" : "about ", streams_,
                      counted(cosines(), "cosine")),
-         jobs_nm_.size(), jobs() * transfer_cost(orders(), layers()) - shared_s});
+         jobs_nm_.size(), jobs() * transfer_cost(orders(), layers())});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
                                "plane albedo at every mu_in, from order 0 of the same solution",
@@ -65,21 +62,6 @@ void Planner::radiative_transfer() {
                       value_seconds(orders()));
     }
     leave_out_layers();
-    if (shared > 0) {
-        leave_out("one half-space",
-                  fmt::format("{} of {} wavelengths lie on a half-space that another one or an "
-                              "earlier result solves: shared where both take as many streams",
-                              shared, jobs_nm_.size()),
-                  shared_s);
-    }
-}
-
-std::size_t Planner::shared_bases() {
-    // Under a coat that hides it the base is never solved.
-    if (visible_.coats.size() < reduced_.scene.coats.size()) return 0;
-    std::size_t shared = 0;
-    for (const LayerJob& job : jobs_) shared += earlier_.bases.insert(job.base_hash).second ? 0 : 1;
-    return shared;
 }
 
 void Planner::leave_out_orders() {
@@ -99,7 +81,7 @@ void Planner::leave_out_orders() {
         leave_out("listed directions",
                   fmt::format("orders end where they no longer show at {}, within {} of the "
                               "tolerance",
-                              counted(distinct_.computed(), "direction"), kToleranceShares.orders),
+                              counted(distinct_.computed(), "direction"), kFourierTailShare),
                   jobs() * std::max(0, 2 * streams_ - orders()) *
                       order_seconds(streams_, layers(), cosines()));
     }

@@ -8,8 +8,8 @@
 
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/rules.h"
-#include "pipeline/solve/tolerance.h"
-#include "pipeline/solve/visible_layers.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf {
 
@@ -117,8 +117,8 @@ void Planner::hide_layers() {
     const double tolerance = request_.solver.tolerance;
     for (std::size_t c = visible_.coats.size(); c-- > 0 && !jobs_nm_.empty();) {
         const CoatMedium coat = visible_.coats[c];
-        if (!may_hide(coat.optical_depth, reduced_.directions, tolerance)) continue;
-        if (needs_mie(coat.medium) && !std::isinf(coat.optical_depth)) {
+        if (!rte::may_hide(coat.optical_depth, reduced_.directions, tolerance)) continue;
+        if (needs_mie(coat.medium) && !rte::is_bottomless(coat.optical_depth)) {
             leave_out(
                 "hidden layers",
                 fmt::format("perhaps: known when the optics of coat {} are", describe(coat.medium)),
@@ -127,8 +127,8 @@ void Planner::hide_layers() {
         }
         const auto optics =
             medium_optics(media_.media()[c + 1], jobs_nm_.front(), request_.scene.particles, {});
-        if (!hides_what_is_below(optics.optics, coat.optical_depth, reduced_.directions,
-                                 tolerance)) {
+        if (!rte::hides_what_is_below(optics.optics, coat.optical_depth, reduced_.directions,
+                                      tolerance)) {
             continue;
         }
         double saved = mie_cost(visible_.base);
@@ -141,7 +141,7 @@ void Planner::hide_layers() {
             fmt::format("coat {} of optical depth {} shows nothing of the {} below within {} of "
                         "the tolerance",
                         describe(coat.medium), coat.optical_depth, counted(c + 1, "layer"),
-                        kToleranceShares.hidden_layers),
+                        kHiddenLayersShare),
             saved);
         visible_.base = coat.medium;
         visible_.coats.erase(visible_.coats.begin(),

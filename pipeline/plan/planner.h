@@ -32,8 +32,6 @@ class Planner {
     void radiative_transfer();  ///< plan_transfer.cpp
     void leave_out_orders();
     void leave_out_layers();
-    /// Jobs whose half-space another wavelength or an earlier result has solved, each counted once.
-    std::size_t shared_bases();
     void surface();
 
     bool is_albedo() const { return quantity_ != LayerQuantity::reflection; }

@@ -44,7 +44,7 @@ bool only_zenith(const rte::Directions& directions) {
 }
 
 bool only_across(const rte::Directions& directions) {
-    return rte::is_invisible(1, directions.azimuth_deg);
+    return rte::fourier_order_vanishes(1, directions.azimuth_deg);
 }
 
 bool is_symmetric(const rte::Directions& directions) {

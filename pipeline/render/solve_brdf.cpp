@@ -13,7 +13,9 @@
 #include "pipeline/solve/probe_directions.h"
 #include "pipeline/solve/visible_layers.h"
 #include "rte/grid/discretisation.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf::render {
 
@@ -87,8 +89,8 @@ class SolvedBrdfBuilder {
         const rte::ScaledStack scaled = rte::scale_stack(stack, report.moments, options.delta_m);
         const rte::ZenithGrid grid = rte::make_zenith_grid(
             rte::choose_discretisation(stack, options, report.streams).grid, report.streams);
-        const rte::MultipleScattering multiple = rte::sum_orders(
-            scaled, grid, nodes_, azimuth_deg_, rte::share_of_orders * options.tolerance, options);
+        const rte::MultipleScattering multiple = rte::sum_fourier_orders(
+            scaled, grid, nodes_, azimuth_deg_, kFourierTailShare * options.tolerance, options);
         media = scaled.media;
         fill(w, multiple);
         report.converged = report.converged && multiple.converged;

@@ -83,9 +83,9 @@ void validate(const Request& request) {
                                      request.solver.tolerance));
     }
     const int streams = request.solver.streams;
-    if (!(streams == 0 || (streams >= rte::fewest_nodes && streams <= rte::most_nodes))) {
+    if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
         throw UsageError(fmt::format("--streams: {} is out of range; allowed: {} to {}", streams,
-                                     rte::fewest_nodes, rte::most_nodes));
+                                     rte::kFewestNodes, rte::kMostNodes));
     }
     if (!(request.solver.coat_substeps >= 1 && request.solver.coat_substeps <= 1'000'000)) {
         throw UsageError(fmt::format("coat substeps: {} is out of range; allowed: 1 to 1000000",

@@ -11,7 +11,6 @@ namespace miebrdf {
 struct LayerJob {
     double wavelength_nm = 0.0;
     std::string hash;          ///< names the job: everything its slice depends on (packed_layers.h)
-    std::string base_hash;     ///< names its half-space (below)
     bool closed_form = false;  ///< has_closed_form: nothing to solve
 };
 
@@ -22,11 +21,6 @@ struct LayerJobs {
 
 /// @param request  its directions as the solver gets them (distinct_directions.h)
 LayerJobs list_layer_jobs(const Request& request, const SceneMedia& media, LayerQuantity quantity);
-
-/// Names the half-space that the layers of a wavelength lie on: two jobs with the same name solve
-/// the same equations for it wherever they take as many nodes (their coats may ask for more or
-/// fewer). Neither coats nor azimuths are part of it.
-std::string base_hash(const Request& request, const SceneMedia& media, double wavelength_nm);
 
 /// Albedos need moments only.
 PhaseDemand phase_demand(LayerQuantity quantity);

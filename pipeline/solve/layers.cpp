@@ -14,9 +14,9 @@
 #include "pipeline/solve/packed_layers.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_noise.h"
-#include "pipeline/solve/shared_work.h"
-#include "pipeline/solve/tolerance.h"
 #include "pipeline/solve/visible_layers.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/hidden_layers.h"
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
@@ -64,13 +64,15 @@ LayerSlice black(const Request& request, LayerQuantity quantity) {
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
                               const rte::SolverOptions& solver, const SceneMedia& media,
-                              LayerQuantity quantity, double wavelength_nm) {
+                              LayerQuantity quantity, double wavelength_nm,
+                              rte::StackMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
-    if (quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, solver);
+    if (quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, solver, {}, &memory);
     const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
     const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
-    return rte::albedo(stack, mu_in, solver,
-                       [&transmission](double mu) { return transmission.weights(mu); });
+    return rte::albedo(
+        stack, mu_in, solver, [&transmission](double mu) { return transmission.weights(mu); },
+        &memory);
 }
 
 /// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
@@ -79,12 +81,6 @@ rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_
     solver.tolerance = std::max(solver.tolerance - mie_error_estimate, 0.5 * solver.tolerance);
     return solver;
 }
-
-/// What wavelengths have in common.
-struct Common {
-    rte::SolvedHalfSpaces* half_spaces;
-    rte::StackMemory* memory;
-};
 
 /// Layers reflect no more than they get: an albedo above 1 by the rounding of its sum over nodes
 /// is 1.
@@ -96,18 +92,16 @@ void remove_rounding(std::vector<double>& albedos) {
 }
 
 LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
-                 LayerQuantity quantity, double wavelength_nm, const Common& common) {
-    rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
-    solver.half_space_tolerance = kToleranceShares.iteration * request.solver.tolerance;
-    solver.half_spaces = common.half_spaces;
-    solver.memory = common.memory;
-    const rte::Stack stack = with_black_ground(optics.stack);
+                 LayerQuantity quantity, double wavelength_nm, rte::StackMemory& memory) {
+    const rte::SolverOptions solver =
+        with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
+    const rte::Stack stack = rte::with_black_ground(optics.stack);
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
         return black(request, quantity);
     }
     LayerSlice slice;
     if (quantity == LayerQuantity::reflection) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver);
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report = table.report;
         slice.phase_noise =
@@ -116,7 +110,7 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
         remove_rounding(slice.plane_albedo);
     } else {
         rte::AlbedoTable table =
-            solve_albedo(stack, request, solver, media, quantity, wavelength_nm);
+            solve_albedo(stack, request, solver, media, quantity, wavelength_nm, memory);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
@@ -124,8 +118,8 @@ LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOpt
     }
     slice.mie_error_estimate = optics.mie_error_estimate;
     slice.error_estimate = slice.report.error_estimate + optics.mie_error_estimate;
-    slice.converged = slice.report.converged && optics.converged &&
-                      slice.error_estimate <= request.solver.tolerance;
+    slice.converged = has_converged(slice.error_estimate, request.solver.tolerance,
+                                    slice.report.converged, optics.converged);
     return slice;
 }
 
@@ -168,15 +162,10 @@ std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia&
     }
     const auto optics = visible_optics(media, reduced, missing_nm,
                                        demand_of(reduced, phase_demand(quantity)), control);
-    SharedWork own;  // wavelengths may lie on the same half-space, too
-    if (control.shared == nullptr) own.expect(reduced, media, quantity, list);
-    SharedWork* shared = control.shared != nullptr ? control.shared : &own;
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const std::size_t j = missing[i];
-        const SharedBase base(shared, jobs[j].base_hash);
-        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i],
-                          {base.get(), &memories.local()});
+        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i], memories.local());
         if (control.cache != nullptr) control.cache->store(jobs[j].hash, packed(solved[j]));
     });
     std::vector<LayerSlice> slices;

@@ -10,6 +10,7 @@
 #include <miebrdf/error.h>
 #include "mie/ensemble/ensemble.h"
 #include "rte/first_order/first_order.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -39,12 +40,6 @@ rte::Optics analytic_optics(const Medium& medium) {
     return std::visit(Maker{}, medium);
 }
 
-/// Of the error that points of P may have, the part that their interpolation may.
-constexpr double kInterpolationShare = 0.5;
-
-/// Points of P may err by this times what moments may: 1e-2 at the default tolerance of 1e-3.
-constexpr double kPhasePerMoment = 50, kLeastPhaseTolerance = 2e-4, kMostPhaseTolerance = 3e-2;
-
 /// Where P is below half of its mean over the sphere, noise is judged against that: single
 /// scattering R = P / (4 (mu + mu')) of such angles is small beside the largest value at any
 /// incidence.
@@ -66,7 +61,7 @@ mie::EnsembleRequest ensemble_request(std::complex<double> index, double wavelen
         request.phase_floor = kPhaseFloor;
         request.phase_tolerance = std::clamp(kPhasePerMoment * demand.tolerance,
                                              kLeastPhaseTolerance, kMostPhaseTolerance);
-        request.table_tolerance = kInterpolationShare * request.phase_tolerance;
+        request.table_tolerance = kPhaseInterpolationShare * request.phase_tolerance;
         request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
     }
     return request;

@@ -35,7 +35,7 @@ std::vector<double> packed(const LayerSlice& slice) {
     const PhaseNoise& noise = slice.phase_noise;
     packer.add(noise.largest).add(noise.mu_in).add(noise.mu_out).add(noise.azimuth_deg);
     packer.add(slice.converged ? 1 : 0).add(report.streams).add(report.moments);
-    packer.add(report.azimuthal_orders).add(report.iterations).add(report.error_estimate);
+    packer.add(report.fourier_orders).add(report.iterations).add(report.error_estimate);
     packer.add(report.converged ? 1 : 0).add(report.method).add(report.share_within_tolerance);
     packer.add(report.worst_mu_in).add(report.worst_mu_out).add(report.worst_azimuth_deg);
     return packer.numbers();
@@ -55,7 +55,7 @@ LayerSlice unpacked_layers(const std::vector<double>& numbers) {
     slice.converged = unpacker.number() == 1;
     slice.report.streams = static_cast<int>(unpacker.number());
     slice.report.moments = static_cast<int>(unpacker.number());
-    slice.report.azimuthal_orders = static_cast<int>(unpacker.number());
+    slice.report.fourier_orders = static_cast<int>(unpacker.number());
     slice.report.iterations = static_cast<int>(unpacker.number());
     slice.report.error_estimate = unpacker.number();
     slice.report.converged = unpacker.number() == 1;

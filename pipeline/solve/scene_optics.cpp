@@ -11,7 +11,7 @@
 #include "pipeline/solve/packed_optics.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/shared_work.h"
-#include "pipeline/solve/tolerance.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -93,7 +93,7 @@ std::string optics_hash(const ResolvedMedium& medium, double wavelength_nm,
 OpticsDemand demand_of(const Request& request, PhaseDemand phase) {
     const double wanted = request.scene.particles.tolerance;
     OpticsDemand demand;
-    demand.tolerance = wanted > 0.0 ? wanted : kToleranceShares.mie * request.solver.tolerance;
+    demand.tolerance = wanted > 0.0 ? wanted : kMieShare * request.solver.tolerance;
     demand.highest_moment = highest_moment(request.solver);
     demand.whole_phase_function =
         phase == PhaseDemand::whole && request.solver.single_scattering_correction;

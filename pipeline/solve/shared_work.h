@@ -1,5 +1,4 @@
-// What the results of one run have in common, computed once: the optics of the same spheres, and
-// the half-space that several coats lie on.
+// What the results of one run have in common, computed once: the optics of the same spheres.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +9,6 @@
 
 #include "pipeline/solve/layer_jobs.h"
 #include "pipeline/solve/medium_optics.h"
-#include "rte/half_space/solved_half_spaces.h"
 
 namespace miebrdf {
 
@@ -37,50 +35,20 @@ class SharedWork {
     /// Keeps optics if a later result uses them.
     void keep(const std::string& hash, const MediumOptics& optics);
 
-    /// Where the half-space of that name is shared; null when no other job has it.
-    std::shared_ptr<rte::SolvedHalfSpaces> half_spaces(const std::string& base_hash);
-    /// One of the jobs on it is done: after the last it is forgotten.
-    void leave(const std::string& base_hash);
-
-    std::int64_t free_bytes() const { return budget_->left(); }
-    int half_spaces_found() const;  ///< solutions that were not repeated
+    std::int64_t free_bytes() const;
     int optics_found() const;
 
   private:
-    struct Base {
-        int expected = 0;  ///< jobs of the whole run
-        int done = 0;
-        std::shared_ptr<rte::SolvedHalfSpaces> solved;
-    };
     struct Spheres {
         int to_come = 0;  ///< results that have not asked yet
         std::shared_ptr<const MediumOptics> optics;
         std::int64_t bytes = 0;
     };
 
-    std::shared_ptr<rte::MemoryBudget> budget_;
     mutable std::mutex mutex_;
-    std::map<std::string, Base> bases_;
+    std::int64_t free_bytes_;
     std::map<std::string, Spheres> spheres_;
-    int half_spaces_found_ = 0;  ///< of bases that are forgotten
     int optics_found_ = 0;
-};
-
-/// The half-space of one job, for as long as the job runs.
-class SharedBase {
-  public:
-    /// @param shared  may be null: nothing is shared
-    SharedBase(SharedWork* shared, const std::string& base_hash);
-    ~SharedBase();
-    SharedBase(const SharedBase&) = delete;
-    SharedBase& operator=(const SharedBase&) = delete;
-
-    rte::SolvedHalfSpaces* get() const { return solved_.get(); }
-
-  private:
-    SharedWork* shared_;
-    const std::string& base_hash_;
-    std::shared_ptr<rte::SolvedHalfSpaces> solved_;
 };
 
 }  // namespace miebrdf

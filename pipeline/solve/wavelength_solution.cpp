@@ -7,8 +7,10 @@
 
 #include "pipeline/solve/probe_directions.h"
 #include "rte/grid/discretisation.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf::exports {
 namespace {
@@ -33,7 +35,7 @@ Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
 /// The solver's table of (in, out, azimuth) as Fourier series.
 SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples) {
     const std::vector<double>& nodes = SmoothPart::nodes();
-    const auto orders = static_cast<std::size_t>(std::max(1, multiple.orders));
+    const auto orders = static_cast<std::size_t>(std::max(1, multiple.fourier_orders));
     std::vector<double> modes(nodes.size() * nodes.size() * orders);
     const Eigen::MatrixXd analysis = analysis_matrix(orders, samples);
     for (std::size_t pair = 0; pair < nodes.size() * nodes.size(); ++pair) {
@@ -88,11 +90,11 @@ void WavelengthSolution::solve(const SceneOptics& optics, const Request& request
     for (std::size_t j = 0; j <= samples; ++j) {
         azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
     }
-    const rte::MultipleScattering multiple = rte::sum_orders(
-        scaled, grid, requested, azimuth_deg, rte::share_of_orders * options.tolerance, options);
+    const rte::MultipleScattering multiple = rte::sum_fourier_orders(
+        scaled, grid, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
     media_ = scaled.media;
     smooth_ = tabulate(multiple, samples);
-    report_.azimuthal_orders = multiple.orders;
+    report_.fourier_orders = multiple.fourier_orders;
     report_.converged = report_.converged && multiple.converged && multiple.physical;
 }
 

@@ -4,7 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <numbers>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::rte {
 
@@ -56,8 +57,7 @@ const Table1Convention& table1_convention(const std::string& name) {
         if (convention.name == name) return convention;
         names.push_back(convention.name);
     }
-    throw std::invalid_argument(
-        fmt::format("unknown Table 1 convention '{}'; allowed: {}", name, fmt::join(names, ", ")));
+    throw UsageError("convention", name, fmt::format("{}", fmt::join(names, ", ")));
 }
 
 const std::vector<Table1Row>& table1_printed() {

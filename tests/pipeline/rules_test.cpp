@@ -183,23 +183,23 @@ TEST_CASE("few orders: isotropic media need one, Rayleigh three", "[pipeline][ru
     CHECK(most_orders(rayleigh.scene) == 3);
     CHECK(most_orders(request_of("isotropic:0.9", {"hg:0.5,0.2@1"}).scene) == 0);
     CHECK(brdf_leaves_out(isotropic, "few orders"));
-    CHECK(compute_brdf(isotropic).slices[0].report.azimuthal_orders == 1);
-    CHECK(compute_brdf(rayleigh).slices[0].report.azimuthal_orders <= 3);
+    CHECK(compute_brdf(isotropic).slices[0].report.fourier_orders == 1);
+    CHECK(compute_brdf(rayleigh).slices[0].report.fourier_orders <= 3);
 }
 
 TEST_CASE("albedo and zenith: order 0 alone", "[pipeline][rules]") {
     Request request = request_of("hg:0.9,0.7");
     CHECK_FALSE(only_zenith(request.directions));
-    CHECK(compute_brdf(request).slices[0].report.azimuthal_orders > 5);
+    CHECK(compute_brdf(request).slices[0].report.fourier_orders > 5);
     CHECK(brdf_leaves_out(request, "listed directions"));
     CHECK(make_plan(request, LayerQuantity::albedo).leaves_out("albedo"));
-    CHECK(compute_albedo(request).slices[0].report.azimuthal_orders == 1);
+    CHECK(compute_albedo(request).slices[0].report.fourier_orders == 1);
     for (std::vector<double>* cosines : {&request.directions.mu_in, &request.directions.mu_out}) {
         const auto before = *cosines;
         *cosines = {1.0, 1.0};
         CHECK(only_zenith(request.directions));
         CHECK(brdf_leaves_out(request, "zenith"));
-        CHECK(compute_brdf(request).slices[0].report.azimuthal_orders == 1);
+        CHECK(compute_brdf(request).slices[0].report.fourier_orders == 1);
         *cosines = before;
     }
 }

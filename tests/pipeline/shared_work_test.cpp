@@ -42,10 +42,8 @@ std::vector<Request> results() {
 
 }  // namespace
 
-TEST_CASE(
-    "coats on one base share its half-space and its spheres, to the same bits on any number "
-    "of threads",
-    "[pipeline][shared]") {
+TEST_CASE("coats on one base share its spheres, to the same bits on any number of threads",
+          "[pipeline][shared]") {
     const auto alone = run(results(), {.threads = 1});
     for (const int threads : {1, 2, 7}) {
         SharedWork shared;
@@ -56,7 +54,6 @@ TEST_CASE(
         CHECK(run(results(), control) == alone);
         // Two wavelengths, the second and the third result.
         CHECK(shared.optics_found() == 4);
-        CHECK(shared.half_spaces_found() > 2 * 2 * 5);
         // After the last of them nothing is kept.
         CHECK(shared.free_bytes() == SharedWork::kDefaultLimit_bytes);
     }
@@ -83,7 +80,6 @@ TEST_CASE("what no later result uses is not kept, and no more than the limit",
         RunControl control{.threads = 1};
         control.shared = &shared;
         run({results()[0]}, control);
-        CHECK(shared.half_spaces_found() == 0);
         CHECK(shared.free_bytes() == SharedWork::kDefaultLimit_bytes);
     }
     SECTION("no room") {
@@ -92,60 +88,7 @@ TEST_CASE("what no later result uses is not kept, and no more than the limit",
         RunControl control{.threads = 1};
         control.shared = &shared;
         CHECK(run(results(), control) == run(results(), {.threads = 1}));
-        CHECK(shared.half_spaces_found() == 0);
         CHECK(shared.free_bytes() == 1000);
-    }
-}
-
-TEST_CASE("wavelengths of one result share a half-space that does not change with them",
-          "[pipeline][shared]") {
-    Request request = painted("index:1.5,0.01@0.1");
-    request.scene.base = parse_medium("hg:0.95,0.5");
-    SharedWork shared;
-    shared.expect(request, LayerQuantity::reflection);
-    RunControl control{.threads = 1};
-    control.shared = &shared;
-    CHECK(run({request}, control) == run({request}, {.threads = 7}));
-    CHECK(shared.half_spaces_found() > 10);
-    CHECK(make_plan(request, LayerQuantity::reflection).leaves_out("one half-space"));
-}
-
-TEST_CASE("rule one half-space: the plan of a run says what its results share, as they do",
-          "[pipeline][shared][plan]") {
-    struct Case {
-        const char* what;
-        Request second;
-        bool shares;
-    };
-    const Request first = painted("hg:0.5,0.5@0.3");
-    std::vector<Case> cases{{"another coat", painted("hg:0.9,0.2@0.3"), true},
-                            {"other azimuths", first, true},
-                            {"another base", first, false},
-                            {"other cosines", first, false},
-                            {"another tolerance", first, false},
-                            {"other wavelengths", first, false}};
-    cases[1].second.directions.azimuth_deg = {10};
-    cases[2].second.scene.base = parse_medium("index:1.6,0.01");
-    cases[3].second.directions.mu_in = {0.4};
-    cases[4].second.solver.tolerance = 1e-4;
-    cases[5].second.wavelength_nm = {500};
-    for (const Case& c : cases) {
-        CAPTURE(c.what);
-        EarlierWork earlier;
-        const Plan alone = make_plan(c.second, LayerQuantity::reflection);
-        make_plan(first, LayerQuantity::reflection, nullptr, &earlier);
-        const Plan plan = make_plan(c.second, LayerQuantity::reflection, nullptr, &earlier);
-        CHECK(plan.leaves_out("one half-space") == c.shares);
-        CHECK(alone.leaves_out("one half-space") == false);
-        if (c.shares) CHECK(plan.seconds() < alone.seconds());
-
-        SharedWork shared;
-        shared.expect(first, LayerQuantity::reflection);
-        shared.expect(c.second, LayerQuantity::reflection);
-        RunControl control{.threads = 1};
-        control.shared = &shared;
-        run({first, c.second}, control);
-        CHECK((shared.half_spaces_found() > 0) == c.shares);
     }
 }
 
@@ -164,5 +107,4 @@ TEST_CASE("after an interrupted result the others are what they would have been"
     cancelled = false;
     control.progress = {};
     CHECK(run(results(), control) == run(results(), {.threads = 1}));
-    CHECK(shared.half_spaces_found() > 10);
 }

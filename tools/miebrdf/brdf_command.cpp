@@ -27,7 +27,7 @@ std::vector<Cell> report_row(const Slice& slice) {
     return {slice.wavelength_nm,       slice.converged ? std::string("yes") : std::string("no"),
             slice.error_estimate,      slice.mie_error_estimate,
             slice.phase_noise.largest, double(report.streams),
-            double(report.moments),    double(report.azimuthal_orders)};
+            double(report.moments),    double(report.fourier_orders)};
 }
 
 const std::vector<std::string> kReportColumns = {

@@ -22,7 +22,7 @@ struct Table1Convention {
 /// All known conventions; the first is the default, built from what the paper names.
 const std::vector<Table1Convention>& table1_conventions();
 
-/// @throws std::invalid_argument  for an unknown name, listing the known ones
+/// @throws UsageError  for an unknown name, listing the known ones
 const Table1Convention& table1_convention(const std::string& name);
 
 struct Table1Row {
