@@ -31,8 +31,7 @@ auto fields(T& value) {
 
 template <Is<rte::SolverOptions> T>
 auto fields(T& value) {
-    auto& [tolerance, grid, streams, half_space, coat, substeps, delta_m, correction, t, h, mem] =
-        value;
+    auto& [tolerance, grid, streams, half_space, coat, substeps, delta_m, correction] = value;
     return std::tie(tolerance, grid, streams, half_space, coat, substeps, delta_m, correction);
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <functional>
 
-#include <miebrdf/error.h>
 #include <miebrdf/colour.h>
+#include <miebrdf/error.h>
 
 namespace miebrdf::exports {
 namespace {

@@ -5,7 +5,7 @@
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
 #include "pipeline/solve/rules.h"
-#include "pipeline/solve/tolerance.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -80,7 +80,7 @@ void Planner::leave_out_orders() {
         leave_out("listed directions",
                   fmt::format("orders end where they no longer show at {}, within {} of the "
                               "tolerance",
-                              counted(distinct_.computed(), "direction"), kToleranceShares.orders),
+                              counted(distinct_.computed(), "direction"), kFourierTailShare),
                   jobs() * std::max(0, 2 * streams_ - orders()) *
                       order_seconds(streams_, layers(), cosines()));
     }

@@ -12,7 +12,8 @@
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
-#include "pipeline/solve/tolerance.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf {
 
@@ -149,7 +150,7 @@ void Planner::hide_layers() {
     for (std::size_t m = scene_.media.size(); m-- > 1;) {
         const Medium& medium = scene_.media[m].medium;
         const double depth = scene_.optical_depth[m - 1];
-        if (!may_hide(depth, request_.directions, solver_.tolerance)) continue;
+        if (!rte::may_hide(depth, request_.directions, solver_.tolerance)) continue;
         if (scene_.media[m].needs_mie() && !std::isinf(depth)) {
             leave_out(
                 "hidden layers",
@@ -158,16 +159,16 @@ void Planner::hide_layers() {
             return;
         }
         const auto optics = compute_optics(scene_, m, jobs_.front().wavelength, {});
-        if (!hides_what_is_below(optics.optics, depth, request_.directions, solver_.tolerance))
+        if (!rte::hides_what_is_below(optics.optics, depth, request_.directions, solver_.tolerance))
             continue;
         double saved = jobs() * orders() * order_seconds(streams_, m, cosines());
         for (std::size_t below = 0; below < m; ++below) saved += mie_cost(below);
-        leave_out("hidden layers",
-                  fmt::format(
-                      "coat {} of optical depth {} shows nothing of the {} below within {} of "
-                      "the tolerance",
-                      describe(medium), depth, counted(m, "layer"), kToleranceShares.hidden_layers),
-                  saved);
+        leave_out(
+            "hidden layers",
+            fmt::format("coat {} of optical depth {} shows nothing of the {} below within {} of "
+                        "the tolerance",
+                        describe(medium), depth, counted(m, "layer"), kHiddenLayersShare),
+            saved);
         lowest_ = m;
         return;
     }

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include <miebrdf/surface.h>
 #include "pipeline/render/table_nodes.h"
 #include "rte/boundary/fresnel.h"
-#include <miebrdf/surface.h>
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::render {

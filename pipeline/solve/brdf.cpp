@@ -36,10 +36,10 @@ void validate(const SolverOptions& solver) {
     if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
         throw UsageError("tolerance", solver.tolerance, "(0, 1)");
     const int streams = solver.streams;
-    if (!(streams == 0 || (streams >= rte::fewest_nodes && streams <= rte::most_nodes))) {
+    if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
         throw UsageError("streams", streams,
-                         std::to_string(rte::fewest_nodes) + " to " +
-                             std::to_string(rte::most_nodes) + ", or 0: from the tolerance");
+                         std::to_string(rte::kFewestNodes) + " to " +
+                             std::to_string(rte::kMostNodes) + ", or 0: from the tolerance");
     }
     if (!(solver.coat_substeps >= 1 && solver.coat_substeps <= 1'000'000))
         throw UsageError("coat_substeps", solver.coat_substeps, "1 to 1000000");

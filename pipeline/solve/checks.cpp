@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -117,7 +118,7 @@ void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converg
     report.mie_error_estimate = mie_error_estimate;
     report.error_estimate = report.solver.error_estimate + mie_error_estimate;
     report.converged =
-        report.solver.converged && mie_converged && report.error_estimate <= tolerance;
+        has_converged(report.error_estimate, tolerance, report.solver.converged, mie_converged);
 }
 
 }  // namespace miebrdf

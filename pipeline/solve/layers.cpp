@@ -17,7 +17,6 @@
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
-#include "pipeline/solve/tolerance.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 
@@ -71,14 +70,17 @@ LayerSlice black(const LayerRequest& request) {
 
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& request,
-                              const SolverOptions& solver, std::size_t w) {
+                              const SolverOptions& solver, std::size_t w,
+                              rte::StackMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
-    if (request.quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, solver);
+    if (request.quantity == LayerQuantity::albedo)
+        return rte::albedo(stack, mu_in, solver, {}, &memory);
     const ResolvedScene& scene = request.scene;
     const rte::SurfaceLobe lobe(scene.surface_index[w], *scene.surface);
     const rte::SurfaceTransmission transmission(lobe, scene.coupling);
-    return rte::albedo(stack, mu_in, solver,
-                       [&transmission](double mu) { return transmission.weights(mu); });
+    return rte::albedo(
+        stack, mu_in, solver, [&transmission](double mu) { return transmission.weights(mu); },
+        &memory);
 }
 
 /// Layers reflect no more than they get: an albedo above 1 by the rounding of its sum over nodes
@@ -97,11 +99,9 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     const double tolerance = request.solver.tolerance;
     SolverOptions solver = request.solver;
     solver.tolerance = rest_of_tolerance(tolerance, optics.mie_error_estimate);
-    solver.half_space_tolerance = kToleranceShares.iteration * tolerance;
-    solver.memory = &memory;
     LayerSlice slice;
     if (request.quantity == LayerQuantity::reflection) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver);
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
         slice.report.phase_noise =
@@ -109,7 +109,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.plane_albedo = std::move(table.plane_albedo);
         remove_rounding(slice.plane_albedo);
     } else {
-        rte::AlbedoTable table = solve_albedo(stack, request, solver, w);
+        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);

@@ -1,46 +1,13 @@
 #include "pipeline/solve/scene_optics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "pipeline/solve/parallel.h"
-#include "pipeline/solve/tolerance.h"
-#include "rte/stack/layered_reflection.h"
+#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf {
 namespace {
-
-constexpr double kShare = kToleranceShares.hidden_layers;
-constexpr double kSafety = 10.0;  // bases that are not Lambertian
-// Enough for transmissions to some per cent, which is all that a yes or no needs.
-constexpr int kStreams = 16;
-
-double largest(const std::vector<double>& cosines) {
-    return cosines.empty() ? 1.0 : *std::max_element(cosines.begin(), cosines.end());
-}
-
-rte::AlbedoTable albedo_over_ground(const rte::Optics& coat, double optical_depth,
-                                    const std::vector<double>& cosines, double ground_albedo) {
-    rte::Stack stack;
-    stack.base_kind = rte::BaseKind::lambertian;
-    stack.ground_albedo = ground_albedo;
-    stack.coats = {{coat, optical_depth}};
-    rte::SolverOptions options;
-    options.streams = kStreams;
-    return rte::albedo(stack, cosines, options);
-}
-
-/// Media of albedo 0 at the bottom of a stack return nothing: a black ground takes their place.
-rte::Stack with_black_ground(rte::Stack stack) {
-    if (stack.base_kind != rte::BaseKind::half_space) return stack;
-    if (stack.base.single_scattering_albedo != 0.0) return stack;
-    stack.base_kind = rte::BaseKind::none;
-    while (!stack.coats.empty() && stack.coats.front().optics.single_scattering_albedo == 0.0) {
-        stack.coats.erase(stack.coats.begin());
-    }
-    return stack;
-}
 
 /// Media first ... last - 1 of a scene, the first as the half-space.
 std::vector<SceneOptics> stacks_of(const ResolvedScene& scene, std::size_t first, std::size_t last,
@@ -81,7 +48,7 @@ SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper, double op
 std::size_t highest_candidate(const ResolvedScene& scene, std::size_t last,
                               const Directions& directions, double tolerance) {
     for (std::size_t medium = last; medium-- > 1;) {
-        if (may_hide(scene.optical_depth[medium - 1], directions, tolerance)) return medium;
+        if (rte::may_hide(scene.optical_depth[medium - 1], directions, tolerance)) return medium;
     }
     return 0;
 }
@@ -99,7 +66,8 @@ std::vector<SceneOptics> visible_below(const ResolvedScene& scene, std::size_t l
     std::vector<SceneOptics> stacks = stacks_of(scene, layer, last, wavelengths, demand, control);
     std::vector<char> hidden(stacks.size());
     run_parallel("hidden layers", stacks.size(), control, [&](std::size_t i) {
-        hidden[i] = hides_what_is_below(stacks[i].stack.base, optical_depth, directions, tolerance);
+        hidden[i] =
+            rte::hides_what_is_below(stacks[i].stack.base, optical_depth, directions, tolerance);
     });
     std::vector<std::size_t> seen, seen_wavelengths;
     for (std::size_t i = 0; i < stacks.size(); ++i) {
@@ -116,47 +84,14 @@ std::vector<SceneOptics> visible_below(const ResolvedScene& scene, std::size_t l
 
 }  // namespace
 
-bool may_hide(double optical_depth, const Directions& directions, double tolerance) {
-    const double way = 1.0 / largest(directions.mu_in) + 1.0 / largest(directions.mu_out);
-    return std::exp(-optical_depth * way) <= kShare * tolerance;
-}
-
-bool hides_what_is_below(const rte::Optics& coat, double optical_depth,
-                         const Directions& directions, double tolerance) {
-    if (!may_hide(optical_depth, directions, tolerance)) return false;
-    if (std::isinf(optical_depth)) return true;
-    std::vector<double> cosines = directions.mu_in;
-    cosines.insert(cosines.end(), directions.mu_out.begin(), directions.mu_out.end());
-    const rte::AlbedoTable black = albedo_over_ground(coat, optical_depth, cosines, 0.0);
-    const rte::AlbedoTable white = albedo_over_ground(coat, optical_depth, cosines, 1.0);
-    const auto visible = [&](std::size_t i) {
-        return std::abs(white.plane_albedo[i] - black.plane_albedo[i]);
-    };
-    const double mean = std::abs(white.spherical_albedo - black.spherical_albedo);
-    // Differences below this are rounding of the solver: nothing is left to see.
-    constexpr double rounding = 1e-13;
-    const std::size_t incident = directions.mu_in.size();
-    const bool albedo_only = directions.mu_out.empty();
-    if (albedo_only && !(kSafety * mean <= kShare * tolerance * black.spherical_albedo))
-        return false;
-    for (std::size_t i = 0; i < incident; ++i) {
-        const double allowed = kShare * tolerance * black.plane_albedo[i];
-        if (albedo_only && !(kSafety * visible(i) <= allowed)) return false;
-        for (std::size_t o = incident; o < cosines.size(); ++o) {
-            const double change = visible(i) * visible(o) / std::max(mean, rounding);
-            if (!(kSafety * change <= allowed)) return false;
-        }
-    }
-    return true;
-}
-
 std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Directions& directions,
                                         double tolerance,
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control) {
     std::vector<SceneOptics> stacks = visible_below(scene, scene.media.size(), directions,
                                                     tolerance, wavelengths, demand, control);
-    for (SceneOptics& optics : stacks) optics.stack = with_black_ground(std::move(optics.stack));
+    for (SceneOptics& optics : stacks)
+        optics.stack = rte::with_black_ground(std::move(optics.stack));
     return stacks;
 }
 

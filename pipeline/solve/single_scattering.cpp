@@ -14,8 +14,8 @@
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/parallel.h"
-#include "pipeline/solve/tolerance.h"
 #include "rte/first_order/first_order.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -23,12 +23,6 @@ namespace {
 // Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
 // the rest (docs/numerics.md).
 constexpr int kMostAutomaticStreams = 64;
-
-/// Of the error that points of P may have, the part that their interpolation may.
-constexpr double kInterpolationShare = 0.5;
-
-/// Points of P may err by this times what moments may: 1e-2 at the default tolerance of 1e-3.
-constexpr double kPhasePerMoment = 50, kLeastPhaseTolerance = 2e-4, kMostPhaseTolerance = 3e-2;
 
 /// Where P is below half of its mean over the sphere, noise is judged against that: single
 /// scattering R = P / (4 (mu + mu')) of such angles is small beside the largest value at any
@@ -50,7 +44,7 @@ mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const Resolved
         request.phase_floor = kPhaseFloor;
         request.phase_tolerance = std::clamp(kPhasePerMoment * demand.tolerance,
                                              kLeastPhaseTolerance, kMostPhaseTolerance);
-        request.table_tolerance = kInterpolationShare * request.phase_tolerance;
+        request.table_tolerance = kPhaseInterpolationShare * request.phase_tolerance;
         request.highest_moment = std::min(mie::highest_moment_of(request), kMostMoments);
     }
     return request;
@@ -146,10 +140,9 @@ std::size_t bytes_of(const MediumOptics& optics) {
 
 }  // namespace
 
-OpticsDemand demand_of(const SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
+OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
     OpticsDemand demand;
-    demand.tolerance =
-        mie_tolerance > 0.0 ? mie_tolerance : kToleranceShares.mie * solver.tolerance;
+    demand.tolerance = mie_tolerance > 0.0 ? mie_tolerance : kMieShare * solver.tolerance;
     // With n streams the solver keeps 2 n moments at most, and delta-M needs one more.
     demand.highest_moment = 2 * (solver.streams > 0 ? solver.streams : kMostAutomaticStreams);
     demand.whole_phase_function =

@@ -7,10 +7,11 @@
 
 #include <miebrdf/surface.h>
 #include "pipeline/solve/checks.h"
-#include "pipeline/solve/tolerance.h"
 #include "rte/grid/discretisation.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 namespace {
@@ -35,7 +36,7 @@ Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
 /// The solver's table of (in, out, azimuth) as Fourier series.
 SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples) {
     const std::vector<double>& nodes = SmoothPart::nodes();
-    const auto orders = static_cast<std::size_t>(std::max(1, multiple.orders));
+    const auto orders = static_cast<std::size_t>(std::max(1, multiple.fourier_orders));
     std::vector<double> modes(nodes.size() * nodes.size() * orders);
     const Eigen::MatrixXd analysis = analysis_matrix(orders, samples);
     for (std::size_t pair = 0; pair < nodes.size() * nodes.size(); ++pair) {
@@ -107,11 +108,11 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
     for (std::size_t j = 0; j <= samples; ++j) {
         azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
     }
-    const rte::MultipleScattering multiple = rte::sum_orders(
-        scaled, grid, requested, azimuth_deg, kToleranceShares.orders * options.tolerance, options);
+    const rte::MultipleScattering multiple = rte::sum_fourier_orders(
+        scaled, grid, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
     media_ = scaled.media;
     smooth_ = tabulate(multiple, samples);
-    report_.solver.azimuthal_orders = multiple.orders;
+    report_.solver.fourier_orders = multiple.fourier_orders;
     report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
     judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
 }

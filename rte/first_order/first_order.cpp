@@ -6,6 +6,7 @@
 
 #include "rte/first_order/narrow_features.h"
 #include "rte/math/legendre.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
 
@@ -33,7 +34,7 @@ void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, d
     const double q = 1.0 / mu_in + 1.0 / mu_out;
     double above = 0.25 / (mu_in + mu_out);  // what is left on the way through the media above
     for (std::size_t i = media.size(); i-- > 0;) {
-        const double slant = media[i].optical_depth * q;
+        const double slant = media[i].scaled_optical_depth * q;
         weights[i] = above * -std::expm1(-slant);
         above *= std::exp(-slant);
     }
@@ -90,12 +91,11 @@ void FirstOrderSum::add_to(std::vector<double>& reflection,
 
 void FirstOrderSum::add_narrow_features(std::vector<double>& reflection,
                                         const std::vector<ScaledMedium>& media) const {
-    constexpr double share_of_tolerance = 0.1;
-    constexpr std::size_t many_directions = 2000;
+    constexpr std::size_t many_directions = 2000;  // from here on a table pays
     double mu_least = 1.0;
     for (const double mu : directions_.mu_in) mu_least = std::min(mu_least, mu);
     for (const double mu : directions_.mu_out) mu_least = std::min(mu_least, mu);
-    NarrowFeatures narrow({&media, 1}, mu_least, share_of_tolerance * options_.tolerance);
+    NarrowFeatures narrow({&media, 1}, mu_least, kNarrowFeaturesShare * options_.tolerance);
     if (reflection.size() > many_directions) narrow.tabulate();
     narrow.add_to(reflection.data(), directions_.mu_in, directions_.mu_out, cos_azimuth_);
 }

@@ -17,10 +17,10 @@ double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth);
 double exact_phase(const Optics& optics, double cos_theta);
 
 /// alpha P / (1 - alpha f) of one medium: what light that reaches it scatters once.
-/// @param exact  as below
+/// @param exact  as of single_scattering
 double first_order_strength(const ScaledMedium& medium, bool exact, double cos_theta);
 
-/// What the strength of each medium counts at a pair of cosines, whatever the azimuth.
+/// How much the strength of each medium counts at a pair of cosines; the same at every azimuth.
 /// @param weights  one for each medium
 void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, double mu_out,
                          std::span<double> weights);
@@ -33,7 +33,8 @@ void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, d
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,
                          double mu_out, double cos_azimuth);
 
-/// Adds what is scattered once: exactly (TMS), or as the discrete equations see it.
+/// Adds what is scattered once to reflection functions: exactly (TMS), or as the discrete equations
+/// see it, by SolverOptions::single_scattering_correction.
 ///
 /// Exact phase functions do not depend on the number of nodes: they are evaluated once, at the
 /// first call, and kept (8 bytes for each medium and direction).
@@ -43,7 +44,7 @@ class FirstOrderSum {
     FirstOrderSum(const Directions& directions, const SolverOptions& options);
 
     /// @param media       of the same stack at every call; delta-M may differ
-    /// @param reflection  in the order of ReflectionTable
+    /// @param reflection  [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth], added to
     void add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media);
 
   private:

@@ -10,6 +10,9 @@
 namespace miebrdf::rte {
 namespace {
 
+// Of interpolation in log q.
+constexpr int kMostPoints = 48;
+
 // One degree of a medium's phase function.
 struct DegreeOfMedium {
     double rest = 0.0;       // N_l
@@ -34,8 +37,8 @@ DegreeOfMedium degree_of(const ScaledMedium& medium, int l) {
     return degree;
 }
 
-// The first order's factor of each medium, from the top down: what reaches it of the light, and how
-// much of that it can scatter, when a fraction of its scattering counts as none.
+// The factor G of each medium, from the top down: how much light reaches it, and how much of that
+// it can scatter, when a fraction of its scattering counts as none.
 class AttenuatedPath {
   public:
     explicit AttenuatedPath(double q) : q_(q) {}
@@ -44,9 +47,10 @@ class AttenuatedPath {
         const double alpha = medium.exact.single_scattering_albedo;
         const double loss = (1.0 - not_scattered) + medium.exact.one_minus_albedo * not_scattered;
         if (loss == medium.scaled.depth_factor || alpha == 0.0) {
-            return advance(medium.optical_depth * q_) / medium.scaled.depth_factor;
+            return advance(medium.scaled_optical_depth * q_) / medium.scaled.depth_factor;
         }
-        return advance(medium.optical_depth * q_ * (loss / medium.scaled.depth_factor)) / loss;
+        return advance(medium.scaled_optical_depth * q_ * (loss / medium.scaled.depth_factor)) /
+               loss;
     }
 
   private:
@@ -59,8 +63,6 @@ class AttenuatedPath {
     double q_;
     double above_ = 1.0;
 };
-
-constexpr int most_points = 48;
 
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j. The recurrence is a chain in l, so
 // many angles go side by side; the sums are matrix products of blocks of degrees.
@@ -96,7 +98,7 @@ double log_q_of(double mu_in, double mu_out) { return std::log(1.0 / mu_in + 1.0
 bool depends_on_q(std::span<const std::vector<ScaledMedium>> stacks) {
     return std::any_of(stacks.begin(), stacks.end(), [](const auto& media) {
         return std::any_of(media.begin(), media.end(), [](const ScaledMedium& medium) {
-            return std::isfinite(medium.optical_depth);
+            return std::isfinite(medium.scaled_optical_depth);
         });
     });
 }
@@ -217,7 +219,7 @@ void NarrowFeatures::find_strengths(std::span<const std::vector<ScaledMedium>> s
             }
             error = std::max(error, difference.cwiseAbs().rowwise().sum().maxCoeff());
         }
-        if (error <= tolerance_ || count >= most_points) return;
+        if (error <= tolerance_ || count >= kMostPoints) return;
     }
 }
 

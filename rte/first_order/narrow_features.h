@@ -12,6 +12,10 @@
 
 namespace miebrdf::rte {
 
+/// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C of NarrowFeatures (below) at one
+/// q = 1/mu_in + 1/mu_out; empty if there are none.
+std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
+
 /// What the first order must change because light is diffracted before and after it is scattered:
 /// C(q, Theta) / (4 (mu_in + mu_out)),
 /// C = sum over media, sum_{l >= K} (2l+1) N_l P_l(cos Theta)
@@ -21,8 +25,8 @@ namespace miebrdf::rte {
 /// equations know already: the share s_l of N_l, fed by what they keep of the peak, F'_l
 /// (docs/maths-rte.md).
 ///
-/// In log q, C is interpolated between Chebyshev's points (it is made of exponentials of q). What
-/// is found there is of low rank: a few sums over l, functions of Theta, and for each a function of
+/// In log q, C is interpolated between Chebyshev points (it is made of exponentials of q). The
+/// values there are of low rank: a few sums over l, functions of Theta, and for each a function of
 /// q. The sums are done at every direction or, for many directions, tabulated.
 ///
 /// Several stacks, one wavelength each, share what depends on directions alone.
@@ -65,10 +69,5 @@ class NarrowFeatures {
     Eigen::MatrixXd strengths_;  ///< row = function of q * stacks + stack, column = degree
     std::optional<math::AngleTable> table_;  ///< one function for each row of strengths
 };
-
-/// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C at one q = 1/mu_in + 1/mu_out; empty if
-/// there are none.
-/// @param media  from the bottom up
-std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
 
 }  // namespace miebrdf::rte

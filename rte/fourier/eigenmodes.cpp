@@ -4,36 +4,35 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rte/math/matrices.h"
-
 namespace miebrdf::rte {
 namespace {
 
-// Below this the diffusion mode is so slow that squaring it in the eigenproblem costs digits
-// (docs/numerics.md).
-constexpr double deflate_below = 1e-3;
+// Below this absorption the diffusion mode is so slow that squaring it in the eigenproblem costs
+// digits (docs/numerics.md).
+constexpr double kDeflateBelow = 1e-3;
 
-// Of ScatteringMode::strongest: up to here two steps of refinement may do (measured at tolerances
+// Of FourierMedium::strongest: up to here two steps of refinement may do (measured at tolerances
 // of 1e-5 to 1e-7, HG 0.7 and 0.8).
-constexpr double scatters_little = 0.05;
+constexpr double kScattersLittle = 0.05;
 
-struct DiffusionMode {
+struct DiffusionEigenmode {
     Eigen::VectorXd vector;  ///< f, normalised to f^T V f = 1
     double rate_squared = 0.0;
 };
 
 // What the eigensolver alone leaves in X of an order above 0 (measured: Rayleigh, HG 0.75 and 0.99,
 // albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has slow
-// modes that amplify it, and must conserve energy.
+// eigenmodes that amplify it, and must conserve energy.
 double left_by_eigensolver(Eigen::Index nodes) { return 2e-17 * std::pow(double(nodes), 4); }
 
 // Smallest eigenpair of U g = k0^2 V^-1 g. Without absorption it is known: U g0 = 0 for
 // g0 = (W M)^(1/2) 1. With a little, inverse iteration from there; k0^2 from the Rayleigh quotient
 // written so that nothing cancels: with U = Uc + (1 - alpha) sum beta y y^T and g = g0 + d,
 //     g^T U g = d^T Uc d + (1 - alpha) sum beta (y.g)^2.
-DiffusionMode find_diffusion_mode(const Eigen::MatrixXd& U, const Eigen::MatrixXd& V_matrix,
-                                  const PhaseMode& mode, const ScatteringMode& medium,
-                                  const ZenithGrid& grid) {
+DiffusionEigenmode find_diffusion_eigenmode(const Eigen::MatrixXd& U,
+                                            const Eigen::MatrixXd& V_matrix,
+                                            const FourierMode& mode, const FourierMedium& medium,
+                                            const ZenithGrid& grid) {
     const double one_minus_albedo = medium.one_minus_albedo;
     const Eigen::LLT<Eigen::MatrixXd> V(V_matrix);
     const Eigen::VectorXd g0 = (grid.weights.array() * grid.mu.array()).sqrt();
@@ -62,9 +61,9 @@ DiffusionMode find_diffusion_mode(const Eigen::MatrixXd& U, const Eigen::MatrixX
 
 }  // namespace
 
-void ModeDecomposition::form_matrices(const PhaseMode& mode,
-                                      const Eigen::Ref<const Eigen::VectorXd>& strengths,
-                                      const ZenithGrid& grid) {
+void EigenmodeSolver::form_matrices(const FourierMode& mode,
+                                    const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                                    const ZenithGrid& grid) {
     const Eigen::Index n = grid.size();
     const auto form = [&](const auto& degrees, const auto& weights, Eigen::MatrixXd& result) {
         scaled_ = degrees * weights.asDiagonal();
@@ -72,20 +71,19 @@ void ModeDecomposition::form_matrices(const PhaseMode& mode,
         result.noalias() = -scaled_ * degrees.transpose();
         result.diagonal() += grid.mu.cwiseInverse();
     };
-    form(even_columns(mode.scaled_nodes), even_part(strengths), modes_.even);
-    form(odd_columns(mode.scaled_nodes), odd_part(strengths), modes_.odd);
+    form(even_columns(mode.scaled_nodes), even_part(strengths), eigenmodes_.even);
+    form(odd_columns(mode.scaled_nodes), odd_part(strengths), eigenmodes_.odd);
 }
 
 // One step of iterative refinement (Ogita & Aishima 2018, for a pencil): with R = I - F^T V F and
 // S = (V F)^T U (V F), the vectors become F (I + E), E_ij = (S_ij + lambda_j R_ij) /
 // (lambda_j - lambda_i). Householder reduction mixes rows of very different size (1/mu^2 spans 14
-// decades on a fine mapped grid) and leaves 1e-12 to 1e-8 in the slow modes; this takes them back
-// to rounding for a few matrix products (docs/numerics.md).
-// Returns the largest correction; its square is the error that is left.
-// `steepest`: as of find_correction.
-double ModeDecomposition::refine(double steepest) {
-    Eigen::MatrixXd& F = modes_.vectors;
-    VF_.noalias() = modes_.odd * F;
+// decades on a fine mapped grid) and leaves 1e-12 to 1e-8 in the slow eigenmodes; this takes them
+// back to rounding for a few matrix products (docs/numerics.md). Returns the largest correction;
+// its square is the error that is left. `steepest`: as of find_correction.
+double EigenmodeSolver::refine(double steepest) {
+    Eigen::MatrixXd& F = eigenmodes_.vectors;
+    VF_.noalias() = eigenmodes_.odd * F;
     R_.noalias() = -F.transpose() * VF_;
     R_.diagonal().array() += 1.0;
     const double largest = find_correction(steepest);
@@ -97,8 +95,8 @@ double ModeDecomposition::refine(double steepest) {
 // From R and V F: the rates, and E in place of R. Returns the largest element of E.
 // Rates closer than 1 / `steepest` of their coupling need no rotation: any function is the same
 // for both.
-double ModeDecomposition::find_correction(double steepest) {
-    Eigen::VectorXd& rates_squared = modes_.rates;
+double EigenmodeSolver::find_correction(double steepest) {
+    Eigen::VectorXd& rates_squared = eigenmodes_.rates;
     const Eigen::Index n = R_.rows();
     product_.noalias() = U_ * VF_;
     S_.noalias() = VF_.transpose() * product_;
@@ -114,59 +112,60 @@ double ModeDecomposition::find_correction(double steepest) {
     return largest;
 }
 
-// Where little is scattered the modes are nearly the nodes themselves, F = M^(1/2) and k = 1 / mu,
-// and refinement from there takes less than an eigenproblem. False if it does not converge.
-bool ModeDecomposition::refine_nodes(const ZenithGrid& grid, double tolerance) {
+// Where little is scattered the eigenmodes are nearly the nodes themselves, F = M^(1/2) and k = 1 /
+// mu, and refinement from there takes less than an eigenproblem. False if it does not converge.
+bool EigenmodeSolver::refine_nodes(const ZenithGrid& grid, double tolerance) {
     const Eigen::Index n = grid.size();
     root_ = grid.mu.cwiseSqrt();
     for (Eigen::MatrixXd* square : {&product_, &VF_, &R_, &S_}) square->resize(n, n);
-    modes_.rates.resize(n);
-    VF_ = modes_.odd * root_.asDiagonal();
+    eigenmodes_.rates.resize(n);
+    VF_ = eigenmodes_.odd * root_.asDiagonal();
     R_ = -(root_.asDiagonal() * VF_);
     R_.diagonal().array() += 1.0;
     constexpr double steepest = 1.0;
     double largest = find_correction(steepest);
     if (!(std::pow(largest, 6) <= tolerance)) return false;  // an eigenproblem is cheaper
     R_.diagonal().array() += 1.0;
-    modes_.vectors = root_.asDiagonal() * R_;
+    eigenmodes_.vectors = root_.asDiagonal() * R_;
     for (int step = 0; step < 2 && largest * largest > tolerance; ++step) {
         largest = refine(steepest);
     }
-    return largest * largest <= tolerance && modes_.rates.minCoeff() > 0.0;
+    return largest * largest <= tolerance && eigenmodes_.rates.minCoeff() > 0.0;
 }
 
-void ModeDecomposition::append(const Eigen::VectorXd& vector, double rate_squared) {
+void EigenmodeSolver::append(const Eigen::VectorXd& vector, double rate_squared) {
     const Eigen::Index n = vector.size();
-    const Eigen::RowVectorXd overlaps = (modes_.odd * vector).transpose() * modes_.vectors;
-    modes_.vectors -= vector * overlaps;
-    modes_.vectors.conservativeResize(Eigen::NoChange, n + 1);
-    modes_.vectors.col(n) = vector;
-    modes_.rates.conservativeResize(n + 1);
-    modes_.rates[n] = std::sqrt(rate_squared);
+    const Eigen::RowVectorXd overlaps =
+        (eigenmodes_.odd * vector).transpose() * eigenmodes_.vectors;
+    eigenmodes_.vectors -= vector * overlaps;
+    eigenmodes_.vectors.conservativeResize(Eigen::NoChange, n + 1);
+    eigenmodes_.vectors.col(n) = vector;
+    eigenmodes_.rates.conservativeResize(n + 1);
+    eigenmodes_.rates[n] = std::sqrt(rate_squared);
 }
 
-const TransferModes& ModeDecomposition::find(const PhaseMode& mode, const ScatteringMode& medium,
-                                             const ZenithGrid& grid, double tolerance) {
+const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMedium& medium,
+                                        const ZenithGrid& grid, double tolerance) {
     const Eigen::Index n = grid.size();
-    modes_.physical = false;
+    eigenmodes_.physical = false;
     form_matrices(mode, medium.strengths, grid);
-    if (mode.order > 0 && medium.strongest() < scatters_little) {
-        U_ = modes_.even;
-        modes_.physical = refine_nodes(grid, 0.1 * tolerance);
-        if (modes_.physical) {
-            modes_.rates = modes_.rates.cwiseSqrt();
-            return modes_;
+    if (mode.fourier_order > 0 && medium.strongest() < kScattersLittle) {
+        U_ = eigenmodes_.even;
+        eigenmodes_.physical = refine_nodes(grid, 0.1 * tolerance);
+        if (eigenmodes_.physical) {
+            eigenmodes_.rates = eigenmodes_.rates.cwiseSqrt();
+            return eigenmodes_;
         }
     }
-    L_ = modes_.odd;
+    L_ = eigenmodes_.odd;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> V_factor(L_);
-    if (V_factor.info() != Eigen::Success) return modes_;
+    if (V_factor.info() != Eigen::Success) return eigenmodes_;
     L_.triangularView<Eigen::StrictlyUpper>().setZero();
-    const bool deflate = mode.order == 0 && medium.one_minus_albedo < deflate_below;
-    U_ = modes_.even;
-    DiffusionMode diffusion;
+    const bool deflate = mode.fourier_order == 0 && medium.one_minus_albedo < kDeflateBelow;
+    U_ = eigenmodes_.even;
+    DiffusionEigenmode diffusion;
     if (deflate) {
-        diffusion = find_diffusion_mode(U_, modes_.odd, mode, medium, grid);
+        diffusion = find_diffusion_eigenmode(U_, eigenmodes_.odd, mode, medium, grid);
         U_ += (1.0 - diffusion.rate_squared) * diffusion.vector * diffusion.vector.transpose();
     }
 
@@ -174,63 +173,63 @@ const TransferModes& ModeDecomposition::find(const PhaseMode& mode, const Scatte
     for (Eigen::MatrixXd* square : {&product_, &C_, &VF_, &R_, &S_}) square->resize(n, n);
     product_.noalias() = U_ * L_;
     C_.noalias() = L_.transpose() * product_;
-    if (!eigen_.compute(C_) || !(eigen_.values()[0] > 0.0)) return modes_;
+    if (!eigen_.compute(C_) || !(eigen_.values()[0] > 0.0)) return eigenmodes_;
 
     math::invert_lower(L_);
-    modes_.vectors.resize(n, n);
-    modes_.vectors.noalias() = L_.transpose() * eigen_.vectors();
-    modes_.rates = eigen_.values();
-    const bool is_good_enough = mode.order > 0 && left_by_eigensolver(n) <= 0.1 * tolerance;
+    eigenmodes_.vectors.resize(n, n);
+    eigenmodes_.vectors.noalias() = L_.transpose() * eigen_.vectors();
+    eigenmodes_.rates = eigen_.values();
+    const bool is_good_enough = mode.fourier_order > 0 && left_by_eigensolver(n) <= 0.1 * tolerance;
     const int steps = is_good_enough ? 0 : 4;
     for (int step = 0; step < steps; ++step) {
         if (refine(1e-3) <= 1e-8) break;
     }
-    modes_.rates = modes_.rates.cwiseMax(0.0).cwiseSqrt();
+    eigenmodes_.rates = eigenmodes_.rates.cwiseMax(0.0).cwiseSqrt();
     if (deflate) append(diffusion.vector, diffusion.rate_squared);
-    modes_.physical = true;
-    return modes_;
+    eigenmodes_.physical = true;
+    return eigenmodes_;
 }
 
-PhaseRows phase_rows(const ScatteringMode& medium, const PhaseMode& mode) {
+PhaseRows phase_rows(const FourierMedium& medium, const FourierMode& mode) {
     return {even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal() *
                 even_columns(mode.scaled_nodes).transpose(),
             odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal() *
                 odd_columns(mode.scaled_nodes).transpose()};
 }
 
-void ModeSources::find(const ScatteringMode& medium, const PhaseMode& mode,
-                       const TransferModes& modes) {
+void EigenmodeSources::find(const FourierMedium& medium, const FourierMode& mode,
+                            const Eigenmodes& eigenmodes) {
     const Eigen::Index requested = mode.at_requested.rows();
     const Eigen::Index nodes = mode.scaled_nodes.rows();
     const auto even_degrees = even_columns(mode.scaled_nodes);
     const auto odd_degrees = odd_columns(mode.scaled_nodes);
     weighted_.resize(requested, even_degrees.cols());
     weighted_ = even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal();
-    even.resize(requested, modes.vectors.cols());
-    odd.resize(requested, modes.vectors.cols());
+    even.resize(requested, eigenmodes.vectors.cols());
+    odd.resize(requested, eigenmodes.vectors.cols());
     // From the side that has fewer rows: the degrees (few in high orders) or the cosines.
     const bool few_cosines = requested < mode.at_requested.cols() / 2;
     if (few_cosines) {
         degrees_.resize(requested, nodes);
         degrees_.noalias() = weighted_ * even_degrees.transpose();
         product_.resize(requested, nodes);
-        product_.noalias() = degrees_ * modes.odd;
-        even.noalias() = product_ * modes.vectors;
+        product_.noalias() = degrees_ * eigenmodes.odd;
+        even.noalias() = product_ * eigenmodes.vectors;
     } else {
         product_.resize(even_degrees.cols(), nodes);
-        product_.noalias() = even_degrees.transpose() * modes.odd;
-        degrees_.resize(even_degrees.cols(), modes.vectors.cols());
-        degrees_.noalias() = product_ * modes.vectors;
+        product_.noalias() = even_degrees.transpose() * eigenmodes.odd;
+        degrees_.resize(even_degrees.cols(), eigenmodes.vectors.cols());
+        degrees_.noalias() = product_ * eigenmodes.vectors;
         even.noalias() = weighted_ * degrees_;
     }
     weighted_.resize(requested, odd_degrees.cols());
     weighted_ = odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal();
     if (few_cosines) {
         product_.noalias() = weighted_ * odd_degrees.transpose();
-        odd.noalias() = product_ * modes.vectors;
+        odd.noalias() = product_ * eigenmodes.vectors;
     } else {
-        degrees_.resize(odd_degrees.cols(), modes.vectors.cols());
-        degrees_.noalias() = odd_degrees.transpose() * modes.vectors;
+        degrees_.resize(odd_degrees.cols(), eigenmodes.vectors.cols());
+        degrees_.noalias() = odd_degrees.transpose() * eigenmodes.vectors;
         odd.noalias() = weighted_ * degrees_;
     }
 }

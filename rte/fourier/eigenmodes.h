@@ -19,12 +19,12 @@ namespace miebrdf::rte {
 ///     U = F k^2 F^T,  V^-1 = F F^T,
 /// so that any function of the medium is F h(k) F^T.
 ///
-/// For m = 0 and little absorption the slowest mode (the diffusion mode f, k0 -> 0) comes from
-/// inverse iteration with the absorption as its own number; the eigenproblem is solved with k0
+/// For m = 0 and little absorption the slowest eigenmode (diffusion, f, k0 -> 0) comes from inverse
+/// iteration with the absorption as a number of its own; the eigenproblem is solved with k0
 /// moved to 1, and the other vectors are made V-orthogonal to f, so that energy is conserved to
 /// rounding whatever the eigensolver left behind. F has then n + 1 columns, one of them (nearly)
 /// zero.
-struct TransferModes {
+struct Eigenmodes {
     Eigen::MatrixXd vectors;  ///< F, n x K with K = n or n + 1
     Eigen::VectorXd rates;    ///< k >= 0, K
     Eigen::MatrixXd even;     ///< U, n x n
@@ -32,33 +32,33 @@ struct TransferModes {
     bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
 };
 
-/// Finds the modes of one order after the other in the same memory.
-class ModeDecomposition {
+/// Finds the eigenmodes of one Fourier order after the other in the same memory.
+class EigenmodeSolver {
   public:
     /// @param tolerance  of X: orders above 0 are left as the eigensolver or a short refinement
     ///                   finds them when that is ten times better
-    const TransferModes& find(const PhaseMode& mode, const ScatteringMode& medium,
-                              const ZenithGrid& grid, double tolerance);
+    const Eigenmodes& find(const FourierMode& mode, const FourierMedium& medium,
+                           const ZenithGrid& grid, double tolerance);
 
-    const TransferModes& modes() const { return modes_; }
+    const Eigenmodes& eigenmodes() const { return eigenmodes_; }
 
     /// F diag(h) F^T for values h_j = h(k_j); `result` is resized to n x n.
     template <typename Values>
     void function(const Eigen::ArrayBase<Values>& values, Eigen::MatrixXd& result) {
-        scaled_ = modes_.vectors * values.matrix().asDiagonal();
+        scaled_ = eigenmodes_.vectors * values.matrix().asDiagonal();
         result.resize(scaled_.rows(), scaled_.rows());
-        result.noalias() = scaled_ * modes_.vectors.transpose();
+        result.noalias() = scaled_ * eigenmodes_.vectors.transpose();
     }
 
   private:
-    void form_matrices(const PhaseMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
+    void form_matrices(const FourierMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
                        const ZenithGrid& grid);
     bool refine_nodes(const ZenithGrid& grid, double tolerance);
     double refine(double steepest);
     double find_correction(double steepest);
     void append(const Eigen::VectorXd& vector, double rate_squared);
 
-    TransferModes modes_;
+    Eigenmodes eigenmodes_;
     math::ScratchMatrix scaled_;
     Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
     Eigen::VectorXd root_;  ///< of the nodes
@@ -71,12 +71,12 @@ struct PhaseRows {
     Eigen::MatrixXd even;
     Eigen::MatrixXd odd;
 };
-PhaseRows phase_rows(const ScatteringMode& medium, const PhaseMode& mode);
+PhaseRows phase_rows(const FourierMedium& medium, const FourierMode& mode);
 
 /// The same out of the eigenmodes, requested x K: even F^-T = even V F, and odd F.
-class ModeSources {
+class EigenmodeSources {
   public:
-    void find(const ScatteringMode& medium, const PhaseMode& mode, const TransferModes& modes);
+    void find(const FourierMedium& medium, const FourierMode& mode, const Eigenmodes& eigenmodes);
 
     Eigen::MatrixXd even;
     Eigen::MatrixXd odd;
@@ -86,11 +86,11 @@ class ModeSources {
 };
 
 /// Intermediate results of solve_half_space, solve_layer and put_on. One is enough for all media
-/// of a stack, all orders and one number of nodes after the other: what it holds matters to none
-/// but the function that runs. Not for two threads.
-struct OrderWork {
-    ModeDecomposition decomposition;
-    ModeSources sources;
+/// of a stack, all Fourier orders and one number of nodes after the other: what it holds matters
+/// only to the function that runs. Not thread-safe.
+struct FourierWork {
+    EigenmodeSolver eigenmode_solver;
+    EigenmodeSources sources;
     PairProducts products;
     math::DecayIntegrator decays;     ///< of the layer solved last
     math::ScratchVector alternating;  ///< strengths with the sign of their column

@@ -7,7 +7,7 @@
 namespace miebrdf::rte {
 namespace {
 
-void orthogonalise_to_lowest(const ZenithGrid& grid, PhaseMode& mode) {
+void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     for (Eigen::Index lowest = 0; lowest < std::min<Eigen::Index>(2, mode.at_nodes.cols());
          ++lowest) {
         const Eigen::VectorXd weighted = mode.at_nodes.col(lowest).cwiseProduct(grid.weights);
@@ -32,12 +32,12 @@ void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vect
     }
 }
 
-void make_phase_mode(int order, int degrees, const ZenithGrid& grid,
-                     const RequestedDirections& requested, PhaseMode& mode) {
-    mode.order = order;
-    math::legendre_functions(order, degrees, grid.mu, mode.at_nodes);
-    math::legendre_functions(order, degrees, requested.mu, mode.at_requested);
-    if (order == 0) orthogonalise_to_lowest(grid, mode);
+void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
+                       const RequestedDirections& requested, FourierMode& mode) {
+    mode.fourier_order = fourier_order;
+    math::legendre_functions(fourier_order, degrees, grid.mu, mode.at_nodes);
+    math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
+    if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
     for (Eigen::Index p = 0; p < grid.size(); ++p) {
         mode.scaled_nodes.row(p) = std::sqrt(grid.weights[p] / grid.mu[p]) * mode.at_nodes.row(p);

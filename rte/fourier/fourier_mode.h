@@ -12,10 +12,10 @@
 
 namespace miebrdf::rte {
 
-/// Legendre functions Y_l^m of one order m, columns l = m ... L - 1, rows = directions.
+/// Legendre functions Y_l^m of one Fourier order m, columns l = m ... L - 1, rows = directions.
 /// Columns alternate in parity: (-1)^(l-m) = +1 for column 0, 2, ...
-struct PhaseMode {
-    int order = 0;
+struct FourierMode {
+    int fourier_order = 0;             ///< m
     math::ScratchMatrix at_nodes;      ///< n x (L - m)
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
@@ -27,14 +27,14 @@ struct PhaseMode {
 void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
                  math::ScratchMatrix& result);
 
-/// Tables for order m.
+/// Tables for one Fourier order m.
 ///
 /// For m = 0 the functions are made orthogonal to Y_0 (even l) and Y_1 (odd l) under the grid's own
 /// quadrature, at the nodes and by the same combination everywhere else. On a rule that integrates
 /// products of two kept degrees exactly this changes nothing; on any other it restores conservation
 /// of energy and of the diffusive flux, which half-range quadrature otherwise loses.
-void make_phase_mode(int order, int degrees, const ZenithGrid& grid,
-                     const RequestedDirections& requested, PhaseMode& mode);
+void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
+                       const RequestedDirections& requested, FourierMode& mode);
 
 using ColumnsOfOneParity = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using ElementsOfOneParity = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<2>>;
@@ -51,10 +51,10 @@ ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths)
 math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths);
 void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result);
 
-/// What the solvers need to know of the medium for one azimuthal order.
-struct ScatteringMode {
+/// What the solvers need to know of a medium in one Fourier order.
+struct FourierMedium {
     math::ScratchVector strengths;  ///< alpha (2l+1) chi_l, l = m ... L - 1
-    double one_minus_albedo = 1.0;  ///< its own number
+    double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
     int lowest_degree = 0;          ///< m
 
     /// Largest alpha |chi_l|, l >= m: bounds what part of a field one scattering returns, and how
@@ -83,8 +83,8 @@ class PairProducts {
              const Eigen::Ref<const Eigen::MatrixXd>& first_in,
              const RequestedDirections& requested, Eigen::MatrixXd& sum);
 
-    /// Subtracts the same with `direct` * first in place of first: what light that has been
-    /// weakened on its way loses. One factor for each requested cosine.
+    /// Subtracts the same with `direct` * first in place of first: of light that has been weakened
+    /// on its way, by one factor for each requested cosine.
     void subtract_below(const Eigen::Ref<const Eigen::VectorXd>& strengths,
                         const Eigen::Ref<const Eigen::MatrixXd>& extra,
                         const Eigen::Ref<const Eigen::VectorXd>& direct,

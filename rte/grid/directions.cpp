@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+#include <string>
 
+#include <miebrdf/error.h>
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::rte {
 namespace {
 
 void require_count(int count) {
-    if (!(count >= fewest_nodes && count <= most_nodes)) {
-        throw std::invalid_argument(
-            fmt::format("{} zenith nodes; allowed: {} to {}", count, fewest_nodes, most_nodes));
+    if (!(count >= kFewestNodes && count <= kMostNodes)) {
+        throw UsageError("streams", count, fmt::format("{} to {}", kFewestNodes, kMostNodes));
     }
 }
 
@@ -71,8 +71,7 @@ ZenithGrid make_zenith_grid(GridKind kind, int count) {
         case GridKind::automatic:
             break;
     }
-    throw std::invalid_argument(
-        "the grid must be chosen before it is made: gauss, mapped_gauss, paper");
+    throw UsageError("grid", std::string("automatic"), "gauss, mapped_gauss, paper");
 }
 
 RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out) {
@@ -90,13 +89,13 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
-bool only_order_zero(const RequestedDirections& requested) {
+bool only_fourier_order_zero(const RequestedDirections& requested) {
     return all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
 }
 
-bool is_invisible(int m, std::span<const double> azimuth_deg) {
-    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [m](double azimuth) {
-        return std::abs(std::remainder(m * azimuth, 180.0)) == 90.0;
+bool fourier_order_vanishes(int fourier_order, std::span<const double> azimuth_deg) {
+    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [fourier_order](double azimuth) {
+        return std::abs(std::remainder(fourier_order * azimuth, 180.0)) == 90.0;
     });
 }
 

@@ -33,9 +33,9 @@ ZenithGrid make_mapped_gauss_grid(int count);
 /// rule G, W on (-1, 1); normalised to sum w = 1. Clusters at the zenith.
 ZenithGrid make_paper_grid(int count);
 
-/// @param kind   one of the three above (`automatic` is a decision that the caller has made before)
+/// @param kind   one of the three above; the caller has decided what `automatic` means
 /// @param count  2 to 256
-/// @throws std::invalid_argument  for a count out of range, or for `automatic`
+/// @throws UsageError  for a count out of range, or for `automatic`
 ZenithGrid make_zenith_grid(GridKind kind, int count);
 
 /// The cosines a caller asked for, each once, and which of them are incident and outgoing.
@@ -43,7 +43,8 @@ struct RequestedDirections {
     Eigen::VectorXd mu;
     std::vector<int> out;  ///< indices into mu
     std::vector<int> in;
-    /// The last so many of both lists were not asked for: two solutions are compared there.
+    /// The last ones of both lists, this many, were not asked for: two solutions are compared
+    /// there.
     std::size_t probes = 0;
 
     std::size_t asked_out() const { return out.size() - probes; }
@@ -53,10 +54,11 @@ struct RequestedDirections {
 /// Each cosine once, ascending, with the positions of both lists.
 RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out);
 
-/// Whether all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0.
-bool only_order_zero(const RequestedDirections& requested);
+/// Whether all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0: Fourier order 0
+/// is all there is.
+bool only_fourier_order_zero(const RequestedDirections& requested);
 
 /// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
-bool is_invisible(int m, std::span<const double> azimuth_deg);
+bool fourier_order_vanishes(int fourier_order, std::span<const double> azimuth_deg);
 
 }  // namespace miebrdf::rte

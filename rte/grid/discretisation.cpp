@@ -8,11 +8,21 @@
 #include <limits>
 #include <string>
 
+#include "rte/math/tolerance_budget.h"
+
 namespace miebrdf::rte {
 namespace {
 
 // chi_n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
-constexpr double slow_above = 1e-3;
+constexpr double kSlowAbove = 1e-3;
+// Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
+// never claims less.
+constexpr double kRounding = 1e-13;
+// Requests of at most so many values, or of fewer pairs of cosines, get probes.
+constexpr std::size_t kFew = 16;
+constexpr int kTypicalStreams = 24;  // where the tolerance decides
+constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
+constexpr double kProbeCosines[] = {0.1, 0.35, 0.9};
 
 std::size_t most_moments(const Stack& stack) {
     std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
@@ -44,23 +54,13 @@ double largest_moment(const Stack& stack, int degree) {
     return largest;
 }
 
-}  // namespace
-
+// A phase function with so much beyond degree n that the error does not yet fall geometrically with
+// the number of nodes.
 bool converges_slowly(const Stack& stack, int streams) {
-    return largest_moment(stack, streams) > slow_above;
+    return largest_moment(stack, streams) > kSlowAbove;
 }
 
-Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
-                                     int streams) {
-    Discretisation choice;
-    choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
-    choice.streams = streams;
-    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. What is beyond
-    // has decayed by l = 2n, or the soft cutoff of delta-M lets it fade (docs/numerics.md).
-    choice.moments = int(std::min(most_usable_moments(stack), std::size_t(2 * streams)));
-    return choice;
-}
-
+// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
 std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
     const bool simple = most_moments(stack) <= 8;
@@ -72,11 +72,10 @@ std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options)
     return ladder;
 }
 
+// Fewer nodes, to estimate the error of `streams` nodes by comparison.
 int coarser_streams(int streams) {
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
-
-namespace {
 
 std::string method_name(const SolverOptions& options, GridKind grid) {
     const char* const half_space[] = {"closed form", "fixed point", "doubling"};
@@ -97,9 +96,6 @@ Attempt with_fewer_moments_if_needed(Discretisation discretisation, const Solve&
     attempt.report.moments = discretisation.moments;
     return attempt;
 }
-
-// Matrix products of n terms, the sums over orders, the files' own digits: never claim less.
-constexpr double rounding = 1e-13;
 
 // What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
 // with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
@@ -136,7 +132,7 @@ void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, boo
     }
     report.share_within_tolerance = count > 0 ? double(within) / double(count) : 1.0;
     report.error_estimate =
-        std::max({report.error_estimate, rounding, remaining_error(largest, power)});
+        std::max({report.error_estimate, kRounding, remaining_error(largest, power)});
 }
 
 void require_physical(Attempt& attempt, std::size_t count) {
@@ -170,6 +166,17 @@ class Progress {
 
 }  // namespace
 
+Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
+                                     int streams) {
+    Discretisation choice;
+    choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
+    choice.streams = streams;
+    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. What is beyond
+    // has decayed by l = 2n, or the soft cutoff of delta-M lets it fade (docs/numerics.md).
+    choice.moments = int(std::min(most_usable_moments(stack), std::size_t(2 * streams)));
+    return choice;
+}
+
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
                             std::size_t block, const Solve& solve) {
     const auto attempt_at = [&](int streams) {
@@ -193,7 +200,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
             fine.report.share_within_tolerance = 0.0;
         }
         fine.report.converged =
-            fine.report.converged && fine.report.error_estimate <= options.tolerance;
+            has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged) break;
         if (fine.physical && progress.has_stalled_at(fine.report.error_estimate)) break;
         coarse = fine;
@@ -202,23 +209,18 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     return fine;
 }
 
-namespace {
-
-constexpr std::size_t few = 16;
-constexpr int typical_streams = 24;
-constexpr double offsets_deg[] = {3.0, 6.0, 12.0};
-
-}  // namespace
-
 AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
                              const SolverOptions& options)
     : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
-    const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= few;
-    const int streams = options.streams > 0 ? options.streams : typical_streams;
-    // Across the plane of incidence half of the orders are not needed: keep it so.
-    if (!are_few || is_invisible(1, asked.azimuth_deg) || !converges_slowly(stack, streams)) return;
+    const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
+    const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
+    // Across the plane of incidence the odd orders vanish; probes would bring them back.
+    if (!are_few || fourier_order_vanishes(1, asked.azimuth_deg) ||
+        !converges_slowly(stack, streams)) {
+        return;
+    }
     for (const double azimuth : asked.azimuth_deg) {
-        for (const double offset : offsets_deg) {
+        for (const double offset : kProbeOffsets_deg) {
             directions_.azimuth_deg.push_back(azimuth + offset);
         }
     }
@@ -238,22 +240,20 @@ std::size_t AzimuthProbes::asked_for(std::size_t index) const {
     const std::size_t stride = directions_.azimuth_deg.size();
     if (stride == 0) return 0;
     std::size_t azimuth = index % stride;
-    if (azimuth >= azimuths_) azimuth = (azimuth - azimuths_) / std::size(offsets_deg);
+    if (azimuth >= azimuths_) azimuth = (azimuth - azimuths_) / std::size(kProbeOffsets_deg);
     return index / stride * azimuths_ + azimuth;
 }
 
 RequestedDirections collect_with_probes(const Directions& directions) {
-    constexpr std::size_t few = 16;
-    constexpr double probes[] = {0.1, 0.35, 0.9};
     RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
-    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < few;
-    if (!are_few || only_order_zero(requested)) return requested;
+    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < kFew;
+    if (!are_few || only_fourier_order_zero(requested)) return requested;
     std::vector<double> mu_in = directions.mu_in;
     std::vector<double> mu_out = directions.mu_out;
-    mu_in.insert(mu_in.end(), std::begin(probes), std::end(probes));
-    mu_out.insert(mu_out.end(), std::begin(probes), std::end(probes));
+    mu_in.insert(mu_in.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
+    mu_out.insert(mu_out.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
     requested = collect(mu_in, mu_out);
-    requested.probes = std::size(probes);
+    requested.probes = std::size(kProbeCosines);
     return requested;
 }
 

@@ -21,16 +21,6 @@ struct Discretisation {
 /// Grid and moments for a given number of nodes.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
-/// A phase function with so much beyond degree n (chi_n > 1e-3) that the error does not yet fall
-/// geometrically with the number of nodes.
-bool converges_slowly(const Stack& stack, int streams);
-
-/// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
-std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options);
-
-/// Fewer nodes, to estimate the error of `streams` nodes by comparison.
-int coarser_streams(int streams);
-
 /// One solution with one discretisation.
 struct Attempt {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
@@ -49,9 +39,10 @@ using Solve = std::function<Attempt(const Discretisation&)>;
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
                             std::size_t block, const Solve& solve);
 
-/// Two solutions may agree by accident where few values are asked for and a peak is not resolved
-/// yet (HG 0.9 at (0.05, 0.2, 0), 16 and 24 nodes: 1e-5 apart, and both 6e-4 off). Their difference
-/// at azimuths beside those tells: 6e-4 at 6 degrees.
+/// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
+/// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.9 at
+/// (0.05, 0.2, 0), 16 and 24 nodes: 1e-5 apart, and both 6e-4 off). Their difference at azimuths
+/// beside those tells: 6e-4 at 6 degrees.
 class AzimuthProbes {
   public:
     /// Up to 16 values of a stack with slowly falling moments get probes; all others none.
@@ -69,8 +60,8 @@ class AzimuthProbes {
     std::size_t azimuths_;  ///< asked for
 };
 
-/// The cosines of a request, with others beside those of a small one, where numbers of nodes are
-/// compared too.
+/// The cosines of a request; a small one gets others beside them, where two solutions are compared
+/// as well.
 RequestedDirections collect_with_probes(const Directions& directions);
 
 }  // namespace miebrdf::rte

@@ -21,9 +21,9 @@ double sinh_rate(double k, double tau) {
 
 // Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
 // `opposite` = (I + Z_m)^-1. False if they have no physical solution.
-bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
-    work.decomposition.function(work.tanh_rates.array(), layer.thin_impedance);
-    work.decomposition.function(work.sinh_rates.array(), layer.coupling);
+bool fill_nodes(ReflectorParts parts, FourierWork& work, LayerOperator& layer) {
+    work.eigenmode_solver.function(work.tanh_rates.array(), layer.thin_impedance);
+    work.eigenmode_solver.function(work.sinh_rates.array(), layer.coupling);
     work.square = layer.thin_impedance;
     work.square.diagonal().array() += 1.0;
     work.other_square = work.square + 2.0 * layer.coupling;
@@ -43,19 +43,21 @@ bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
 // incident at each node on the top. Inside the layer s = i_up + i_down and a = i_down - i_up
 // follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
 // value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
-void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
-               const RequestedDirections& requested, OrderWork& work, LayerOperator& layer) {
-    const TransferModes& modes = work.decomposition.modes();
-    work.sources.find(medium, mode, modes);
+void fill_rows(double tau, const FourierMedium& medium, const FourierMode& mode,
+               const RequestedDirections& requested, FourierWork& work, LayerOperator& layer) {
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
+    work.sources.find(medium, mode, eigenmodes);
     work.decays.set(tau, requested.mu);
     const Eigen::Index cosines = requested.mu.size();
     work.near.resize(cosines);
     work.far.resize(cosines);
-    for (Eigen::Index j = 0; j < modes.rates.size(); ++j) {
-        work.decays.integrate(tau * modes.rates[j], work.near, work.far);
+    for (Eigen::Index j = 0; j < eigenmodes.rates.size(); ++j) {
+        work.decays.integrate(tau * eigenmodes.rates[j], work.near, work.far);
         const double tanh = work.tanh_rates[j];
         const double coth = tanh + 2.0 * work.sinh_rates[j];
-        for (Eigen::Index r = 0; r < cosines; ++r) {  // becomes: of light alike, of opposite
+        // The sources of s and a become those of light from both sides alike and with opposite
+        // signs.
+        for (Eigen::Index r = 0; r < cosines; ++r) {
             const double sum = work.near[r] + work.far[r];
             const double difference = work.near[r] - work.far[r];
             double& even = work.sources.even(r, j);
@@ -66,13 +68,13 @@ void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
             odd = opposite;
         }
     }
-    const Eigen::Index n = modes.vectors.rows();
+    const Eigen::Index n = eigenmodes.vectors.rows();
     work.rows.resize(cosines, n);
     layer.reflection_rows.resize(cosines, n);
     layer.transmission_rows.resize(cosines, n);
-    work.rows.noalias() = 0.5 * work.sources.even * modes.vectors.transpose();
+    work.rows.noalias() = 0.5 * work.sources.even * eigenmodes.vectors.transpose();
     layer.reflection_rows.noalias() = work.rows * layer.alike;
-    work.rows.noalias() = 0.5 * work.sources.odd * modes.vectors.transpose();
+    work.rows.noalias() = 0.5 * work.sources.odd * eigenmodes.vectors.transpose();
     layer.transmission_rows.noalias() = work.rows * layer.opposite;
     work.rows = layer.transmission_rows;
     layer.transmission_rows = layer.reflection_rows - work.rows;
@@ -81,7 +83,7 @@ void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
 
 // Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
 // (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
-void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+void fill_multiple(const FourierMode& mode, const RequestedDirections& requested, FourierWork& work,
                    LayerOperator& layer) {
     layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
@@ -102,15 +104,15 @@ Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) cons
     return 2.0 * (alike * (coupling * (opposite * incident)));
 }
 
-void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const FourierMode& mode,
                  const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
-                 double tolerance, OrderWork& work, LayerOperator& layer) {
-    const double tau = optical_depth;
+                 double tolerance, FourierWork& work, LayerOperator& layer) {
+    const double tau = scaled_optical_depth;
     layer.physical = false;
-    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
-    if (!modes.physical) return;
-    work.tanh_rates = modes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
-    work.sinh_rates = modes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.find(mode, medium, grid, tolerance);
+    if (!eigenmodes.physical) return;
+    work.tanh_rates = eigenmodes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
+    work.sinh_rates = eigenmodes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
     if (!fill_nodes(parts, work, layer)) return;
     alternating(medium.strengths, work.alternating);
     layer.direct = (-tau / requested.mu.array()).exp();
@@ -119,12 +121,13 @@ void solve_layer(double optical_depth, const ScatteringMode& medium, const Phase
     layer.physical = true;
 }
 
-LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
-                          const ZenithGrid& grid, const RequestedDirections& requested) {
-    OrderWork work;
+LayerOperator solve_layer(double scaled_optical_depth, const FourierMedium& medium,
+                          const FourierMode& mode, const ZenithGrid& grid,
+                          const RequestedDirections& requested) {
+    FourierWork work;
     LayerOperator layer;
-    solve_layer(optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0, work,
-                layer);
+    solve_layer(scaled_optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0,
+                work, layer);
     return layer;
 }
 
@@ -132,7 +135,7 @@ LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, co
 namespace {
 
 // X of both from the impedances. False if they have no physical solution.
-bool join_impedances(const LayerOperator& layer, const MatrixXd& base, OrderWork& work,
+bool join_impedances(const LayerOperator& layer, const MatrixXd& base, FourierWork& work,
                      MatrixXd& X) {
     // Z_base = 2 (I + X_base)^-1 - I, Y = Z_p + Z_base.
     work.square = base;
@@ -156,7 +159,7 @@ bool join_impedances(const LayerOperator& layer, const MatrixXd& base, OrderWork
 
 // Radiance between layer and base for light incident at some of the requested cosines, columns:
 // down = t + X_c up, up = X_base down + exp(-tau / mu) rho_base.
-void fill_interface(const LayerOperator& layer, const Reflector& base, OrderWork& work) {
+void fill_interface(const LayerOperator& layer, const Reflector& base, FourierWork& work) {
     work.incoming = work.through;
     work.incoming.noalias() += layer.reflection * work.beam;
     work.down.resize(work.incoming.rows(), work.incoming.cols());
@@ -176,7 +179,7 @@ void gather_columns(const MatrixXd& rows, const std::vector<int>& which,
 // R between requested cosines: of the layer, of the base seen through it, and of light that
 // passes the interface. Reciprocity: the side with fewer cosines is the one that is lit.
 void fill_pairs(const LayerOperator& layer, const Reflector& base,
-                const RequestedDirections& requested, OrderWork& work, Reflector& result) {
+                const RequestedDirections& requested, FourierWork& work, Reflector& result) {
     const bool out_is_lit = requested.out.size() < requested.in.size();
     const std::vector<int>& lit = out_is_lit ? requested.out : requested.in;
     const std::vector<int>& other = out_is_lit ? requested.in : requested.out;
@@ -206,7 +209,7 @@ void fill_pairs(const LayerOperator& layer, const Reflector& base,
 
 // The answer to a sky: down = T sky + X_c up, up = X_base down.
 void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::VectorXd& sky,
-              const OrderWork& work, Reflector& result) {
+              const FourierWork& work, Reflector& result) {
     const Eigen::VectorXd down = work.bounces.solve(layer.transmitted(sky));
     const Eigen::VectorXd up = base.nodes * down;
     result.sky_at_requested =
@@ -217,7 +220,8 @@ void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::Ve
 }  // namespace
 
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
-            ReflectorParts parts, const Eigen::VectorXd& sky, OrderWork& work, Reflector& result) {
+            ReflectorParts parts, const Eigen::VectorXd& sky, FourierWork& work,
+            Reflector& result) {
     const Eigen::Index n = base.nodes.rows();
     result.iterations = base.iterations;
     result.residual = base.residual;

@@ -8,25 +8,25 @@
 namespace miebrdf::math {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr int nodes = AngleTable::nodes;
-constexpr int first_panel_count = 48;
+using std::numbers::pi;
+constexpr int kNodes = AngleTable::kNodes;
+constexpr int kFirstPanels = 48;
 
-using NodeMatrix = Eigen::Matrix<double, nodes, nodes>;
+using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
 
-// Row = node, column = degree: values at Chebyshev's points times this are coefficients.
+// Row = node, column = degree: values at Chebyshev points times this are coefficients.
 NodeMatrix make_analysis() {
     NodeMatrix analysis;
-    for (int i = 0; i < nodes; ++i) {
-        for (int k = 0; k < nodes; ++k) {
-            analysis(i, k) = (k == 0 ? 1.0 : 2.0) / nodes * std::cos(k * pi * (i + 0.5) / nodes);
+    for (int i = 0; i < kNodes; ++i) {
+        for (int k = 0; k < kNodes; ++k) {
+            analysis(i, k) = (k == 0 ? 1.0 : 2.0) / kNodes * std::cos(k * pi * (i + 0.5) / kNodes);
         }
     }
     return analysis;
 }
 
 double node_angle(double lower, double upper, int i) {
-    const double t = std::cos(pi * (i + 0.5) / nodes);
+    const double t = std::cos(pi * (i + 0.5) / kNodes);
     return std::clamp(0.5 * (lower + upper) + 0.5 * (upper - lower) * t, 0.0, pi);
 }
 
@@ -66,9 +66,9 @@ AngleTable::AngleTable(const Functions& functions, double narrowest,
 
 std::vector<AngleTable::Panel> AngleTable::first_panels() const {
     std::vector<Panel> panels;
-    panels.reserve(first_panel_count);
-    for (int p = 0; p < first_panel_count; ++p) {
-        panels.push_back({pi * p / first_panel_count, pi * (p + 1) / first_panel_count});
+    panels.reserve(kFirstPanels);
+    for (int p = 0; p < kFirstPanels; ++p) {
+        panels.push_back({pi * p / kFirstPanels, pi * (p + 1) / kFirstPanels});
     }
     return panels;
 }
@@ -77,10 +77,10 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
                                                   const Functions& functions, double narrowest,
                                                   const AngleTolerance& tolerance) {
     static const NodeMatrix analysis = make_analysis();
-    Eigen::VectorXd angles(Eigen::Index(panels.size()) * nodes);
+    Eigen::VectorXd angles(Eigen::Index(panels.size()) * kNodes);
     for (std::size_t p = 0; p < panels.size(); ++p) {
-        for (int i = 0; i < nodes; ++i) {
-            angles[Eigen::Index(p) * nodes + i] = node_angle(panels[p].lower, panels[p].upper, i);
+        for (int i = 0; i < kNodes; ++i) {
+            angles[Eigen::Index(p) * kNodes + i] = node_angle(panels[p].lower, panels[p].upper, i);
         }
     }
     const Eigen::MatrixXd values = functions(angles);
@@ -89,7 +89,7 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const auto [lower, upper] = panels[p];
         const Eigen::MatrixXd coefficients =
-            values.middleRows(Eigen::Index(p) * nodes, nodes).transpose() * analysis;
+            values.middleRows(Eigen::Index(p) * kNodes, kNodes).transpose() * analysis;
         if (upper - lower <= narrowest || has_converged(coefficients, tolerance)) {
             lower_.push_back(lower);
             upper_.push_back(upper);
@@ -125,10 +125,10 @@ void AngleTable::evaluate(double angle, Eigen::Ref<Eigen::VectorXd> values) cons
     const auto panel = std::size_t(above - upper_.begin());
     const double t =
         (2.0 * angle - lower_[panel] - upper_[panel]) / (upper_[panel] - lower_[panel]);
-    Eigen::Matrix<double, nodes, 1> chebyshev;
+    Eigen::Matrix<double, kNodes, 1> chebyshev;
     chebyshev[0] = 1.0;
     chebyshev[1] = t;
-    for (int k = 2; k < nodes; ++k) chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
+    for (int k = 2; k < kNodes; ++k) chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
     values.noalias() = coefficients_[panel] * chebyshev;
 }
 

@@ -7,7 +7,7 @@
 
 namespace miebrdf::math {
 
-/// Chebyshev's points of the first kind on (-1, 1), to interpolate between by the barycentric
+/// Chebyshev points of the first kind on (-1, 1), to interpolate between by the barycentric
 /// formula.
 class ChebyshevPoints {
   public:
@@ -32,7 +32,7 @@ struct AngleTolerance {
 /// coefficients of every function are within the tolerance.
 class AngleTable {
   public:
-    static constexpr int nodes = 8;  ///< of a panel
+    static constexpr int kNodes = 8;  ///< of a panel
 
     /// Values of all functions at angles in [0, pi]: row = angle, column = function.
     using Functions = std::function<Eigen::MatrixXd(const Eigen::VectorXd& angles)>;

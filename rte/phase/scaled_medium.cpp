@@ -10,6 +10,13 @@
 namespace miebrdf::rte {
 namespace {
 
+// The running mean of split_forward_peak: wider than the beat of a glory in l, narrower than the
+// peak; cut off at four sigma.
+constexpr double kSigma = 12.0;
+constexpr int kHalfWindow = 48;
+// The rest counts when it could move first-order light by this much (times 1 / (1 - alpha f)).
+constexpr double kNegligible = 1e-7;
+
 double chi_at(const Optics& optics, std::size_t degree) {
     return degree < optics.chi.size() ? optics.chi[degree] : 0.0;
 }
@@ -87,16 +94,6 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     return scaled;
 }
 
-namespace {
-
-constexpr double sigma = 12.0;  // wider than the beat of a glory in l, narrower than the peak
-constexpr int half_window = 48;
-
-// The rest counts when it could move first-order light by this much (times 1 / (1 - alpha f)).
-constexpr double negligible = 1e-7;
-
-}  // namespace
-
 ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
     ForwardPeak split;
     split.first_degree = moments;
@@ -104,8 +101,8 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
     if (count <= moments + 1) return split;
 
     const Eigen::VectorXd kernel =
-        (-0.5 / (sigma * sigma) *
-         Eigen::ArrayXd::LinSpaced(2 * half_window + 1, -half_window, half_window).square())
+        (-0.5 / (kSigma * kSigma) *
+         Eigen::ArrayXd::LinSpaced(2 * kHalfWindow + 1, -kHalfWindow, kHalfWindow).square())
             .exp();
     const Eigen::Map<const Eigen::VectorXd> moment(chi.data(), count);
     const Eigen::VectorXd logarithm = moment.unaryExpr(
@@ -114,8 +111,8 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
         // Near the end the window shrinks on both sides, so that a slope does not become a bias.
-        const int reach = std::min({half_window, l, count - 1 - l});
-        const auto weights = kernel.segment(half_window - reach, 2 * reach + 1);
+        const int reach = std::min({kHalfWindow, l, count - 1 - l});
+        const auto weights = kernel.segment(kHalfWindow - reach, 2 * reach + 1);
         const double weight = weights.sum();
         const double log_mean = weights.dot(logarithm.segment(l - reach, weights.size()));
         // NaN: not positive throughout the window.
@@ -126,7 +123,7 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
         split.rest.push_back(chi[std::size_t(l)] - smooth);
         largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));
     }
-    if (largest <= negligible) split.rest.clear();
+    if (largest <= kNegligible) split.rest.clear();
     return split;
 }
 

@@ -32,10 +32,10 @@ struct ScaledOptics {
 /// peak: negative, or not below its neighbours (a backward peak alternates in sign).
 ///
 /// Where a peak is left, the cutoff is soft: f and (1 - f) chi' are means over the cutoffs K ... L,
-/// with weights that follow half a wave of a sine.
-/// A sharp one leaves a kink at l = L, which rings in angle with the period 360 / L degrees and
-/// spoils directions near the forward horizon; K = L (1 - 0.45 s), s the peak's strength, which
-/// rises with log f from 0 at f = 1e-4 to 1 at f = 0.2 (docs/numerics.md).
+/// with weights that follow half a wave of a sine. A sharp cutoff leaves a kink at l = L, which
+/// rings in angle with the period 360 / L degrees and spoils directions near the forward horizon; K
+/// = L (1 - 0.45 s), s the peak's strength, which rises with log f from 0 at f = 1e-4 to 1 at f =
+/// 0.2 (docs/numerics.md).
 ///
 /// @param moments  L >= 1; degrees at and above L are dropped (no delta-M) or scaled away
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m);
@@ -64,8 +64,9 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments);
 struct ScaledMedium {
     Optics exact;
     ScaledOptics scaled;
-    double optical_depth = 0.0;  ///< tau', scaled by delta-M; infinite for a half-space
-    ForwardPeak narrow = {};     ///< degrees beyond delta-M; without a rest where it does not apply
+    double scaled_optical_depth = 0.0;  ///< tau', by delta-M; infinite for a half-space
+    /// Degrees beyond delta-M; without a rest where there is nothing to correct.
+    ForwardPeak narrow = {};
 };
 
 }  // namespace miebrdf::rte

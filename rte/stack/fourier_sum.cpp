@@ -4,20 +4,26 @@
 #include <cmath>
 #include <numbers>
 
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
 namespace {
 
 // Slower series are not trusted to be geometric.
-constexpr double slowest_ratio = 0.7;
-constexpr double several = 2.5;
+constexpr double kSlowestRatio = 0.7;
+// The rest of a series that is not geometric, in terms of the larger of its last two.
+constexpr double kSeveral = 2.5;
+// Orders in a row that must agree with those of a coarser solution before the rest is taken over.
+constexpr int kEnoughAlike = 2;
+// Orders of larger tables are not kept: 30 of them would take 10 MB.
+constexpr std::size_t kMostPairs = 40000;
 
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
 }  // namespace
 
-double OrderSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
+double FourierSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
     const Eigen::VectorXd largest = reflection.cwiseAbs().colwise().maxCoeff().transpose();
     if (of_order_zero_.size() == 0) of_order_zero_ = largest;
     double size = 0.0;
@@ -27,12 +33,11 @@ double OrderSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
     return size;
 }
 
-bool OrderTail::ends_with(double largest) {
+bool FourierTail::ends_with(double largest) {
     if (count_ == 0) order_zero_ = largest;
     const double fall = std::max(ratio(largest, last_), ratio(last_, before_last_));
-    const bool is_geometric = count_ >= 3 && fall <= slowest_ratio;
-    // The rest of an unknown series: some multiple of its last terms.
-    remaining_ = several * ratio(std::max(largest, count_ > 0 ? last_ : largest), order_zero_);
+    const bool is_geometric = count_ >= 3 && fall <= kSlowestRatio;
+    remaining_ = kSeveral * ratio(std::max(largest, count_ > 0 ? last_ : largest), order_zero_);
     if (is_geometric) {
         const double envelope = std::max(largest, fall * last_);
         remaining_ = 2.0 * ratio(envelope, order_zero_) * fall / (1.0 - fall);
@@ -46,8 +51,6 @@ bool OrderTail::ends_with(double largest) {
 }
 
 namespace {
-
-constexpr int enough = 2;  // orders in a row
 
 // Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
 double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
@@ -64,19 +67,20 @@ double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
 
 }  // namespace
 
-void CoarserOrders::compare(int order, const Eigen::MatrixXd& finer,
-                            const RequestedDirections& requested) {
-    if (order == 0) order_zero_ = largest_bounded(finer, requested);
-    const auto at = std::size_t(order);
+void CoarserFourierOrders::compare(int fourier_order, const Eigen::MatrixXd& finer,
+                                   const RequestedDirections& requested) {
+    if (fourier_order == 0) order_zero_ = largest_bounded(finer, requested);
+    const auto at = std::size_t(fourier_order);
     if (at >= orders_.size() || orders_[at].size() != finer.size()) return;
     const double difference = largest_bounded(finer - orders_[at], requested);
     const bool is_alike = difference <= tolerance_ * order_zero_;
     alike_ = is_alike ? alike_ + 1 : 0;
     // Other orders are apart up to this times as far as order 0.
     constexpr double other_orders = 10.0;
-    const bool is_first = order == 0 && other_orders * difference <= tolerance_ * order_zero_;
+    const bool is_first =
+        fourier_order == 0 && other_orders * difference <= tolerance_ * order_zero_;
     if (is_first && order_zero_ > 0.0) {
-        alike_ = enough;
+        alike_ = kEnoughAlike;
         difference_ = other_orders * difference / order_zero_;
         return;
     }
@@ -87,23 +91,18 @@ void CoarserOrders::compare(int order, const Eigen::MatrixXd& finer,
     }
 }
 
-const Eigen::MatrixXd* CoarserOrders::settled(int order) const {
-    const auto at = std::size_t(order);
-    if (alike_ < enough || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
+const Eigen::MatrixXd* CoarserFourierOrders::settled(int fourier_order) const {
+    const auto at = std::size_t(fourier_order);
+    if (alike_ < kEnoughAlike || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
     return &orders_[at];
 }
 
 namespace {
 
-// Orders of a coarser solution are taken over once they agree to this share of the tolerance.
-constexpr double share_of_coarser_orders = 0.01;
-// Orders of larger tables are not kept: 30 of them would take 10 MB.
-constexpr std::size_t most_pairs = 40000;
-
 // Adds (2 - delta_m0) R^m cos(m azimuth).
-void add_order(int m, std::span<const double> azimuth_deg,
-               const Eigen::Block<const Eigen::MatrixXd>& multiple, Eigen::VectorXd& cosines,
-               std::vector<double>& reflection) {
+void add_fourier_order(int m, std::span<const double> azimuth_deg,
+                       const Eigen::Block<const Eigen::MatrixXd>& multiple,
+                       Eigen::VectorXd& cosines, std::vector<double>& reflection) {
     cosines.resize(Eigen::Index(azimuth_deg.size()));
     for (Eigen::Index a = 0; a < cosines.size(); ++a) {
         const double azimuth = azimuth_deg[std::size_t(a)] * (std::numbers::pi / 180.0);
@@ -125,13 +124,13 @@ bool is_smooth(const ScaledStack& stack) {
     });
 }
 
-// How the equations of one order were solved, and what order 0 knows beside.
-void note(const Reflector& reflector, int order, const RequestedDirections& requested,
+// How the equations of one order were solved, and the plane albedos from order 0.
+void note(const Reflector& reflector, int fourier_order, const RequestedDirections& requested,
           MultipleScattering& sum) {
     sum.iterations = std::max(sum.iterations, reflector.iterations);
     sum.residual = std::max(sum.residual, reflector.residual);
     sum.converged = sum.converged && reflector.converged;
-    if (order > 0) return;
+    if (fourier_order > 0) return;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
     for (std::size_t i = 0; i < requested.asked_in(); ++i) {
         sum.plane_albedo.push_back(reflector.sky_at_requested[requested.in[i]]);
@@ -146,25 +145,26 @@ auto asked_part(const Eigen::MatrixXd& multiple, const RequestedDirections& requ
 
 }  // namespace
 
-MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
-                              const RequestedDirections& requested,
-                              std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options, StackMemory& memory,
-                              const OrderList& coarser_orders) {
+MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                                      const RequestedDirections& requested,
+                                      std::span<const double> azimuth_deg, double tail_tolerance,
+                                      const SolverOptions& options, StackMemory* memory,
+                                      const FourierOrders& coarser_orders) {
+    StackMemory own;
     const std::size_t azimuths = azimuth_deg.size();
     MultipleScattering sum;
     sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
-    const int highest = only_order_zero(requested) ? 1 : stack.moments;
-    const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= most_pairs;
+    const int highest = only_fourier_order_zero(requested) ? 1 : stack.moments;
+    const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostPairs;
 
-    StackSolver solver(stack, grid, requested, options, memory);
-    OrderTail tail(tail_tolerance);
-    OrderSizes sizes;
-    CoarserOrders coarser(coarser_orders, share_of_coarser_orders * options.tolerance);
+    StackSolver solver(stack, grid, requested, options, memory != nullptr ? *memory : own);
+    FourierTail tail(tail_tolerance);
+    FourierSizes sizes;
+    CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     Eigen::VectorXd cosines;
     int m = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
-        if (m > 0 && is_invisible(m, azimuth_deg)) continue;
+        if (m > 0 && fourier_order_vanishes(m, azimuth_deg)) continue;
         const Eigen::MatrixXd* multiple = coarser.settled(m);
         if (multiple == nullptr) {
             const Reflector& reflector =
@@ -178,32 +178,18 @@ MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
             multiple = &reflector.multiple;
             coarser.compare(m, *multiple, requested);
         }
-        sum.orders = m + 1;
+        sum.fourier_orders = m + 1;
         const auto asked = asked_part(*multiple, requested);
-        add_order(m, azimuth_deg, asked, cosines, sum.reflection);
+        add_fourier_order(m, azimuth_deg, asked, cosines, sum.reflection);
         ended = tail.ends_with(sizes.next(asked));
         if (keep) {
-            sum.by_order.resize(std::size_t(m) + 1);
-            sum.by_order.back() = *multiple;
+            sum.by_fourier_order.resize(std::size_t(m) + 1);
+            sum.by_fourier_order.back() = *multiple;
         }
     }
     sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
-}
-
-MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
-                              const RequestedDirections& requested,
-                              std::span<const double> azimuth_deg, double tail_tolerance,
-                              const SolverOptions& options) {
-    StackMemory memory = memory_for_one();
-    return sum_orders(stack, grid, requested, azimuth_deg, tail_tolerance, options, memory, {});
-}
-
-Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
-                       const RequestedDirections& requested, const SolverOptions& options,
-                       StackMemory& memory, const Eigen::VectorXd& sky) {
-    return StackSolver(stack, grid, requested, options, memory).solve(0, ReflectorParts::sky, sky);
 }
 
 }  // namespace miebrdf::rte

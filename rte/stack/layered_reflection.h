@@ -11,12 +11,14 @@
 
 namespace miebrdf::rte {
 
+struct StackMemory;
+
 /// reflection[(i * mu_out.size() + o) * azimuth_deg.size() + a] = R(mu_in[i], mu_out[o],
 /// azimuth_deg[a]); BRDF = R / pi.
 struct ReflectionTable {
     std::vector<double> reflection;
-    std::vector<double>
-        plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
+    /// At each mu_in, from the same solution; NaN if it is not physical.
+    std::vector<double> plane_albedo;
     SolverReport report;
 };
 
@@ -27,12 +29,14 @@ struct AlbedoTable {
 };
 
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
-/// @throws std::invalid_argument  for optics, optical depths, cosines, azimuths or options out of
-///         range, with the value and what is allowed. Not converging is an outcome.
+/// @param memory  for its matrices, where stacks are solved one after the other (stack_solver.h);
+///                null: of its own
+/// @throws UsageError  for optics, optical depths, cosines, azimuths or options out of range. Not
+///         converging is an outcome.
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options = {});
+                        const SolverOptions& options = {}, StackMemory* memory = nullptr);
 
-/// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
+/// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
 /// @param surface  the weights of a surface above the layers at a cosine in (0, 1], smooth in it;
 ///                 empty: no surface, all weights are 1. Both albedos are of the light that it lets
 ///                 in, and count what it lets out:
@@ -40,6 +44,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 ///                     spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options = {},
-                   const std::function<SurfaceWeights(double mu)>& surface = {});
+                   const std::function<SurfaceWeights(double mu)>& surface = {},
+                   StackMemory* memory = nullptr);
 
 }  // namespace miebrdf::rte

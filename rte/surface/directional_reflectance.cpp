@@ -1,15 +1,14 @@
 // How much of the light from one direction a rough surface reflects, and means of it.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include <miebrdf/error.h>
 #include <miebrdf/surface.h>
 #include "rte/boundary/fresnel.h"
 #include "rte/math/quadrature.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::rte {
@@ -159,7 +158,7 @@ IntegralResult refine(const ReflectanceIntegral<Slopes>& integral, double tolera
         result.nodes = static_cast<int>(rule.nodes.size());
         change = std::abs(result.value - before);
         result.error_estimate = std::max(change, kTrustedGain * previous_change);
-        result.converged = result.error_estimate <= tolerance;
+        result.converged = has_converged(result.error_estimate, tolerance);
         if (result.converged && result.nodes > kFewestNodes) break;
     }
     return result;
@@ -185,10 +184,10 @@ IntegralResult directional_reflectance(std::complex<double> refractive_index,
     validate(options);
     const FresnelReflectance fresnel(refractive_index, options.fresnel);
     if (!(mu_in > 0 && mu_in <= 1)) {
-        throw std::invalid_argument(fmt::format("cosine of incidence {}; allowed: (0, 1]", mu_in));
+        throw UsageError("mu_in", mu_in, "(0, 1]");
     }
     if (!(tolerance > 0)) {
-        throw std::invalid_argument(fmt::format("tolerance {}; allowed: > 0", tolerance));
+        throw UsageError("tolerance", tolerance, "above 0");
     }
     if (options.distribution == MicrofacetDistribution::ggx) {
         return refine(ReflectanceIntegral<GgxSlopes>(fresnel, options, mu_in), tolerance);
@@ -199,7 +198,7 @@ IntegralResult directional_reflectance(std::complex<double> refractive_index,
 IntegralResult mean_transmittance(const std::function<double(double mu)>& rho, HemisphereMean mean,
                                   double tolerance) {
     if (!(tolerance > 0)) {
-        throw std::invalid_argument(fmt::format("tolerance {}; allowed: > 0", tolerance));
+        throw UsageError("tolerance", tolerance, "above 0");
     }
     constexpr int kFewest = 8;
     constexpr int kMost = 256;
@@ -210,7 +209,7 @@ IntegralResult mean_transmittance(const std::function<double(double mu)>& rho, H
         result.value = mean_with(rho, mean, nodes);
         result.nodes = nodes;
         result.error_estimate = std::abs(result.value - before);
-        result.converged = result.error_estimate <= tolerance;
+        result.converged = has_converged(result.error_estimate, tolerance);
     }
     return result;
 }

@@ -1,13 +1,12 @@
 #include "rte/surface/microfacet.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::rte {
 namespace {
@@ -27,9 +26,7 @@ double zero_between(const Function& f, double from, double to) {
 
 void validate(const SurfaceOptions& options) {
     if (!(options.beckmann_alpha >= 1e-4 && options.beckmann_alpha <= 4.0)) {
-        throw std::invalid_argument(
-            fmt::format("surface roughness {}; allowed: 0.0001 to 4 (Beckmann slope parameter)",
-                        options.beckmann_alpha));
+        throw UsageError("beckmann_alpha", options.beckmann_alpha, "0.0001 to 4");
     }
 }
 

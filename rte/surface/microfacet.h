@@ -32,7 +32,7 @@ struct FacetGeometry {
 /// G / (mu_in mu_out): kept together because at grazing both go to zero.
 class ShadowingOverCosines {
   public:
-    /// @throws std::invalid_argument  for options out of range
+    /// @throws UsageError  for options out of range
     explicit ShadowingOverCosines(const SurfaceOptions& options);
 
     /// mu / G1(mu) of the chosen Lambda, to be computed once for a ray used often.

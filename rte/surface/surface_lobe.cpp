@@ -1,11 +1,9 @@
 // The lobe of a rough surface, and what it lets through to the layers below.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include <miebrdf/error.h>
 #include <miebrdf/surface.h>
 #include "rte/boundary/fresnel.h"
 #include "rte/surface/microfacet.h"
@@ -13,10 +11,8 @@
 namespace miebrdf::rte {
 namespace {
 
-void check_cosine(double mu, const char* name) {
-    if (!(mu > 0 && mu <= 1)) {
-        throw std::invalid_argument(fmt::format("{} = {}; allowed: (0, 1]", name, mu));
-    }
+void check_cosine(double mu, const char* field) {
+    if (!(mu > 0 && mu <= 1)) throw UsageError(field, mu, "(0, 1]");
 }
 
 /// The square of the horizontal part of (towards source) + (towards viewer). The sines are
@@ -52,8 +48,7 @@ double SurfaceLobe::brdf(double mu_in, double mu_out, double azimuth_deg) const 
     check_cosine(mu_in, "mu_in");
     check_cosine(mu_out, "mu_out");
     if (!std::isfinite(azimuth_deg)) {
-        throw std::invalid_argument(
-            fmt::format("azimuth {} degrees; allowed: finite", azimuth_deg));
+        throw UsageError("azimuth_deg", azimuth_deg, "any finite number");
     }
     const double horizontal2 = horizontal_sum2(mu_in, mu_out, azimuth_deg);
     const double vertical = mu_in + mu_out;

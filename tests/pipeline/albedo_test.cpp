@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "rte/math/quadrature.h"
-#include "rte/surface/surface_lobe.h"
+#include <miebrdf/surface.h>
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 

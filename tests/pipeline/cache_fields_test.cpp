@@ -63,7 +63,7 @@ WavelengthReport full_report() {
     report.wavelength_nm = 550;
     report.solver = {.streams = 24,
                      .moments = 48,
-                     .azimuthal_orders = 17,
+                     .fourier_orders = 17,
                      .iterations = 5,
                      .error_estimate = 1e-4,
                      .share_within_tolerance = 0.75,

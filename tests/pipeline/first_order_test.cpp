@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "rte/stack/scaled_stack.h"
+#include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -10,7 +10,7 @@
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/scene_optics.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/surface_lobe.h"
+#include <miebrdf/surface.h>
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -34,7 +34,7 @@ BrdfValues values_of(const Scene& scene, const Directions& directions = few_dire
     return solve(scene, {550}).evaluate(directions);
 }
 
-int orders_of(const ResultReport& report) { return report.wavelengths[0].solver.azimuthal_orders; }
+int orders_of(const ResultReport& report) { return report.wavelengths[0].solver.fourier_orders; }
 
 ResolvedScene resolved(const Scene& scene) { return resolve(scene, {550}); }
 

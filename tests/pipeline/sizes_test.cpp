@@ -9,7 +9,6 @@
 #include "pipeline/scene/particle_sizes.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layers.h"
-#include "pipeline/solve/tolerance.h"
 #include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
@@ -46,7 +45,6 @@ std::vector<double> reflection(const MediumOptics& base, const MediumOptics& coa
     stack.coats = {{coat.optics, optical_depth}};
     SolverOptions solver = kOptions;
     solver.tolerance -= std::max(base.error_estimate, coat.error_estimate);
-    solver.half_space_tolerance = kToleranceShares.iteration * kOptions.tolerance;
     return rte::reflect(stack, support::few_directions(), solver).reflection;
 }
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "rte/first_order/narrow_features.h"
-#include "rte/stack/scaled_stack.h"
+#include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

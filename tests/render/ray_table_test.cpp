@@ -11,7 +11,7 @@
 
 #include "pipeline/render/table_nodes.h"
 #include "rte/math/quadrature.h"
-#include "rte/surface/surface_lobe.h"
+#include <miebrdf/surface.h>
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include <miebrdf/surface.h>
+#include "rte/boundary/fresnel.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -22,7 +22,7 @@ void add_report(Table& table, const ResultReport& result) {
         table.report.push_back({report.wavelength_nm, std::string(report.converged ? "yes" : "no"),
                                 report.error_estimate, report.mie_error_estimate,
                                 report.phase_noise.largest, double(solver.streams),
-                                double(solver.moments), double(solver.azimuthal_orders)});
+                                double(solver.moments), double(solver.fourier_orders)});
     }
 }
 

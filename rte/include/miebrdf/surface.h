@@ -37,7 +37,7 @@ struct SurfaceOptions {
     std::optional<MicrofacetDistribution> shadowing_distribution = {};
 };
 
-/// @throws std::invalid_argument  for a slope parameter out of range, with its value
+/// @throws UsageError  for a slope parameter out of range
 void validate(const SurfaceOptions& options);
 
 /// An integral and how it came about.
@@ -60,7 +60,7 @@ struct IntegralResult {
 ///
 /// @param mu_in  in (0, 1]
 /// @param tolerance  absolute, > 0
-/// @throws std::invalid_argument  for an index, options, cosine or tolerance out of range
+/// @throws UsageError  for an index, options, cosine or tolerance out of range
 IntegralResult directional_reflectance(std::complex<double> refractive_index,
                                        const SurfaceOptions& options, double mu_in,
                                        double tolerance = 1e-6);
@@ -87,13 +87,13 @@ IntegralResult mean_transmittance(const std::function<double(double mu)>& rho, H
 class SurfaceLobe {
   public:
     /// @param refractive_index  n + ik of the top material, n > 0, k >= 0
-    /// @throws std::invalid_argument  for an index or options out of range, with the value
+    /// @throws UsageError  for an index or options out of range
     SurfaceLobe(std::complex<double> refractive_index, const SurfaceOptions& options);
 
     /// R_s in 1/sr, without the cosine.
     /// @param mu_in, mu_out  in (0, 1]
     /// @param azimuth_deg  0 = mirror side, 180 = back towards the source
-    /// @throws std::invalid_argument  for a cosine out of range or an azimuth that is not finite
+    /// @throws UsageError  for a cosine out of range or an azimuth that is not finite
     double brdf(double mu_in, double mu_out, double azimuth_deg) const;
 
     /// rho_dt(mu_in), integral of R_s mu_out over the outgoing hemisphere, to 1e-6.
