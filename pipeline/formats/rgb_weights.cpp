@@ -6,7 +6,7 @@
 #include <functional>
 
 #include <miebrdf/error.h>
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 
 namespace miebrdf::exports {
 namespace {

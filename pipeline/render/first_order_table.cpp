@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "pipeline/render/table_nodes.h"
+#include "rte/first_order/narrow_features.h"
 #include "rte/math/legendre.h"
-#include "rte/phase/narrow_features.h"
 
 namespace miebrdf::render {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Of the tolerance: so that steps between the pieces of a table stay below whatever is made of its
@@ -97,4 +97,4 @@ void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> c
     }
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -3,7 +3,7 @@
 // by comparing two numbers of nodes, and the only one that costs much to reduce.
 #pragma once
 
-#include "rte/fourier/order_tail.h"
+#include "rte/stack/fourier_sum.h"
 
 namespace miebrdf {
 

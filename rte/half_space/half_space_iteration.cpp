@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
 
 namespace miebrdf::rte {

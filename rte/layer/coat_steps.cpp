@@ -1,6 +1,7 @@
-#include "rte/layer/coat_steps.h"
-
+// The stepwise coat methods: the paper's, and a uniform replacement at the same cost.
 #include <cmath>
+
+#include "rte/layer/layer.h"
 
 namespace miebrdf::rte {
 namespace {

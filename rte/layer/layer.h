@@ -1,12 +1,12 @@
-// A homogeneous layer of finite optical depth: its reflection and transmission by itself.
+// A homogeneous layer of finite optical depth: its reflection and transmission by itself, the layer
+// on something that reflects, and the stepwise methods of the paper for the same.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
-#include "rte/fourier/order_work.h"
-#include "rte/half_space/reflector.h"
-#include "rte/phase/phase_mode.h"
-#include "rte/phase/scattering_mode.h"
+#include "rte/half_space/half_space.h"
+#include "rte/phase/scaled_medium.h"
 
 namespace miebrdf::rte {
 
@@ -53,5 +53,28 @@ LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, co
 /// @param result  overwritten; not `base`
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
             ReflectorParts parts, const Eigen::VectorXd& sky, OrderWork& work, Reflector& result);
+
+/// Adds a coat by `substeps` equal steps of invariant imbedding. With S(R) the bracket of eq. (2)
+/// without its loss terms, S = sum_l (-1)^(l-m) a_l phi_l(mu) phi_l(mu') / (4 mu mu'), and
+/// q = 1/mu + 1/mu':
+///
+/// `first_order`: Chen et al. 2013, eq. (2): R' = (1 - h/mu) R (1 - h/mu') + h S(R). Diverges for
+/// mu below h.
+/// `first_order_patched`: the same, and where h/mu > 1/2 for either cosine the coat's single
+/// scattering alone, as the paper does "at small eta" (it does not say how small).
+/// `exponential`: losses exactly, sources to second order (Cox & Matthews 2002, ETD2RK):
+/// R1 = e^-qh R + h f1(-qh) S(R), R' = R1 + h f2(-qh) [S(R1) - S(R)],
+/// f1(z) = (e^z - 1)/z, f2(z) = (e^z - 1 - z)/z^2. Uniform down to grazing.
+///
+/// @param first_order_below  R of single scattering in everything below, out x in (see
+/// first_order_of)
+Reflector step_through_coat(CoatMethod method, int substeps, double optical_depth,
+                            const ScatteringMode& medium, const Eigen::MatrixXd& first_order_below,
+                            const PhaseMode& mode, const ZenithGrid& grid,
+                            const RequestedDirections& requested, Reflector base);
+
+/// One azimuthal order of single scattering with the discrete equations' moments, out x in.
+Eigen::MatrixXd first_order_of(const std::vector<ScaledMedium>& media, const PhaseMode& mode,
+                               const RequestedDirections& requested);
 
 }  // namespace miebrdf::rte

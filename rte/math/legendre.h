@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "rte/math/scratch.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::math {
 

@@ -8,12 +8,10 @@
 #include <span>
 #include <stdexcept>
 
-#include "rte/first_order/first_order_sum.h"
-#include "rte/fourier/fourier_reflection.h"
-#include "rte/fourier/order_tail.h"
-#include "rte/grid/automatic_streams.h"
-#include "rte/grid/azimuth_probes.h"
+#include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
+#include "rte/stack/fourier_sum.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -43,38 +41,6 @@ void require_options(const SolverOptions& options) {
     }
 }
 
-// Each cosine once, ascending, with the positions of both lists.
-RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out) {
-    std::vector<double> cosines = mu_in;
-    cosines.insert(cosines.end(), mu_out.begin(), mu_out.end());
-    std::sort(cosines.begin(), cosines.end());
-    cosines.erase(std::unique(cosines.begin(), cosines.end()), cosines.end());
-    const auto position = [&](double mu) {
-        return int(std::lower_bound(cosines.begin(), cosines.end(), mu) - cosines.begin());
-    };
-    RequestedDirections requested;
-    requested.mu = Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size()));
-    for (const double mu : mu_in) requested.in.push_back(position(mu));
-    for (const double mu : mu_out) requested.out.push_back(position(mu));
-    return requested;
-}
-
-// The same with cosines beside those of a small request, where numbers of nodes are compared too.
-RequestedDirections collect_with_probes(const Directions& directions) {
-    constexpr std::size_t few = 16;
-    constexpr double probes[] = {0.1, 0.35, 0.9};
-    RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
-    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < few;
-    if (!are_few || only_order_zero(requested)) return requested;
-    std::vector<double> mu_in = directions.mu_in;
-    std::vector<double> mu_out = directions.mu_out;
-    mu_in.insert(mu_in.end(), std::begin(probes), std::end(probes));
-    mu_out.insert(mu_out.end(), std::begin(probes), std::end(probes));
-    requested = collect(mu_in, mu_out);
-    requested.probes = std::size(probes);
-    return requested;
-}
-
 Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
                      const RequestedDirections& requested, const SolverOptions& options,
                      const Discretisation& discretisation, StackMemory& memory, OrderList& orders,
@@ -99,15 +65,15 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
-                    StackMemory& memory, const Boundary& boundary) {
+                    StackMemory& memory, const std::function<SurfaceWeights(double mu)>& surface) {
     const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     const ZenithGrid& grid = memory.tables.grid(discretisation.grid, discretisation.streams);
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd let_in = D;
     Eigen::VectorXd let_out = D;
-    for (Eigen::Index q = 0; boundary && q < grid.size(); ++q) {
-        const BoundaryWeights weights = boundary(grid.mu[q]);
+    for (Eigen::Index q = 0; surface && q < grid.size(); ++q) {
+        const SurfaceWeights weights = surface(grid.mu[q]);
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
@@ -116,7 +82,7 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     attempt.physical = reflector.physical;
     if (!attempt.physical) return attempt;
     for (const int i : requested.in) attempt.values.push_back(reflector.sky_at_requested[i]);
-    const double entering = let_in.dot(D);  // 0: the boundary is a mirror
+    const double entering = let_in.dot(D);  // 0: the surface is a mirror
     attempt.values.push_back(entering > 0.0 ? let_in.dot(reflector.sky_at_nodes) / entering : 0.0);
     attempt.report.azimuthal_orders = 1;
     attempt.report.iterations = reflector.iterations;
@@ -174,7 +140,8 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options, const Boundary& boundary) {
+                   const SolverOptions& options,
+                   const std::function<SurfaceWeights(double mu)>& surface) {
     validate(stack);
     require_options(options);
     require_cosines(mu_in, "mu_in");
@@ -183,7 +150,7 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     StackMemory& memory = options.memory != nullptr ? *options.memory : own;
     Attempt attempt = solve_with_estimate(
         stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation, memory, boundary);
+            return albedo_with(stack, requested, options, discretisation, memory, surface);
         });
     const double spherical_albedo = attempt.values.back();
     attempt.values.pop_back();

@@ -2,11 +2,12 @@
 // functions. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
-#include "rte/boundary/boundary.h"
-#include "rte/stack/stack.h"
+#include <miebrdf/surface.h>
 
 namespace miebrdf::rte {
 
@@ -32,11 +33,13 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {});
 
 /// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
-/// @param boundary  above the layers; both albedos are of the light that it lets in, and count what
-///                  it lets out:
-///                      A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
-///                      spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
+/// @param surface  the weights of a surface above the layers at a cosine in (0, 1], smooth in it;
+///                 empty: no surface, all weights are 1. Both albedos are of the light that it lets
+///                 in, and count what it lets out:
+///                     A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
+///                     spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options = {}, const Boundary& boundary = {});
+                   const SolverOptions& options = {},
+                   const std::function<SurfaceWeights(double mu)>& surface = {});
 
 }  // namespace miebrdf::rte

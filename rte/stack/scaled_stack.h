@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "rte/first_order/single_scattering.h"
-#include "rte/stack/stack.h"
+#include <miebrdf/optics.h>
+#include "rte/phase/scaled_medium.h"
 
 namespace miebrdf::rte {
 
@@ -15,5 +15,9 @@ struct ScaledStack {
     double ground_albedo = 0.0;
     int moments = 1;  ///< Legendre moments of the medium that has most
 };
+
+/// The stack as the discrete equations see it: delta-M, layers without depth left out, everything
+/// below an infinitely deep coat left out.
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
 
 }  // namespace miebrdf::rte

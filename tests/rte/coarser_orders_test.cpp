@@ -1,4 +1,4 @@
-#include "rte/fourier/coarser_orders.h"
+#include "rte/stack/fourier_sum.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

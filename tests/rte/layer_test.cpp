@@ -6,7 +6,7 @@
 #include "rte/half_space/half_space.h"
 #include "rte/math/decay_integrals.h"
 #include "rte/math/quadrature.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/grid/discretisation.h"
-#include "rte/phase/forward_peak.h"
-#include "rte/phase/narrow_features.h"
+#include "rte/first_order/narrow_features.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/scaled_stack.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -4,7 +4,7 @@
 
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,4 +1,4 @@
-#include "rte/fourier/order_tail.h"
+#include "rte/stack/fourier_sum.h"
 
 #include <algorithm>
 #include <cmath>

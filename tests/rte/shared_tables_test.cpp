@@ -1,7 +1,6 @@
-#include "rte/stack/shared_tables.h"
+#include "rte/stack/stack_solver.h"
 
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_memory.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

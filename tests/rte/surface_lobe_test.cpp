@@ -2,7 +2,7 @@
 #include <complex>
 #include <numbers>
 
-#include "rte/surface/surface_lobe.h"
+#include <miebrdf/surface.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,6 +1,7 @@
 // Azimuthal orders in which little is scattered, and coats that nothing comes through.
+#include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 

@@ -1,4 +1,4 @@
-#include "rte/grid/zenith_grid.h"
+#include "rte/grid/directions.h"
 
 #include <cmath>
 

@@ -6,11 +6,11 @@
 
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
+#include <miebrdf/surface.h>
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/directional_reflectance.h"
 
 namespace {
 

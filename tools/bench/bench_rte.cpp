@@ -8,10 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "rte/grid/discretisation.h"
 #include "rte/half_space/half_space.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/scaled_stack.h"
 #include "rte/stack/stack_solver.h"
 
 using namespace miebrdf;

@@ -8,8 +8,8 @@
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
 #include "rte/math/quadrature.h"
-#include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {

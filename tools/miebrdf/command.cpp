@@ -10,8 +10,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "pipeline/io/atomic_file.h"
-#include "tools/miebrdf/interrupt.h"
-#include "tools/miebrdf/progress_line.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
 namespace {
@@ -56,8 +55,26 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
 }
 
-void Shell::on_run(CLI::App& command, std::function<int()> action) {
-    command.callback([this, action = std::move(action)] { action_ = action; });
+void Shell::on_prepare(CLI::App& command, std::function<Job()> prepare) {
+    command.callback([this, prepare = std::move(prepare)] { prepare_ = prepare; });
+}
+
+void Shell::on_run(CLI::App& command, Job job) {
+    command.callback([this, job = std::move(job)] { set_job(job); });
+}
+
+void Shell::set_job(Job job) {
+    prepare_ = [job = std::move(job)] { return job; };
+}
+
+Job Shell::prepare() const {
+    if (!prepare_) return [] { return int(kGood); };
+    return [this, job = prepare_()] {
+        if (progress_ != nullptr) progress_->begin();
+        const int code = job();
+        if (progress_ != nullptr) progress_->end();
+        return code;
+    };
 }
 
 void Shell::add_origin(Table& table) const {
@@ -95,23 +112,21 @@ void Shell::write_text(const std::string& text) const {
     file.commit();
 }
 
-RunControl Shell::control() const {
+Control Shell::control() const {
+    Control control;
+    control.threads = common_.threads;
+    control.is_cancelled = [&interrupted = watch_for_interrupts()] { return interrupted.load(); };
+    control.memo = memo_;
+    if (!common_.no_cache) {
+        if (cache_ == nullptr) cache_ = open_cache();
+        control.cache = cache_;
+    }
     const ProgressStyle style =
         common_.quiet ? ProgressStyle::none : parse_progress_style(common_.progress);
-    auto line = std::make_shared<ProgressLine>(style);
-    RunControl control;
-    control.threads = common_.threads;
-    control.cancelled = &watch_for_interrupts();
-    control.shared = shared_;
-    if (!common_.no_cache) {
-        if (!cache_) cache_ = std::make_unique<ResultCache>(ResultCache::default_file());
-        control.cache = cache_.get();
-    }
-    if (style != ProgressStyle::none) {
-        control.progress = [line](const std::string& stage, std::size_t done, std::size_t total) {
-            line->update(stage, done, total);
-        };
-    }
+    if (style == ProgressStyle::none) return control;
+    if (progress_ == nullptr) progress_ = std::make_shared<ProgressLine>(style);
+    control.progress = [line = progress_](const std::string& stage, std::size_t done,
+                                          std::size_t total) { line->update(stage, done, total); };
     return control;
 }
 

@@ -1,9 +1,9 @@
 // miebrdf export: a scene's BRDF in the formats that renderers and tools read.
 #include <fmt/format.h>
 
+#include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 #include "pipeline/formats/brdf_export.h"
-#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
 #include "tools/miebrdf/spectrum_export.h"
@@ -24,12 +24,11 @@ std::string describe(const exports::ExportedFile& file) {
 }
 
 /// What `--json` tells of the files.
-Table table_of(const std::vector<exports::ExportedFile>& files,
-               const exports::SolverAccuracy& accuracy) {
+Table table_of(const std::vector<exports::ExportedFile>& files, const ResultReport& report) {
     Table table;
-    table.facts = {{"error_estimate", rounded(accuracy.error_estimate, 3)},
-                   {"tolerance", accuracy.tolerance},
-                   {"converged", std::string(accuracy.converged ? "yes" : "no")}};
+    table.facts = {{"error_estimate", rounded(report.error_estimate(), 3)},
+                   {"tolerance", report.tolerance},
+                   {"converged", std::string(report.converged() ? "yes" : "no")}};
     table.columns = {"file", "bytes"};
     for (const char* band : exports::kDeviationBands) {
         table.columns.push_back(fmt::format("rms_deviation ({})", band));
@@ -47,44 +46,51 @@ Table table_of(const std::vector<exports::ExportedFile>& files,
     return table;
 }
 
-int run_export(const ExportArguments& arguments, const Shell& shell) {
+int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
-    if (output.empty() || output == "-") throw UsageError("export needs -o FILE");
-    arguments.check_format();
-    const Request request = arguments.scene();
-    if (is_spectrum_format(arguments.format())) {
-        return export_spectrum(arguments.format(), request, shell);
-    }
-    const exports::ExportOptions options = arguments.file(request.wavelength_nm);
-    const exports::SolvedSource source(request, exports::parse_component(arguments.component()),
-                                       shell.command_line(), shell.control());
+    const exports::ExportOptions options = arguments.file(brdf.wavelength_nm());
+    const BrdfTable table =
+        brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
     std::vector<exports::ExportedFile> files;
     try {
-        files = exports::export_brdf(source, options, output, shell.control());
+        files = exports::export_brdf(table, options, output, shell.control());
     } catch (const exports::TooCoarse& error) {
         shell.note(std::string("error: ") + error.what());
         return kCheckFailed;
     }
     for (const auto& file : files) shell.note(describe(file));
-    const exports::SolverAccuracy& accuracy = source.accuracy();
-    shell.tell_written(table_of(files, accuracy));
-    shell.note(describe(accuracy) + (accuracy.converged ? "" : "; all values are written"));
-    return accuracy.converged ? kGood : kNotConverged;
+    const ResultReport& report = table.report();
+    shell.tell_written(table_of(files, report));
+    shell.note(report.summary() + (report.converged() ? "" : "; all values are written"));
+    return report.converged() ? kGood : kNotConverged;
+}
+
+Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shell& shell) {
+    const std::string& output = shell.common().output;
+    if (output.empty() || output == "-")
+        throw UsageError("export needs -o FILE (in a scene file, an 'output')");
+    arguments->check_format();
+    const Request request = arguments->scene();
+    const Brdf brdf = solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+    if (is_spectrum_format(arguments->format())) {
+        return
+            [brdf, arguments, &shell] { return export_spectrum(arguments->format(), brdf, shell); };
+    }
+    arguments->file(request.wavelength_nm);  // refuses lists that are wrong
+    return [brdf, arguments, &shell] { return write_export(brdf, *arguments, shell); };
 }
 
 }  // namespace
 
-void add_export_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("export", "the BRDF of a scene as a file for renderers and tools");
+void add_export(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ExportArguments>();
-    arguments->add_to(*command);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
+    arguments->add_to(command, shell);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
         "Example:\n  miebrdf export --format rgl --base TiO2 --coat AlGaAs7@0.1 --wavelengths "
         "400:700:10 "
         "-o algaas7_on_tio2.bsdf");
-    shell.on_run(*command, [arguments, &shell] { return run_export(*arguments, shell); });
+    shell.on_prepare(command, [arguments, &shell] { return prepare_export(arguments, shell); });
 }
 
 }  // namespace miebrdf::program

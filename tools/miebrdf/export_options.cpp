@@ -7,19 +7,18 @@
 #include <miebrdf/error.h>
 #include "pipeline/formats/rgb_weights.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/export_formats.h"
 
 namespace miebrdf::program {
 
-void ExportArguments::add_to(CLI::App& command) {
+void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     command_ = &command;
     command
         .add_option("--format", options_.format,
                     fmt::format("{}", fmt::join(all_export_formats(), ", ")))
         ->type_name("NAME")
         ->required();
-    scene_.add_to(command);
+    scene_.add_to(command, shell);
     command.add_option("--component", component_, "total, subsurface or surface")
         ->capture_default_str();
     add_file_options(command);
@@ -57,10 +56,15 @@ void ExportArguments::add_file_options(CLI::App& command) {
         ->capture_default_str();
 }
 
+bool ExportArguments::given(const std::string& option) const {
+    // Words of the scene may come from a scene file, where no option is typed.
+    return scene_.given(option.substr(2)) || command_->get_option(option)->count() > 0;
+}
+
 void ExportArguments::check_format() const {
     const std::vector<std::string> taken = file_options_of(format());
     for (const std::string& name : ignored_options_of(format())) {
-        if (command_->get_option(name)->count() == 0) continue;
+        if (!given(name)) continue;
         throw UsageError(fmt::format(
             "format '{}' has no use for {}; {}", format(), name,
             taken.empty()
@@ -71,7 +75,7 @@ void ExportArguments::check_format() const {
         !azimuth_.empty()) {
         throw UsageError("--resolution is for lists that are not given; here all three are");
     }
-    exports::parse_component(component_);
+    parse_brdf_part(component_);
 }
 
 Request ExportArguments::scene() const {

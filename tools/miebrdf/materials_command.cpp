@@ -20,24 +20,21 @@ std::filesystem::path DatabaseArgument::file() const {
     return file_.empty() ? materials::default_user_database() : std::filesystem::path(file_);
 }
 
-materials::Database DatabaseArgument::open() const {
-    if (!file_.empty() && !std::filesystem::exists(file_)) {
-        throw InputError(fmt::format("materials database '{}' does not exist", file_));
-    }
-    return materials::Database::layered(file());
+materials::Database open_database(const std::string& file) {
+    if (file.empty()) return materials::Database::layered(materials::default_user_database());
+    if (!std::filesystem::exists(file))
+        throw InputError(fmt::format("materials database '{}' does not exist", file));
+    return materials::Database::layered(file);
 }
 
-void add_materials_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand(
-        "materials", "optical constants: find, show, evaluate, import, export");
-    command->require_subcommand(1);
-    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
-    add_materials_query_commands(*command, shell);
-    add_materials_nk_command(*command, shell);
-    add_materials_edit_commands(*command, shell);
-    add_materials_plot_command(*command, shell);
-    add_materials_check_commands(*command, shell);
-    command->footer(
+void add_materials(CLI::App& command, Shell& shell) {
+    command.require_subcommand(1);
+    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    add_materials_query_commands(command, shell);
+    add_materials_nk_commands(command, shell);
+    add_materials_edit_commands(command, shell);
+    add_materials_check_commands(command, shell);
+    command.footer(
         "Example:\n  miebrdf materials search oxide --covers 400:700\n"
         "  miebrdf materials nk GaP --wavelengths 400:700:10");
 }

@@ -1,6 +1,7 @@
 #include "tools/miebrdf/program.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <exception>
 #include <iostream>
@@ -8,9 +9,8 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
-#include "tools/miebrdf/command.h"
-#include "tools/miebrdf/interrupt.h"
 #include "tools/miebrdf/suggestions.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
 namespace {
@@ -24,13 +24,13 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared) {
+int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
     program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
-    Shell shell(command_line_of(arguments), shared);
-    add_commands(program, shell);
+    Shell shell(command_line_of(arguments));
+    add_commands(program, shell, commands);
     try {
         // CLI11 takes its arguments from the back.
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
@@ -39,7 +39,7 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
     } catch (const CLI::ParseError& error) {
         return complain(kUsage, explain(program, error));
     }
-    const int code = shell.run();
+    const int code = shell.prepare()();
     if (code == kNotConverged) {
         shell.note(
             "not converged: the estimated error is above the tolerance (`miebrdf brdf` says "
@@ -51,23 +51,9 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
 
 }  // namespace
 
-void add_commands(CLI::App& program, Shell& shell) {
-    add_brdf_command(program, shell);
-    add_albedo_command(program, shell);
-    add_optics_command(program, shell);
-    add_phase_command(program, shell);
-    add_sphere_command(program, shell);
-    add_table1_command(program, shell);
-    add_materials_command(program, shell);
-    add_export_command(program, shell);
-    add_check_command(program, shell);
-    add_plot_command(program, shell);
-    add_bench_command(program, shell);
-    add_stress_command(program, shell);
-    add_render_command(program, shell);
-    add_plan_command(program, shell);
-    add_run_command(program, shell);
-    add_cache_command(program, shell);
+void add_commands(CLI::App& parent, Shell& shell, std::span<const Command> commands) {
+    for (const Command& command : commands)
+        command.add(*parent.add_subcommand(command.name, command.help), shell);
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {
@@ -85,15 +71,33 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
     return line;
 }
 
-int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
+std::string message_of(const Error& error) {
+    std::string message = error.what();
+    for (const SceneWord& word : scene_words()) {
+        const std::string option = "--" + word.name;
+        // The field that was at fault comes first; others may be named where they help.
+        if (word.field == error.field() && message.rfind(word.field + ":", 0) == 0) {
+            const std::string unit = word.unit.empty() ? "" : fmt::format(" ({})", word.unit);
+            message.replace(0, word.field.size(), option + unit);
+        }
+        if (word.field.find('_') == std::string::npos) continue;  // an ordinary word
+        for (std::size_t at = message.find(word.field); at != std::string::npos;
+             at = message.find(word.field, at)) {
+            message.replace(at, word.field.size(), option);
+        }
+    }
+    return message;
+}
+
+int run_program(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     try {
-        return parse_and_run(arguments, shared);
+        return parse_and_run(commands, arguments);
     } catch (const Cancelled&) {
         return complain(interrupt_exit_code(), "interrupted; nothing unfinished was written");
     } catch (const UsageError& error) {
-        return complain(kUsage, error.what());
-    } catch (const InputError& error) {
-        return complain(kBadInput, error.what());
+        return complain(kUsage, message_of(error));
+    } catch (const Error& error) {
+        return complain(kBadInput, message_of(error));
     } catch (const std::invalid_argument& error) {
         return complain(kUsage, error.what());
     } catch (const std::bad_alloc&) {
@@ -101,6 +105,20 @@ int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
     } catch (const std::exception& error) {
         return complain(kBadInput, error.what());
     }
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    constexpr int kLargest = 256 << 20;
+    ::mallopt(M_MMAP_THRESHOLD, kLargest);
+    ::mallopt(M_TRIM_THRESHOLD, kLargest);
+    ::mallopt(M_TOP_PAD, 16 << 20);
+#endif
+}
+
+int run_main(std::span<const Command> commands, int argc, char** argv) {
+    keep_freed_memory();
+    return run_program(commands, {argv + 1, argv + argc});
 }
 
 }  // namespace miebrdf::program

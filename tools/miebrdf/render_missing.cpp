@@ -11,12 +11,10 @@ constexpr char kReason[] =
 
 }  // namespace
 
-void add_render_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand(
-        "render", "a picture of a lit object of these materials (not in this build)");
-    command->allow_extras();  // its options are not known here, and not to blame
-    command->footer(kReason);
-    shell.on_run(*command, []() -> int { throw UsageError(kReason); });
+void add_render(CLI::App& command, Shell& shell) {
+    command.allow_extras();  // its options are not known here, and not to blame
+    command.footer(kReason);
+    shell.on_run(command, []() -> int { throw UsageError(kReason); });
 }
 
 }  // namespace miebrdf::program

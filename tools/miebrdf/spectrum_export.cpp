@@ -2,17 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "pipeline/formats/spectrum_writer.h"
 #include "pipeline/io/atomic_file.h"
-#include "pipeline/solve/brdf.h"
-#include "pipeline/solve/medium_optics.h"
-#include "pipeline/solve/parallel.h"
+#include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf::program {
 namespace {
@@ -26,19 +24,15 @@ void tell_written(bool converged, const Shell& shell) {
                         .rows = {{shell.common().output}}});
 }
 
-int export_albedo(const std::string& format, Request request, const Shell& shell) {
-    request.directions.mu_in = {1.0};
-    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());
-    const AlbedoResult result = compute_albedo(request, shell.control());
+int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    const AlbedoValues values = brdf.albedo({1.0});
     exports::Spectrum spectrum;
-    for (const AlbedoSlice& slice : result.slices) {
-        spectrum.wavelength_nm.push_back(slice.wavelength_nm);
-        spectrum.value.push_back(slice.spherical_albedo);
-    }
+    spectrum.wavelength_nm = brdf.wavelength_nm();
+    spectrum.value = values.spherical_albedo;
     spectrum.comments = {
         fmt::format("miebrdf {}", kVersion), shell.command_line(),
         "spherical albedo (reflectance under diffuse light), wavelengths in nm in vacuum"};
-    for (const std::string& source : result.sources)
+    for (const std::string& source : values.sources)
         spectrum.comments.push_back("source: " + source);
     AtomicFile file(shell.common().output);
     if (format == "spd") {
@@ -47,27 +41,27 @@ int export_albedo(const std::string& format, Request request, const Shell& shell
         exports::write_mitsuba_irregular(spectrum, file.stream());
     }
     file.commit();
-    tell_written(result.converged, shell);
-    return result.converged ? kGood : kNotConverged;
+    tell_written(values.converged(), shell);
+    return values.converged() ? kGood : kNotConverged;
 }
 
-int export_scattering(const Request& request, const Shell& shell) {
-    validate(request);
-    const ResolvedMedium medium = MediumResolver(request.database).resolve(request.scene.base);
+int export_scattering(const Brdf& brdf, const Shell& shell) {
+    // The base alone: layers are for light transfer.
+    const Scene scene{.base = brdf.scene().base,
+                      .particles = brdf.scene().particles,
+                      .database = brdf.scene().database};
+    const ResolvedScene resolved = resolve(scene, brdf.wavelength_nm());
     OpticsDemand demand;
     demand.highest_moment = kHighestMoment;
-    if (request.scene.particles.tolerance > 0.0)
-        demand.tolerance = request.scene.particles.tolerance;
-    std::vector<MediumOptics> optics(request.wavelength_nm.size());
-    const mie::Executor pieces = pieces_of_job(shell.control());
-    run_parallel("single scattering", optics.size(), shell.control(), [&](std::size_t w) {
-        optics[w] = medium_optics(medium, request.wavelength_nm[w], request.scene.particles, demand,
-                                  pieces);
-    });
+    if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
+    std::vector<std::size_t> wavelengths(brdf.wavelength_nm().size());
+    std::iota(wavelengths.begin(), wavelengths.end(), std::size_t{0});
+    const auto optics = optics_of(resolved, {0}, wavelengths, demand, shell.control());
     exports::ScatteringTable table;
-    table.wavelength_nm = request.wavelength_nm;
+    table.wavelength_nm = brdf.wavelength_nm();
     bool converged = true;
-    for (const MediumOptics& o : optics) {
+    for (const std::vector<MediumOptics>& media : optics) {
+        const MediumOptics& o = media.front();
         table.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
         table.asymmetry.push_back(o.asymmetry);
         table.q_ext.push_back(o.q_ext.value_or(std::numeric_limits<double>::quiet_NaN()));
@@ -77,8 +71,8 @@ int export_scattering(const Request& request, const Shell& shell) {
     const nlohmann::ordered_json metadata = {
         {"generator", fmt::format("miebrdf {}", kVersion)},
         {"command", shell.command_line()},
-        {"medium", describe(request.scene.base)},
-        {"source", medium.source},
+        {"medium", describe(scene.base)},
+        {"source", resolved.sources.front()},
         {"chi", "Legendre moments, chi_0 = 1, without 2l + 1"},
         {"lm_a1", "(2l + 1) chi_l, the Legendre coefficients of the phase function with mean 1"},
         {"ssa", "scattering / extinction"},
@@ -95,9 +89,9 @@ bool is_spectrum_format(const std::string& format) {
     return format == "spd" || format == "irregular" || format == "scattering";
 }
 
-int export_spectrum(const std::string& format, const Request& request, const Shell& shell) {
-    return format == "scattering" ? export_scattering(request, shell)
-                                  : export_albedo(format, request, shell);
+int export_spectrum(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    return format == "scattering" ? export_scattering(brdf, shell)
+                                  : export_albedo(format, brdf, shell);
 }
 
 }  // namespace miebrdf::program

@@ -1,7 +1,7 @@
 // The exports that hold no directions: reflectance spectra and single-scattering tables.
 #pragma once
 
-#include "pipeline/scene/request.h"
+#include <miebrdf/brdf.h>
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
@@ -12,6 +12,6 @@ bool is_spectrum_format(const std::string& format);
 /// Writes spherical albedos (spd, irregular) or albedo and moments of the base's single scattering
 /// (scattering, npz) to -o FILE.
 /// @return  an exit code
-int export_spectrum(const std::string& format, const Request& request, const Shell& shell);
+int export_spectrum(const std::string& format, const Brdf& brdf, const Shell& shell);
 
 }  // namespace miebrdf::program

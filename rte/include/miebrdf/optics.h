@@ -1,5 +1,5 @@
-// What radiative transfer needs to know of a medium: the border between single scattering
-// (from Mie theory, a formula or a file) and everything in this folder.
+// What radiative transfer needs to know: single scattering by each medium (from Mie theory, a
+// formula or a file), and what lies on what.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
@@ -56,5 +56,29 @@ struct MixtureComponent {
 /// @throws std::invalid_argument  no component, an extinction that is negative or not finite, or a
 ///         sum of zero
 Optics mix(const std::vector<MixtureComponent>& components);
+
+/// A homogeneous layer.
+struct Coat {
+    Optics optics;
+    double optical_depth = 0.0;  ///< of extinction, vertical, >= 0; may be infinite
+};
+
+enum class BaseKind {
+    half_space,  ///< a medium without end
+    lambertian,  ///< a ground that reflects `ground_albedo` of the flux alike in all directions
+    none,        ///< nothing: black
+};
+
+/// A base and its coats in painting order: the last one is on top.
+struct Stack {
+    Optics base = {};  ///< of the half-space; ignored for the other kinds
+    std::vector<Coat> coats = {};
+    BaseKind base_kind = BaseKind::half_space;
+    double ground_albedo = 0.0;  ///< in [0, 1], of the Lambertian ground
+};
+
+/// Checks every medium, optical depth and the ground's albedo.
+/// @throws std::invalid_argument  with the value and the allowed range
+void validate(const Stack& stack);
 
 }  // namespace miebrdf::rte

@@ -1,0 +1,132 @@
+// The sum over Fourier orders, until the directions asked for no longer notice: when it may stop,
+// and which orders a solution with fewer nodes has settled already.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include <miebrdf/solver.h>
+#include "rte/grid/directions.h"
+#include "rte/half_space/half_space.h"
+#include "rte/stack/scaled_stack.h"
+
+namespace miebrdf::rte {
+
+/// What the azimuthal orders that are left out may amount to: their share of a solver's tolerance.
+inline constexpr double share_of_orders = 0.25;
+
+/// Sizes of successive azimuthal orders: |R^m|, the largest at each incidence relative to that of
+/// order 0, and of these the largest. By incidence, as errors are: a bright zenith in the same
+/// request says nothing of grazing light.
+class OrderSizes {
+  public:
+    /// @param reflection  R^m, out x in; m = 0 first
+    double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
+
+  private:
+    Eigen::VectorXd of_order_zero_;
+};
+
+/// Watches the sizes of successive azimuthal orders and says when those still to come are below a
+/// tolerance relative to order 0.
+///
+/// Orders of a smooth phase function fall like r^m: once two steps in a row have fallen by r <= 0.7
+/// or more, the rest is a geometric series, 2 v r / (1 - r) with the 2 of 2 R^m cos(m azimuth). v
+/// is the envelope max(v_m, r v_(m-1)), because one small order may be an accident of parity. Where
+/// the orders fall otherwise, the rest is taken as 2.5 times the larger of the last two.
+class OrderTail {
+  public:
+    explicit OrderTail(double tolerance) : tolerance_(tolerance) {}
+
+    /// Takes the next order. True once the rest no longer matters.
+    bool ends_with(double largest);
+
+    /// What the orders still to come amount to, relative to order 0.
+    double remaining() const { return remaining_; }
+
+  private:
+    double tolerance_;
+    int count_ = 0;
+    double order_zero_ = 0.0;
+    double before_last_ = 0.0;
+    double last_ = 0.0;
+    double remaining_ = 0.0;
+};
+
+/// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.
+using OrderList = std::vector<Eigen::MatrixXd>;
+
+/// A finer solution repeats the orders of a coarser one until two in a row differ by less than a
+/// tolerance, relative to order 0, or order 0 itself by less than a tenth of it; the rest it takes
+/// over. Both converge alike in every order as long as the phase functions are smooth: of 442
+/// random coated scenes with 10 to 48 nodes, compared at 25 pairs, the worst order was apart 0.2
+/// times as far as order 0 in the median, 3.3 times in one of a hundred, 7.6 times at most. Where a
+/// peak is cut off they do not, and nothing must be taken over. Few pairs may agree by accident:
+/// they need probes (RequestedDirections).
+class CoarserOrders {
+  public:
+    /// @param orders  of the coarser solution; empty: nothing is taken over
+    CoarserOrders(const OrderList& orders, double tolerance)
+        : orders_(orders), tolerance_(tolerance) {}
+
+    /// Takes note of order m of the finer solution.
+    void compare(int order, const Eigen::MatrixXd& finer, const RequestedDirections& requested);
+
+    /// The coarser R^m, or null where the finer one has to be computed.
+    const Eigen::MatrixXd* settled(int order) const;
+
+    /// How far the orders that agreed were apart, relative to order 0: no order that was taken over
+    /// is known better.
+    double difference() const { return difference_; }
+
+  private:
+    const OrderList& orders_;
+    double tolerance_;
+    double order_zero_ = 0.0;
+    double difference_ = 0.0;
+    int alike_ = 0;
+};
+
+struct StackMemory;
+
+/// Reflection without the first order, and how it was found.
+struct MultipleScattering {
+    std::vector<double> reflection;  ///< [(i * out + o) * azimuths + a]
+    /// At the incident cosines, all orders of scattering: what order 0 knows anyway.
+    std::vector<double> plane_albedo;
+    int orders = 0;  ///< the highest one summed, plus 1
+    int iterations = 0;
+    double residual = 0.0;
+    /// Orders not summed, or the doubt in those taken over, relative to order 0: largest (mu + mu')
+    /// R.
+    double tail = 0.0;
+    bool converged = true;
+    bool physical = true;
+    OrderList by_order;  ///< for a finer solution, probes too; empty where none may be taken over
+};
+
+/// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
+///
+/// Stops where the orders still to come are below `tail_tolerance` (order_tail.h). Only m = 0
+/// is computed when all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders
+/// whose cosine is zero at every azimuth (the odd ones across the plane of incidence) are left out.
+/// @param coarser_orders  by_order of a solution with fewer nodes, or empty (coarser_orders.h)
+MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                              const RequestedDirections& requested,
+                              std::span<const double> azimuth_deg, double tail_tolerance,
+                              const SolverOptions& options, StackMemory& memory,
+                              const OrderList& coarser_orders);
+
+/// The same with memory of its own, from no coarser solution.
+MultipleScattering sum_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                              const RequestedDirections& requested,
+                              std::span<const double> azimuth_deg, double tail_tolerance,
+                              const SolverOptions& options);
+
+/// Order 0 alone, for albedos: the answer to a sky (downward radiance at the nodes).
+Reflector zeroth_order(const ScaledStack& stack, const ZenithGrid& grid,
+                       const RequestedDirections& requested, const SolverOptions& options,
+                       StackMemory& memory, const Eigen::VectorXd& sky);
+
+}  // namespace miebrdf::rte
