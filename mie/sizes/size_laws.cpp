@@ -8,16 +8,13 @@
 
 namespace miebrdf::mie {
 
-extern const SizeLaw kPowerLaw, kGamma, kLogNormal, kMono, kTabulated;
+extern const SizeLaw kPowerLaw, kGamma, kLogNormal, kRosinRammler, kMono, kTabulated;
 
 namespace {
 
 // All that can be asked for by name, in the order in which help lists them.
 constexpr const SizeLaw* kLaws[] = {
-    &kPowerLaw,
-    &kGamma,
-    &kLogNormal,
-    &kMono,
+    &kPowerLaw, &kGamma, &kLogNormal, &kRosinRammler, &kMono,
 };
 
 }  // namespace

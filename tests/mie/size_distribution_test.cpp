@@ -1,6 +1,8 @@
 #include <miebrdf/sizes.h>
 
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "mie/sizes/size_nodes.h"
 #include "tests/support/catch.h"
@@ -26,8 +28,8 @@ TEST_CASE("the ends of the power law meet both of its conditions", "[mie][sizes]
 TEST_CASE("both rules of nodes give back effective radius and variance", "[mie][sizes]") {
     // r_eff = <r>, v_eff r_eff^2 = <(r - r_eff)^2> with cross-section weights: Hansen & Travis,
     // eq. 2.53-54.
-    const auto kind = GENERATE(SizeDistributionKind::power_law, SizeDistributionKind::gamma,
-                               SizeDistributionKind::log_normal);
+    const auto kind =
+        mie::parse_size_distribution(GENERATE("power-law", "gamma", "log-normal", "rosin-rammler"));
     const double v = GENERATE(0.01, 0.2);
     const bool even = GENERATE(false, true);
     const double offset = even ? GENERATE(0.1, 0.5, 1.0) : 0.0;
@@ -48,6 +50,30 @@ TEST_CASE("both rules of nodes give back effective radius and variance", "[mie][
     CHECK(std::abs(area - 1) <= bound);
     CHECK(std::abs(radius / 7 - 1) <= bound);
     CHECK(std::abs(square / (49 * v) - 1) <= 20 * bound);
+}
+
+TEST_CASE("of Rosin-Rammler powders exp(-(r / r_0)^s) of the volume is larger than r",
+          "[mie][sizes]") {
+    // r_0 = r_eff Gamma(1 - 1/s) and 1 + v_eff = (pi/s) / sin(pi/s).
+    const double s = GENERATE(1.1, 1.5, 3.0, 20.0, 1e4);
+    const double x = std::numbers::pi / s;
+    const mie::SizeDistribution d{mie::parse_size_distribution("rosin-rammler"), 7.0,
+                                  x / std::sin(x) - 1};
+    const double r_0 = 7.0 * std::tgamma(1 - 1 / s);
+    CAPTURE(s, d.effective_variance);
+    // v loses the digits that s gains: 1e-16 / v of s, times ln(r / r_0).
+    const double bound = 1e-13 + 1e-15 / d.effective_variance;
+    const auto area = mie::area_density(d);
+    for (const double t : {1e-3, 0.3, 1.0, 4.0}) {
+        // Share of the volume per radius: n r^3 over <n r^3> = r_eff <n r^2>.
+        const double r = r_0 * std::pow(t, 1 / s);
+        CHECK(area->at(r) * r / 7.0 == Approx(s * t / r * std::exp(-t)).epsilon(bound));
+        CHECK(std::abs(area->at(std::complex<double>(r)) / area->at(r) - 1.0) <= 100 * bound);
+    }
+    // Of the area, what lies below r has volume over r: an incomplete gamma function.
+    const mie::RadiusRange below{1e-300, r_0};
+    CHECK(mie::area_share_within(d, below) ==
+          Approx(boost::math::gamma_p(1 - 1 / s, 1.0)).epsilon(bound));
 }
 
 TEST_CASE("two shifted even grids make the finer one", "[mie][sizes]") {
