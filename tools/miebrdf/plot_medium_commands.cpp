@@ -5,8 +5,8 @@
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
-#include "tools/miebrdf/media_options.h"
 #include "tools/miebrdf/plot_command.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/suggestions.h"
+#include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {
 namespace {
