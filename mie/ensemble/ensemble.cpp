@@ -27,9 +27,8 @@ constexpr double kRounding = 1e-13;             // no estimate below what roundi
 
 // What a size distribution without ends leaves out: well below what is asked of the result.
 double tail_for(const EnsembleRequest& request) {
-    const bool endless = request.sizes.kind == SizeDistributionKind::gamma ||
-                         request.sizes.kind == SizeDistributionKind::log_normal;
-    return endless ? std::clamp(0.02 * request.tolerance, 1e-16, 1e-6) : 0.0;
+    if (request.sizes.kind.law().has_ends) return 0;
+    return std::clamp(0.02 * request.tolerance, 1e-16, 1e-6);
 }
 
 void validate(const EnsembleRequest& r) {
@@ -208,8 +207,7 @@ void EnsembleAverage::add_pass() {
 }
 
 void EnsembleAverage::prepare_even_rule() {
-    // A table has no analytic continuation.
-    if (exact_known_ || request_.sizes.kind == SizeDistributionKind::tabulated) return;
+    if (exact_known_ || !request_.sizes.kind.law().analytic) return;
     exact_q_ext_ =
         exact_extinction(relative_index_, request_.sizes, range_, wave_number_per_um_, run_) /
         share_;
@@ -244,8 +242,9 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     if (single || refinement_->pass() == 0) return;
     const double absorption = change_by_absorption(before, optics_);
     const double change = std::max(largest_change(before, optics_), absorption);
-    if (request_.sizes.kind == SizeDistributionKind::tabulated) {
-        // Bends between the rows converge slowly, and there is no exact extinction to compare with.
+    if (!request_.sizes.kind.law().analytic) {
+        // Bends (between the rows of a table) converge slowly, and there is no exact extinction to
+        // compare with.
         optics_.error_estimate = std::max(2 * change, least);
     } else if (refinement_->rule() == Rule::smooth) {
         // Gauss rules gain at least what they gained last time.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
-#include "mie/sizes/area_density.h"
+#include "mie/sizes/size_law.h"
 #include "mie/sphere/lane_waves.h"
 #include "mie/sphere/radial_functions.h"
 #include "rte/math/quadrature.h"
@@ -86,19 +86,7 @@ struct Path {
     std::vector<Complex> weight;  // dx
 };
 
-// A narrow density of variance v grows off the axis like exp(h^2 / (2 v x^2)) at height h: what has
-// to cancel again along the path would leave its rounding behind. Where 4 would be too high the
-// density itself is the sharpest feature, and a height of 3.7 of its standard deviations is smooth
-// on the path's nodes. The power law has no such growth.
-double highest(const SizeDistribution& distribution, double wave_number_per_um) {
-    const bool grows = distribution.kind == SizeDistributionKind::gamma ||
-                       distribution.kind == SizeDistributionKind::log_normal;
-    if (!grows) return 4.0;
-    constexpr double kGrowth = 1e3;
-    return wave_number_per_um * distribution.effective_radius_um *
-           std::sqrt(2 * std::log(kGrowth) * distribution.effective_variance);
-}
-
+// highest: what the density of sizes allows (SizeLaw::continuation_height).
 Path shifted_path(Complex m, double smallest, double largest, double highest) {
     const double height = std::min({4.0, largest, highest});  // higher, small spheres would cancel
     constexpr int kCapNodes = 32;
@@ -136,10 +124,11 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
 
 double exact_extinction(Complex relative_index, const SizeDistribution& distribution,
                         const RadiusRange& range, double wave_number_per_um, const Executor& run) {
-    const AreaDensity area_density(distribution);
+    const std::unique_ptr<const AreaDensity> density = area_density(distribution);
+    const double highest = wave_number_per_um * distribution.effective_radius_um *
+                           distribution.kind.law().continuation_height(distribution);
     const Path path = shifted_path(relative_index, wave_number_per_um * range.smallest_um,
-                                   wave_number_per_um * range.largest_um,
-                                   highest(distribution, wave_number_per_um));
+                                   wave_number_per_um * range.largest_um, highest);
     const int groups = static_cast<int>(path.x.size()) / kLaneCount;
     std::vector<double> parts(groups, 0.0);
     run(groups, [&](int group) {
@@ -148,7 +137,7 @@ double exact_extinction(Complex relative_index, const SizeDistribution& distribu
         forward_sums(relative_index, &path.x[first], sums);
         for (int lane = 0; lane < kLaneCount; ++lane) {
             const Complex x = path.x[first + lane];
-            const Complex share = area_density(x / wave_number_per_um) / wave_number_per_um *
+            const Complex share = density->at(x / wave_number_per_um) / wave_number_per_um *
                                   path.weight[first + lane];
             parts[group] += (2.0 / (x * x) * sums[lane] * share).real();
         }

@@ -60,7 +60,7 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
       wave_number_per_um_(wave_number_per_um),
       rippled_(
           !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)) {
-    if (distribution.kind == SizeDistributionKind::mono) {
+    if (distribution.kind.law().single_size) {
         family_count_ = 1;
         return;
     }

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include <miebrdf/sizes.h>
+#include "mie/sizes/size_law.h"
 
 namespace miebrdf::mie {
 
@@ -18,16 +18,11 @@ struct SizeNodes {
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int count);
 
-/// How the sizes of a power law or a table are spread: equally, as ripple wants it (all resonances
-/// of one family are met alike), or in equal ratios, as averages that are smooth in size want it.
-enum class SizeSpacing { equal, geometric };
-
 /// Equally spaced sizes, as the ripple of transparent spheres wants them, shifted by `offset` of
 /// one spacing, 0 < offset <= 1. Near the ends the spacing shrinks smoothly to zero, so that every
 /// offset is as good as the midpoint, and the grids of `count` nodes with offsets o and o + 1/2
-/// make together the grid of 2 `count`. For gamma and log-normal the density of nodes follows the
-/// cube root of the area density (the least error of a rule whose error goes with the square of the
-/// spacing).
+/// make together the grid of 2 `count`. Laws without ends spread their sizes themselves
+/// (SizeLaw::radius_at).
 SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRange& range, int count,
                           double offset, SizeSpacing spacing = SizeSpacing::equal);
 

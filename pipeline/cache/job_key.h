@@ -29,6 +29,7 @@ class JobKey {
         const auto number = static_cast<double>(value);
         return add(std::span<const double>(&number, 1));
     }
+    JobKey& add(mie::SizeDistributionKind kind) { return add(std::string_view(name_of(kind))); }
     JobKey& add(std::complex<double> value) { return add(value.real()).add(value.imag()); }
     template <typename T>
     JobKey& add(const std::optional<T>& value) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <miebrdf/error.h>
@@ -15,15 +14,6 @@ namespace miebrdf {
 namespace {
 
 using Kind = mie::SizeDistributionKind;
-
-const std::vector<std::pair<Kind, std::string>>& kinds() {
-    static const std::vector<std::pair<Kind, std::string>> names = {
-        {Kind::power_law, "power-law"},
-        {Kind::gamma, "gamma"},
-        {Kind::log_normal, "log-normal"},
-        {Kind::mono, "mono"}};
-    return names;
-}
 
 const std::vector<std::string> kKeys = {"radius", "variance", "distribution"};
 
@@ -58,7 +48,7 @@ std::string nearest_key(const std::string& key) {
 
 mie::SizeDistributionKind parse_kind(const std::string& text, const std::string& layer) {
     try {
-        return parse_size_distribution(text);
+        return mie::parse_size_distribution(text);
     } catch (const UsageError& error) {
         throw UsageError(fmt::format("medium '{}': {}", layer, error.what()));
     }
@@ -141,23 +131,6 @@ SizedText split_sizes(const std::string& text, bool only_sizes) {
     }
     validate(parts.sizes, text);
     return parts;
-}
-
-mie::SizeDistributionKind parse_size_distribution(const std::string& text) {
-    for (const auto& [kind, name] : kinds()) {
-        if (text == name) return kind;
-    }
-    throw UsageError(
-        fmt::format("unknown size distribution '{}'; allowed: power-law, gamma, "
-                    "log-normal, mono",
-                    text));
-}
-
-std::string name_of(mie::SizeDistributionKind kind) {
-    for (const auto& [known, name] : kinds()) {
-        if (kind == known) return name;
-    }
-    return "tabulated";
 }
 
 }  // namespace miebrdf

@@ -30,9 +30,4 @@ struct SizedText {
 /// @throws UsageError  for unknown keys, with the nearest; for keys given twice; as validate
 SizedText split_sizes(const std::string& text, bool only_sizes);
 
-/// Reads `power-law`, `gamma`, `log-normal` or `mono`.
-mie::SizeDistributionKind parse_size_distribution(const std::string& text);
-/// The name that it reads; `tabulated` for a table.
-std::string name_of(mie::SizeDistributionKind kind);
-
 }  // namespace miebrdf

@@ -214,7 +214,7 @@ std::vector<SceneWord> particle_words() {
              .set =
                  [](const SceneWord& word, Values values, Request& request) {
                      request.scene.particles.sizes.kind =
-                         parse_size_distribution(text_of(one_value(word, values)));
+                         mie::parse_size_distribution(text_of(one_value(word, values)));
                  }},
             {.name = "host-index",
              .placeholder = "N",

@@ -96,9 +96,9 @@ TEST_CASE("the error estimate is honest for every kind of sizes", "[mie][ensembl
                     request.tolerance = tolerance;
                     const auto optics = mie::average_over_sizes(request);
                     const double error = distance(averages_of(optics), truth);
-                    UNSCOPED_INFO(int(kind) << " m " << index << " r " << radius_um << " error "
-                                            << error << " estimate " << optics.error_estimate
-                                            << " granted " << granted);
+                    UNSCOPED_INFO(name_of(kind) << " m " << index << " r " << radius_um << " error "
+                                                << error << " estimate " << optics.error_estimate
+                                                << " granted " << granted);
                     honest += error <= 3 * optics.error_estimate + granted;
                     ++cases;
                     CHECK(optics.converged == (optics.error_estimate <= tolerance));

@@ -138,7 +138,7 @@ TEST_CASE("albedos through a boundary count what it lets in and out", "[rte][alb
     rte::Stack stack;
     stack.base = rte::henyey_greenstein_optics(0.95, 0.6);
     const auto boundary = [](double mu) {
-        return rte::BoundaryWeights{.in = 0.3 + 0.6 * mu, .out = 1.2 - 0.5 * mu * mu};
+        return rte::SurfaceWeights{.in = 0.3 + 0.6 * mu, .out = 1.2 - 0.5 * mu * mu};
     };
     const rte::SolverOptions options{.tolerance = 1e-8, .streams = 32};
     const auto rule = math::gauss_legendre(64, 0.0, 1.0);
@@ -170,7 +170,7 @@ TEST_CASE("albedos through a boundary count what it lets in and out", "[rte][alb
 TEST_CASE("a boundary that lets nothing in gives albedo 0, not 0 / 0", "[rte][albedo]") {
     rte::Stack stack;
     stack.base = rte::isotropic_optics(0.9);
-    const auto mirror = [](double) { return rte::BoundaryWeights{.in = 0, .out = 0}; };
+    const auto mirror = [](double) { return rte::SurfaceWeights{.in = 0, .out = 0}; };
     CHECK(rte::albedo(stack, {0.5}, {}, mirror).spherical_albedo == 0.0);
 }
 

@@ -32,7 +32,7 @@ std::vector<rte::ScaledMedium> media_of(const rte::Stack& stack) {
 }  // namespace
 
 TEST_CASE("many wavelengths at once are each wavelength's own first order",
-          "[exports][first_order]") {
+          "[pipeline][first_order]") {
     // A coat, two coats and a bare base; glories of different widths; a sharp forward peak.
     const rte::Optics sharp = rte::henyey_greenstein_optics(0.6, 0.97);
     const std::vector<std::vector<rte::ScaledMedium>> stacks = {
@@ -42,7 +42,7 @@ TEST_CASE("many wavelengths at once are each wavelength's own first order",
     };
     const bool exact = GENERATE(true, false);
     const double tolerance = GENERATE(1e-3, 1e-5);
-    const exports::FirstOrder together(stacks, exact, tolerance);
+    const FirstOrder together(stacks, exact, tolerance);
     REQUIRE(together.wavelengths() == 3);
     // The same sums over moments, at each direction itself.
     std::vector<rte::NarrowFeatures> features;
@@ -78,14 +78,14 @@ TEST_CASE("many wavelengths at once are each wavelength's own first order",
 }
 
 TEST_CASE("the first order has the same bits wherever the caller keeps it",
-          "[exports][first_order]") {
+          "[pipeline][first_order]") {
     // Eleven wavelengths are no whole number of vectors. Only builds whose vectors are wider than
     // what memory is aligned to can fail.
     const rte::Optics sharp = rte::henyey_greenstein_optics(0.6, 0.97);
     std::vector<std::vector<rte::ScaledMedium>> stacks;
     for (int w = 0; w < 11; ++w)
         stacks.push_back(media_of({.base = glory_optics(0.9, 90 + w), .coats = {{sharp, 0.1}}}));
-    const exports::FirstOrder first_order(stacks, true, 1e-3);
+    const FirstOrder first_order(stacks, true, 1e-3);
     const std::vector<double> cos_azimuth = {-0.9, -0.3, 0.2, 0.8, 1.0};
     const std::size_t count = stacks.size() * cos_azimuth.size();
     std::vector<double> memory(count + 8), reference(count);
@@ -100,8 +100,8 @@ TEST_CASE("the first order has the same bits wherever the caller keeps it",
     }
 }
 
-TEST_CASE("nothing scatters once in no layers", "[exports][first_order]") {
-    const exports::FirstOrder none({{}, {}}, true, 1e-3);
+TEST_CASE("nothing scatters once in no layers", "[pipeline][first_order]") {
+    const FirstOrder none({{}, {}}, true, 1e-3);
     const double cos_azimuth = 0.5;
     double found[2] = {1.0, 1.0};
     none.evaluate(0.5, 0.5, {&cos_azimuth, 1}, found);

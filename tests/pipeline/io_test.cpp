@@ -1,18 +1,37 @@
-#include "pipeline/io/atomic_file.h"
-
+// What is written: files that appear whole, tables, and text in markup.
+#include <miebrdf/error.h>
 #include <sys/stat.h>
 
 #include <atomic>
+#include <cmath>
+#include <cstdlib>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <sstream>
 #include <thread>
 #include <vector>
 
-#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
+#include "pipeline/io/markup.h"
+#include "pipeline/io/table.h"
 #include "tests/support/catch.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
+
+namespace {
+
+Table sample() {
+    Table table;
+    table.facts = {{"version", "0"}, {"source", "a"}, {"source", "b\nc"}, {"tolerance", 0.001}};
+    table.columns = {"name", "value"};
+    table.rows = {{"plain", 0.1}, {"with, comma \"quoted\"", 1e-300}, {Cell(), std::nan("")}};
+    return table;
+}
+
+}  // namespace
 
 TEST_CASE("a file appears whole on commit and not before", "[pipeline][atomic_file]") {
     const support::TemporaryFolder folder;
@@ -164,4 +183,68 @@ TEST_CASE("an abrupt end in the midst of many threads leaves whole files and no 
             CHECK(std::filesystem::file_size(entry.path()) == 2000);
         }
     }
+}
+
+TEST_CASE("CSV has comments, one header, quoted text and empty fields for what is unknown",
+          "[pipeline][table]") {
+    std::ostringstream out;
+    write_csv(sample(), out);
+    CHECK(out.str() ==
+          "# version: 0\n# source: a\n# source: b c\n# tolerance: 0.001\nname,value\nplain,0.1\n"
+          "\"with, comma \"\"quoted\"\"\",1e-300\n,\n");
+}
+
+TEST_CASE("a report stands above the table in CSV and beside it in JSON", "[pipeline][table]") {
+    Table table = sample();
+    table.report_columns = {"part", "error"};
+    table.report = {{1.0, 0.5}, {2.0, Cell()}};
+    std::ostringstream csv, text;
+    write_csv(table, csv);
+    CHECK(csv.str().find("b c\n# tolerance: 0.001\n# report: part,error\n# report: 1,0.5\n# "
+                         "report: 2,\nname,value\n") != std::string::npos);
+    write_json(table, text);
+    const auto json = nlohmann::json::parse(text.str());
+    CHECK(json["report"][0]["error"] == 0.5);
+    CHECK(json["report"][1]["part"] == 2.0);
+    CHECK(json["report"][1]["error"].is_null());
+}
+
+TEST_CASE("numbers in CSV read back to the same double", "[pipeline][table]") {
+    const double value = GENERATE(1.0 / 3.0, 6.02214076e23, 5e-324, -0.1, 123456789.123456789);
+    Table table;
+    table.columns = {"x"};
+    table.rows = {{value}};
+    std::ostringstream out;
+    write_csv(table, out);
+    CHECK(std::strtod(out.str().c_str() + 2, nullptr) == value);
+}
+
+TEST_CASE("JSON is valid, keeps repeated facts and has null for what is unknown",
+          "[pipeline][table]") {
+    std::ostringstream out;
+    write_json(sample(), out);
+    const auto json = nlohmann::json::parse(out.str());
+    CHECK(json["facts"]["source"] == nlohmann::json::array({"a", "b\nc"}));
+    CHECK(json["facts"]["tolerance"] == 0.001);
+    CHECK(json["columns"] == nlohmann::json::array({"name", "value"}));
+    CHECK(json["rows"][0][1] == 0.1);
+    CHECK(json["rows"][2][0].is_null());
+    CHECK(json["rows"][2][1].is_null());
+}
+
+TEST_CASE("text in markup is read back as it was, by an XML parser, in elements and attributes",
+          "[pipeline][markup]") {
+    const std::string text = "a <b> & \"c\" 'd' &amp; TiO\u2082\n\te";
+    const std::string xml = "<t a=\"" + escape_markup(text) + "\" b='" + escape_markup(text) +
+                            "'>" + escape_markup(text) + "</t>";
+    pugi::xml_document document;
+    // As written: XML lets parsers turn line ends and tabs of attributes into blanks.
+    REQUIRE(document.load_string(xml.c_str(), pugi::parse_escapes));
+    CHECK(document.child("t").child_value() == text);
+    CHECK(document.child("t").attribute("a").value() == text);
+    CHECK(document.child("t").attribute("b").value() == text);
+}
+
+TEST_CASE("control characters, which XML cannot have, are left out", "[pipeline][markup]") {
+    CHECK(escape_markup(std::string("a\x01\x1b[31m\0b\r", 10)) == "a[31mb");
 }
