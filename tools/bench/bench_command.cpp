@@ -119,15 +119,15 @@ void add_bench(CLI::App& command, Shell& shell) {
         ->type_name("LIST");
     command
         .add_option("--compare", arguments->compare_with,
-                    "results.csv of an earlier run: what changed since")
+                    "compare with the results.csv of an earlier run")
         ->type_name("OLD.csv");
     command.add_option("--repeats", arguments->repeats,
-                       "rounds in which all methods take turns; default 5");
+                       "how often every method is timed; default 5");
     command.add_option("--longest", arguments->longest,
-                       "CPU seconds for the repeats of one point; default 4");
+                       "longest CPU time in seconds for repeating one measurement; default 4");
     command
         .add_option("--read", arguments->read,
-                    "measure nothing: plots and page of this results.csv")
+                    "do not measure; draw plots and page from this results.csv")
         ->type_name("FILE");
     command
         .add_option("--docs", arguments->docs,

@@ -1,5 +1,5 @@
 // miebrdf-bench: `miebrdf bench` and `miebrdf stress`, which run this program.
-#include "tools/miebrdf/bench_program.h"
+#include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {

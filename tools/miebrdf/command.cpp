@@ -15,7 +15,7 @@
 namespace miebrdf::program {
 namespace {
 
-/// Before anything is computed for a file that could not be written.
+/// Refuses a file in a folder that does not exist, before anything is computed for it.
 void require_folder_of(const std::string& file) {
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
     std::error_code unreadable;  // is no folder either
@@ -38,19 +38,24 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
                 if (writes != Writes::folder) require_folder_of(file);
                 common_.output = file;
             },
-            "write to FILE instead of standard output (whole or not at all)")
+            "write to FILE instead of standard output; FILE appears when it is complete")
         ->type_name("FILE");
     command.add_flag("--json", common_.json,
-                     writes == Writes::table ? "write JSON instead of CSV"
-                                             : "tell on standard output what was written, as JSON");
+                     writes == Writes::table
+                         ? "write JSON instead of CSV"
+                         : "print what was written, as JSON, to standard output");
     command
         .add_option("--threads", common_.threads,
-                    "most threads to use, up to one per processor; 0: that many")
+                    "largest number of threads; 0: one for each processor")
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
-    command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");
-    command.add_flag("--no-cache", common_.no_cache, "compute everything, remember nothing");
-    command.add_option("--progress", common_.progress, "auto, none or json, on standard error")
+    command.add_flag("-q,--quiet", common_.quiet, "print nothing but errors to standard error");
+    command.add_flag("--no-cache", common_.no_cache,
+                     "neither use nor store results of earlier runs");
+    command
+        .add_option(
+            "--progress", common_.progress,
+            "how progress is shown on standard error: auto (a line on a terminal), none or json")
         ->capture_default_str();
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
 }

@@ -27,8 +27,8 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
-/// What a command puts out: rows, as CSV or JSON; a file whose format its own options choose; a
-/// folder, which it makes.
+/// What a command writes: rows, as CSV or JSON; a file in a format that its own options choose; a
+/// folder, which it creates.
 enum class Writes { table, file, folder };
 
 /// What is left to do of a command; returns its exit code.
@@ -67,8 +67,8 @@ class Shell {
     /// Writes text that is no table (an export, a plot) to -o FILE or standard output.
     void write_text(const std::string& text) const;
 
-    /// With --json: tells on standard output what a command has written that writes no table, one
-    /// row for each file; version and command line are put before its own facts.
+    /// With --json: prints a table of the files that a command has written, for commands that write
+    /// no table themselves; version and command line are put before its own facts.
     void tell_written(Table files) const;
 
     /// One line on stderr, unless --quiet.

@@ -7,7 +7,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/formats/brdf_export.h"
-#include "tools/miebrdf/suggestions.h"
+#include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {
 namespace {

@@ -172,7 +172,9 @@ void add_nk(CLI::App& materials, Shell& shell) {
             "outside the data: refuse, or clamp to the nearer end (and say so in the output)")
         ->check(CLI::IsMember({"refuse", "clamp"}))
         ->capture_default_str();
-    command->add_option("--k-floor", arguments->k_floor, "raise smaller k to this")
+    command
+        ->add_option("--k-floor", arguments->k_floor,
+                     "smallest k: smaller values are raised to this")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command->add_flag("--missing-k-zero", arguments->missing_k_zero,

@@ -13,7 +13,7 @@
 namespace miebrdf::program {
 
 void PlotArguments::add_to(CLI::App& command) {
-    command.add_option("--title", title_, "above the chart; default: what is shown")
+    command.add_option("--title", title_, "title above the chart; default: what is shown")
         ->type_name("TEXT");
     command.add_option("--scale", scale_, "pixels of a PNG for each unit of the page (460 wide)")
         ->check(CLI::Range(0.1, 20.0))
@@ -76,7 +76,7 @@ void add_incidence_option(CLI::App& command, const std::string& incidence,
 void add_component_options(CLI::App& command, const ScenePlot& arguments) {
     command.add_option("--component", arguments->components, "total, subsurface, surface")
         ->capture_default_str();
-    command.add_flag("--log", arguments->logarithmic, "logarithmic values");
+    command.add_flag("--log", arguments->logarithmic, "logarithmic scale of the values");
 }
 
 double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }

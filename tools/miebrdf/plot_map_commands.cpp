@@ -141,12 +141,14 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
         ->add_option("--phi-d", slice->azimuth_deg, "azimuth of the difference angle, degrees")
         ->check(CLI::Range(0.0, 360.0))
         ->capture_default_str();
-    slice_command->add_option("--cells", slice->cells, "along either angle")
+    slice_command
+        ->add_option("--cells", slice->cells, "number of cells along each of the two angles")
         ->check(CLI::Range(2, 360))
         ->capture_default_str();
     slice_command
         ->add_option("--range", slice->range,
-                     "ends of the colours; default: of the values up to 80 degrees from the normal")
+                     "values at the ends of the colour scale; default: those up to 80 degrees from "
+                     "the normal")
         ->type_name("LOW,HIGH");
     slice_command->footer(
         "Example:\n  miebrdf plot slice --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "

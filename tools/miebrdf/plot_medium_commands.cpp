@@ -5,8 +5,8 @@
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
-#include "tools/miebrdf/media_options.h"
 #include "tools/miebrdf/plot_command.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {
@@ -146,9 +146,11 @@ void add_medium_plots(CLI::App& plot, Shell& shell) {
     auto* phase_command =
         add_kind(plot, shell, "phase", "phase function against the scattering angle", *phase);
     phase->options.add_to(*phase_command, shell, "550");
-    phase_command->add_flag("--polar", phase->polar, "around the particle, logarithmic radius");
+    phase_command->add_flag("--polar", phase->polar,
+                            "draw it around the particle, with a logarithmic radius");
     phase_command
-        ->add_option("--decades", phase->decades, "of the polar radius; 0: as many as are needed")
+        ->add_option("--decades", phase->decades,
+                     "decades that the polar radius shows; 0: as many as needed")
         ->check(CLI::Range(0, 12))
         ->capture_default_str();
     phase_command->footer(

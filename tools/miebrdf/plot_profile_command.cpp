@@ -237,15 +237,16 @@ void add_profile_plot(CLI::App& plot, Shell& shell) {
         ->capture_default_str();
     command
         ->add_option("--compare-coat-method", profile->coat_methods,
-                     "the same with another --coat-method as well; repeatable")
+                     "show the result of this --coat-method, too; repeat it for more")
         ->type_name("METHOD")
         ->allow_extra_args(false);
     command->add_option("--range", profile->range, "ends of the value axis")->type_name("LOW,HIGH");
     command
         ->add_option("--points", profile->points,
-                     "values to draw as points: a CSV table as `miebrdf brdf` writes it")
+                     "values to draw as points: a CSV table like that of `miebrdf brdf`")
         ->type_name("FILE.csv");
-    command->add_option("--points-label", profile->points_label, "their name in the legend")
+    command
+        ->add_option("--points-label", profile->points_label, "name of these points in the legend")
         ->type_name("TEXT")
         ->capture_default_str();
     command->footer(

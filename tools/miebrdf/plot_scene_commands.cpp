@@ -129,7 +129,7 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
 void add_compare(CLI::App& command, const ScenePlot& arguments) {
     command
         .add_option("--compare", arguments->compare,
-                    "the same scene on another base as well; repeatable")
+                    "show the scene on this base, too; repeat it for more")
         ->type_name("MEDIUM")
         ->allow_extra_args(false);
 }
@@ -143,8 +143,9 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
     add_incidence_option(*lobe_command, "0,30,60", lobe);
     add_component_options(*lobe_command, lobe);
     add_compare(*lobe_command, lobe);
-    lobe_command->add_flag("--cosine", lobe->cosine, "show BRDF times the cosine of reflection");
-    lobe_command->add_option("--decades", lobe->decades, "of a logarithmic radius")
+    lobe_command->add_flag("--cosine", lobe->cosine,
+                           "show the BRDF times the cosine of the angle of reflection");
+    lobe_command->add_option("--decades", lobe->decades, "decades that a logarithmic radius shows")
         ->check(CLI::Range(1, 12))
         ->capture_default_str();
     lobe_command->footer(

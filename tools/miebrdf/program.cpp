@@ -3,16 +3,125 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <optional>
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
-#include "tools/miebrdf/suggestions.h"
+#include "materials/database/names.h"
 #include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
+namespace {
+
+constexpr std::size_t kMostSuggestions = 3;
+
+std::vector<const CLI::App*> subcommands(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : subcommands(app)) {
+        if (!sub->get_name().empty()) names.push_back(sub->get_name());
+    }
+    return names;
+}
+
+/// The subcommand that was typed; null when there is none.
+const CLI::App* typed_subcommand(const CLI::App& app) {
+    for (const CLI::App* sub : subcommands(app)) {
+        if (!sub->get_name().empty() && sub->parsed()) return sub;
+    }
+    return nullptr;
+}
+
+std::string unknown_option(const std::string& word, const CLI::App& command) {
+    const std::string name = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const std::string& option : option_names(command)) known.push_back("--" + option);
+    return fmt::format("unknown option '{}' of {}{}", name, command.get_name(),
+                       did_you_mean(name, known));
+}
+
+std::string unknown_word(const std::string& word, const CLI::App& command) {
+    const std::vector<std::string> commands = command_names(command);
+    if (commands.empty()) {
+        return fmt::format("unexpected word '{}' after {} (lists have commas and no blanks: 1,2,3)",
+                           word, command.get_name());
+    }
+    const std::string nearest = did_you_mean(word, commands);
+    return fmt::format(
+        "unknown command '{}'{}", word,
+        nearest.empty() ? fmt::format("; allowed: {}", fmt::join(commands, ", ")) : nearest);
+}
+
+/// `plan brfd --base TiO2`: a mistyped command may have been taken for a scene file.
+std::optional<std::string> command_taken_for_file(const CLI::App& command) {
+    const std::vector<std::string> commands = command_names(command);
+    if (commands.empty() || typed_subcommand(command) != nullptr) return std::nullopt;
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_positional() || option->count() == 0) continue;
+        const std::string word = option->results().front();
+        if (!did_you_mean(word, commands).empty()) return unknown_word(word, command);
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> unknown_in(const CLI::App& command) {
+    const std::vector<std::string> words = command.remaining();
+    if (words.empty()) return std::nullopt;
+    if (auto mistyped = command_taken_for_file(command)) return mistyped;
+    const auto is_option = [](const std::string& word) {
+        return word.size() > 1 && word.front() == '-';
+    };
+    const auto option = std::find_if(words.begin(), words.end(), is_option);
+    const auto other = std::find_if_not(words.begin(), words.end(), is_option);
+    // The options of a mistyped command are unknown here for that alone.
+    const bool is_command = !command_names(command).empty() && typed_subcommand(command) == nullptr;
+    if (other != words.end() && (is_command || option == words.end()))
+        return unknown_word(*other, command);
+    if (option != words.end()) return unknown_option(*option, command);
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::string did_you_mean(std::string_view asked, const std::vector<std::string>& known) {
+    const auto nearest = materials::nearest_names(asked, known, kMostSuggestions);
+    return nearest.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(nearest, " or "));
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+    }
+    for (const CLI::App* group : subcommands(command)) {
+        if (!group->get_name().empty()) continue;
+        for (std::string& name : option_names(*group)) names.push_back(std::move(name));
+    }
+    return names;
+}
+
+std::string explain(const CLI::App& program, const CLI::ParseError& error) {
+    std::string path = program.get_name();
+    const CLI::App* command = &program;
+    while (true) {
+        if (const auto unknown = unknown_in(*command)) {
+            return fmt::format("{} (see {} --help)", *unknown, path);
+        }
+        const CLI::App* next = typed_subcommand(*command);
+        if (next == nullptr) break;
+        command = next;
+        path += " " + command->get_name();
+    }
+    return fmt::format("{} (see {} --help)", error.what(), path);
+}
+
 namespace {
 
 int complain(int code, const std::string& message) {

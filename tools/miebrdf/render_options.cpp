@@ -6,7 +6,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/suggestions.h"
+#include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {
 namespace {
@@ -21,8 +21,9 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
         ->type_name("'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'")
         ->allow_extra_args(false);
     group
-        ->add_option("--split", a.split,
-                     "first material left, second right of this share of the object's width")
+        ->add_option(
+            "--split", a.split,
+            "first material on the left, second on the right; SHARE of the width is the border")
         ->type_name("SHARE");
     group
         ->add_option("--mask", a.mask,
@@ -32,7 +33,8 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
     group->add_option("--component", a.component, "total, subsurface or surface")
         ->capture_default_str();
     group
-        ->add_option("--table", a.table, "cosines and azimuths of the table of multiple scattering")
+        ->add_option("--table", a.table,
+                     "cosines and azimuths of the table of light scattered more than once")
         ->type_name("N,N")
         ->capture_default_str();
     group->add_flag("--measure-interpolation", a.measure_interpolation,
@@ -53,9 +55,9 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->allow_extra_args(false)
         ->capture_default_str();
     group
-        ->add_option(
-            "--light-spectrum", a.light_spectrum,
-            "of directional, area and uniform light: white (D65), equal or blackbody:KELVIN")
+        ->add_option("--light-spectrum", a.light_spectrum,
+                     "spectrum of directional, area and uniform light: white (D65), equal or "
+                     "blackbody:KELVIN")
         ->capture_default_str();
     group->add_option("--camera", a.camera, "elevation and azimuth of the camera in degrees")
         ->type_name("ELEVATION,AZIMUTH")
@@ -64,19 +66,20 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->capture_default_str();
     group->add_option("--zoom", a.zoom, "1: the object's bounding sphere touches the edges")
         ->capture_default_str();
-    group->add_option("--size", a.size, "of the picture in pixels")
+    group->add_option("--size", a.size, "size of the picture in pixels")
         ->type_name("WIDTH,HEIGHT")
         ->capture_default_str();
     group->add_option("--samples", a.options.samples, "paths for each pixel")
         ->capture_default_str();
     group->add_option("--bounces", a.options.bounces, "most reflections of a path; 1: direct light")
         ->capture_default_str();
-    group->add_option("--seed", a.options.seed, "of the samples")->capture_default_str();
+    group->add_option("--seed", a.options.seed, "seed of the random samples")
+        ->capture_default_str();
     group->add_option("--exposure", a.exposure, "brightens the PNG by powers of two")
         ->capture_default_str();
     group
         ->add_option("--background", a.background,
-                     "of the PNG: linear R,G,B in [0, 1], transparent or environment")
+                     "background of the PNG: linear R,G,B in [0, 1], transparent or environment")
         ->capture_default_str();
     group->add_option("--exr", a.exr, "write linear RGB and every wavelength to FILE")
         ->type_name("FILE");

@@ -12,7 +12,6 @@
 #include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/export_formats.h"
 #include "tools/miebrdf/program.h"
-#include "tools/miebrdf/suggestions.h"
 
 namespace miebrdf::program {
 namespace {

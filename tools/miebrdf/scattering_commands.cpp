@@ -5,7 +5,7 @@
 #include <miebrdf/sphere.h>
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
-#include "tools/miebrdf/media_options.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {

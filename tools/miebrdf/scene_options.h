@@ -1,7 +1,9 @@
-// The words of a scene (pipeline/scene/scene_words.h) as options, the same for every command.
+// The words of a scene (pipeline/scene/scene_words.h) as options, the same for every command; and
+// those of commands that take media, but no whole scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
+
 #include <map>
 #include <string>
 #include <string_view>
@@ -9,6 +11,7 @@
 
 #include <miebrdf/scene.h>
 #include "pipeline/scene/scene_words.h"
+#include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
@@ -58,5 +61,29 @@ std::string describe_particles(const Medium& medium, const ParticleOptions& part
 /// The same for all layers of a scene: one text where their sizes agree, otherwise
 /// "base TiO2: power-law, ...; coat 1 Au: ...; in a host of index 1".
 std::string describe_particles(const Scene& scene);
+
+/// Media and wavelengths, looked up.
+struct MediaSpectra {
+    ResolvedScene scene;  ///< its media are those asked for, in their order
+    OpticsDemand demand;
+    std::string particles;  ///< of the first medium, in words; empty: no Mie theory
+    std::vector<std::vector<MediumOptics>> optics = {};  ///< [wavelength][medium], once computed
+
+    void compute(const Control& control);
+    bool converged() const;
+};
+
+class MediaArguments {
+  public:
+    /// Adds the words of a scene that say something of media.
+    void add_to(CLI::App& command, Shell& shell, const std::string& default_wavelengths);
+    /// Looks media up; `demand` has the tolerance that holds when --mie-tolerance says none.
+    /// @param media  as typed, at least one
+    /// @throws UsageError, InputError
+    MediaSpectra look_up(const std::vector<std::string>& media, OpticsDemand demand) const;
+
+  private:
+    SceneArguments scene_;
+};
 
 }  // namespace miebrdf::program

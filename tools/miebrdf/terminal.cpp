@@ -71,20 +71,20 @@ void ProgressLine::print(std::size_t done, std::size_t total, double elapsed_s) 
 
 namespace {
 
-// A signal handler can reach only what lives as long as the program.
+// Signal handlers can only use global variables.
 std::atomic<bool> interrupted = false;
 std::atomic<int> signal_number = 0;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-constexpr itimerval kPatience = {.it_interval = {0, 0}, .it_value = {0, 500'000}};
+constexpr itimerval kTimeToEnd = {.it_interval = {0, 0}, .it_value = {0, 500'000}};
 
-// Both handlers call only what POSIX allows in one.
+// Both handlers call only functions that POSIX allows in a signal handler.
 
 void end_now(int) {
     remove_unfinished_files();
     constexpr std::string_view kMessage =
         "miebrdf: error: interrupted; nothing unfinished was written\n";
-    // There is nobody left to tell that standard error is closed.
+    // The program ends here, whether or not the message could be written.
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
     ::_exit(interrupt_exit_code());
 }
@@ -94,7 +94,7 @@ void raise_flag(int signal) {
     interrupted = true;
     std::signal(signal, SIG_DFL);
     std::signal(SIGALRM, end_now);
-    ::setitimer(ITIMER_REAL, &kPatience, nullptr);
+    ::setitimer(ITIMER_REAL, &kTimeToEnd, nullptr);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What somebody who waits sees and does: progress on standard error, Ctrl-C and SIGTERM.
+// Progress on standard error, and what Ctrl-C and SIGTERM do.
 #pragma once
 
 #include <atomic>
