@@ -3,23 +3,19 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <sstream>
 
-#include <miebrdf/error.h>
-#include "pipeline/formats/astm_writer.h"
-#include "pipeline/formats/ssdd_writer.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
 using support::material;
+using support::written_file;
 
 TEST_CASE("ssdd: entries stand in the order of the specification, values are binary floats",
           "[exports][ssdd]") {
-    std::ostringstream out;
-    write_ssdd(material(), 9, out);
-    const std::string content = out.str();
+    const std::string content = written_file("ssdd", material(), {.resolution = 9});
     CHECK_THAT(content, Catch::StartsWith("VERSION 0."));
     std::size_t last = 0;
     for (const char* entry :
@@ -51,9 +47,7 @@ TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", 
     };
     // 0.3 or so, its lowest bytes '#'; white space and '#'; a tab and '#'; nothing to avoid.
     const auto bits = GENERATE(0x3e99'9923u, 0x3e99'2320u, 0x3e23'0a09u, 0x3e99'9924u);
-    std::ostringstream out;
-    write_ssdd(Constant(bits), 9, out);
-    const std::string content = out.str();
+    const std::string content = written_file("ssdd", Constant(bits), {.resolution = 9});
     const std::size_t start = content.find("DATA binary\n") + 12;
     CHECK(content[content.find_first_not_of(" \t\n\v\f\r", start)] != '#');
     float first = 0, second = 0;
@@ -65,14 +59,12 @@ TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", 
 }
 
 TEST_CASE("astm: the header names angles and wavelengths", "[exports][astm]") {
-    std::ostringstream out;
-    write_astm(material(), 9, out);
-    CHECK_THAT(out.str(),
+    CHECK_THAT(written_file("astm", material()),
                Catch::Contains("\nNUM_POINTS 1000\nVARS theta_i,phi_i,theta_s,phi_s,400nm,450nm"));
 }
 
 TEST_CASE("angle tables refuse steps out of range", "[exports][ssdd][astm][errors]") {
-    std::ostringstream out;
-    CHECK_THROWS_WITH(write_ssdd(material(), 2, out), Catch::Contains("3 to 180"));
-    CHECK_THROWS_AS(write_astm(material(), 1000, out), UsageError);
+    CHECK_THROWS_WITH(written_file("ssdd", material(), {.resolution = 2}),
+                      Catch::Contains("3 to 180"));
+    CHECK_THROWS_AS(written_file("astm", material(), {.resolution = 1000}), UsageError);
 }

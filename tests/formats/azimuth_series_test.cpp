@@ -1,4 +1,4 @@
-#include "pipeline/formats/azimuth_series.h"
+#include "pipeline/formats/pbrt/azimuth_series.h"
 
 #include <cmath>
 

@@ -1,70 +1,77 @@
-#include "pipeline/formats/brdf_export.h"
-
+// Export and its list of formats as a whole.
 #include <atomic>
 #include <nlohmann/json.hpp>
 
-#include <miebrdf/error.h>
+#include <miebrdf/control.h>
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
+using support::material;
 namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> names_of_brdf_formats() {
+    std::vector<std::string> names;
+    for (const Format& format : all_formats()) {
+        if (!format.files.empty()) names.push_back(format.name);
+    }
+    return names;
+}
+
+}  // namespace
 
 TEST_CASE("every format is written, recognised by its content and close to the BRDF",
           "[exports][brdf_export]") {
-    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
     const support::TemporaryFolder folder;
-    const std::string format =
-        GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm", "radiance", "klems");
+    const std::string format = GENERATE(from_range(names_of_brdf_formats()));
     ExportOptions options;
-    options.format = format;
     if (format == "rgl") options.resolution = 32;
-    const auto files = export_brdf(material, options, folder / "file.any");
+    const auto files = export_brdf(material(), format, folder / "file.any", options);
+    CAPTURE(format);
     CHECK(files.size() == (format == "rgl" ? 2 : 1));
     for (const auto& file : files) {
         const auto read = open_brdf_file(file.path.string());
         CHECK(read->format() == (format == "klems" ? "radiance" : format));
         CHECK(file.bytes == std::filesystem::file_size(file.path));
     }
-    CHECK(folder.count() == files.size());
+    CHECK(folder.count() == files.size() + (format == "merl" ? 1 : 0));
 }
 
 TEST_CASE("an rgl export that is stopped leaves neither of its two files",
           "[exports][brdf_export]") {
-    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
     const support::TemporaryFolder folder;
-    ExportOptions options;
-    options.format = "rgl";
-    options.resolution = 32;
+    const Format& rgl = find_format("rgl");
+    const ExportOptions options{.resolution = 32};
     std::atomic<bool> cancelled = false;
     std::size_t calls = 0, last = 0;
-    RunControl control{.threads = 1};
-    control.cancelled = &cancelled;
+    Control control{.threads = 1};
+    control.is_cancelled = [&cancelled] { return cancelled.load(); };
     control.progress = [&](const std::string&, std::size_t, std::size_t) {
         if (++calls == last) cancelled = true;
     };
-    export_brdf(material, options, folder / "whole", control);
+    export_brdf(material(), rgl, folder / "whole", options, control);
     CHECK(folder.count() == 2);
     // Shortly before the end the spectral file is long written.
     last = calls - 1;
     calls = 0;
-    CHECK_THROWS_AS(export_brdf(material, options, folder / "stopped", control), Cancelled);
+    CHECK_THROWS_AS(export_brdf(material(), rgl, folder / "stopped", options, control), Cancelled);
     CHECK(folder.count() == 2);
 }
 
 TEST_CASE("every format says what its numbers are and where they come from",
           "[exports][brdf_export]") {
-    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
     const support::TemporaryFolder folder;
-    ExportOptions options;
-    options.format = GENERATE(from_range(export_formats()));
-    options.largest_error = 1e9;
-    options.grid = {{0.5, 1.0}, {0.3, 1.0}, {0.0, 180.0}};
-    CAPTURE(options.format);
-    for (const auto& file : export_brdf(material, options, folder / "file")) {
-        const bool beside = options.format == "merl";
+    const std::string format = GENERATE(from_range(names_of_brdf_formats()));
+    const ExportOptions options{.directions = {{0.5, 1.0}, {0.3, 1.0}, {0.0, 180.0}},
+                                .largest_error = 1e9};
+    CAPTURE(format);
+    for (const auto& file : export_brdf(material(), format, folder / "file", options)) {
+        const bool beside = find_format(format).sidecar != nullptr;
         const std::string content =
             support::read_file(beside ? fs::path(file.path.string() + ".json") : file.path);
         for (const char* said :
@@ -72,18 +79,14 @@ TEST_CASE("every format says what its numbers are and where they come from",
               "azimuth_zero", "sources", "a closed form", "component", "total"}) {
             CHECK_THAT(content, Catch::Contains(said));
         }
-        const bool coloured = options.format == "pbrt" || beside || options.format == "radiance" ||
-                              options.format == "klems" || options.format == "exr";
+        const bool coloured = find_format(format).takes_colours && format != "rgl";
         if (coloured) CHECK_THAT(content, Catch::Contains("R = 600 nm"));
     }
 }
 
 TEST_CASE("merl says in a file beside it what it has no room for", "[exports][brdf_export]") {
-    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
     const support::TemporaryFolder folder;
-    ExportOptions options;
-    options.format = "merl";
-    export_brdf(material, options, folder / "paint.binary");
+    export_brdf(material(), "merl", folder / "paint.binary");
     const auto json = nlohmann::json::parse(support::read_file(folder / "paint.binary.json"));
     CHECK(json["units"] == "1/sr");
     CHECK(json["cosine"] == "not included");
@@ -94,32 +97,130 @@ TEST_CASE("merl says in a file beside it what it has no room for", "[exports][br
 
 TEST_CASE("a lobe too sharp for the resolution is refused with the error and what would do",
           "[exports][brdf_export]") {
-    const support::SharpMaterial material(support::seven_wavelengths(), 0.12);
+    const support::SharpMaterial sharp(support::seven_wavelengths(), 0.12);
     const support::TemporaryFolder folder;
-    ExportOptions options;
-    options.format = "rgl";
-    options.resolution = 8;
-    CHECK_THROWS_AS(export_brdf(material, options, folder / "sharp.bsdf"), TooCoarse);
-    CHECK_THROWS_WITH(export_brdf(material, options, folder / "sharp.bsdf"),
-                      Catch::Contains("resolution 8 ") && Catch::Contains("--resolution ") &&
+    CHECK_THROWS_AS(export_brdf(sharp, "rgl", folder / "sharp.bsdf", {.resolution = 8}), TooCoarse);
+    CHECK_THROWS_WITH(export_brdf(sharp, "rgl", folder / "sharp.bsdf", {.resolution = 8}),
+                      Catch::Contains("resolution 8 ") && Catch::Contains("; resolution ") &&
                           Catch::Contains("reaches"));
     CHECK(folder.count() == 0);
     // Too narrow to be met by random directions, and too narrow for any resolution.
     const support::SharpMaterial narrow(support::seven_wavelengths(), 0.02);
-    options.format = "klems";
-    options.resolution = 0;
-    CHECK_THROWS_WITH(export_brdf(narrow, options, folder / "narrow.xml"),
+    CHECK_THROWS_WITH(export_brdf(narrow, "klems", folder / "narrow.xml"),
                       Catch::Contains("near mirror") && Catch::Contains("no finer one"));
-    options.format = "rgl";
-    options.resolution = 8;
-    options.largest_error = 100;
-    CHECK(export_brdf(material, options, folder / "sharp.bsdf").size() == 2);
+    const ExportOptions anything{.resolution = 8, .largest_error = 100};
+    CHECK(export_brdf(sharp, "rgl", folder / "sharp.bsdf", anything).size() == 2);
 }
 
-TEST_CASE("an unknown format is refused with the known ones", "[exports][brdf_export][errors]") {
-    const support::TestMaterial material({550}, 0.4);
-    ExportOptions options;
-    options.format = "vrml";
-    CHECK_THROWS_WITH(export_brdf(material, options, "x"),
+TEST_CASE("unknown formats and options are refused with what there is",
+          "[exports][brdf_export][errors]") {
+    CHECK_THROWS_WITH(export_brdf(material(), "vrml", "x"),
                       Catch::Contains("vrml") && Catch::Contains("pbrt"));
+    CHECK_THROWS_WITH(find_format("mrel"), Catch::Contains("did you mean merl?"));
+    CHECK_THROWS_WITH(export_brdf(material(), "merl", "x", {.extra = {{"incident_angles", 4}}}),
+                      Catch::Contains("merl") && Catch::Contains("incident_angles"));
+    CHECK_THROWS_WITH(export_brdf(material(), "spd", "x"), Catch::Contains("a BRDF"));
+    CHECK_THROWS_WITH(export_spectrum({{500}, {1}, {}}, "rgl", "x"), Catch::Contains("a spectrum"));
+}
+
+TEST_CASE("what the list says of a format holds together", "[exports][formats]") {
+    for (const Format& format : all_formats()) {
+        CAPTURE(format.name);
+        CHECK(&find_format(format.name) == &format);
+        CHECK_FALSE(format.readers.empty());
+        CHECK_FALSE(format.holds.empty());
+        CHECK_FALSE(format.endings.empty());
+        const bool holds_brdf =
+            format.content == FormatContent::table || format.content == FormatContent::sampled;
+        CHECK(holds_brdf == !format.files.empty());
+        CHECK((format.content == FormatContent::spectrum) == (format.write_spectrum != nullptr));
+        CHECK((format.content == FormatContent::scattering) ==
+              (format.write_scattering != nullptr));
+        // A file that its readers interpolate is read back; others may say why they are not.
+        CHECK((format.reader.read != nullptr) == format.not_checked.empty());
+        if (format.content == FormatContent::sampled) CHECK(format.reader.read != nullptr);
+        const Fineness& fineness = format.resolution;
+        CHECK((fineness.lowest <= fineness.standard && fineness.standard <= fineness.highest));
+        CHECK((holds_brdf ? fineness.standard > 0 : fineness.highest == 0));
+        for (const FormatOption& option : format.extra)
+            CHECK((option.lowest <= option.standard && option.standard <= option.highest));
+    }
+}
+
+namespace {
+
+/// A format of someone else: 'TINY', then the BRDF of the first wavelength at normal incidence and
+/// reflection as text.
+class TinyFile : public BrdfFile {
+  public:
+    explicit TinyFile(const std::string& content) : value_(std::stod(content.substr(4))) {}
+    std::string format() const override { return "tiny"; }
+    std::string description() const override { return "one number"; }
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const std::vector<double>& wavelength_nm() const override { return wavelength_nm_; }
+    void evaluate(const Direction&, std::span<double> values) const override { values[0] = value_; }
+
+  private:
+    double value_;
+    std::vector<std::string> channels_ = {"550 nm"};
+    std::vector<double> wavelength_nm_ = {550};
+};
+
+Format tiny_format() {
+    return {.name = "tiny",
+            .readers = "this test",
+            .holds = "one number",
+            .endings = {".tiny"},
+            .content = FormatContent::sampled,
+            .resolution = {"numbers", 1, 1, 1, 1},
+            .extra = {{.name = "sign", .help = "of the number", .standard = 1, .lowest = -1}},
+            .accepted_error = 0.01,
+            .files = {{.write =
+                           [](const ExportJob& job, std::ostream& out) {
+                               const Direction normal{1.0, 1.0, 0.0};
+                               double value = 0.0;
+                               job.spectral.evaluate({&normal, 1}, {&value, 1});
+                               out << "TINY" << job.options.extra.at("sign") * value;
+                           }}},
+            .reader = {[](std::string_view content) {
+                           return content.starts_with("TINY") ? Recognised::by_first_bytes
+                                                              : Recognised::no;
+                       },
+                       [](std::string content) -> std::unique_ptr<BrdfFile> {
+                           return std::make_unique<TinyFile>(content);
+                       }}};
+}
+
+}  // namespace
+
+TEST_CASE("a format from outside is exported, read back, refused and checked as any other",
+          "[exports][formats]") {
+    class White : public support::TestMaterial {
+      public:
+        White() : TestMaterial({550}, 0.0) {}
+        void evaluate(std::span<const Direction>, std::span<double> values) const override {
+            std::fill(values.begin(), values.end(), 0.25);
+        }
+    };
+    std::vector<Format> formats(all_formats().begin(), all_formats().end());
+    formats.push_back(tiny_format());
+    const Format& tiny = find_format("tiny", formats);
+    CHECK(options_of(tiny) == std::vector<std::string>{"sign", "largest_error"});
+    const support::TemporaryFolder folder;
+    const auto files = export_brdf(White(), tiny, folder / "white.tiny", {}, {});
+    REQUIRE(files.size() == 1);
+    CHECK(files[0].deviation->rms[0] <= 1e-6);
+    const auto read = open_brdf_file(folder / "white.tiny", formats);
+    CHECK(read->format() == "tiny");
+    CHECK(*check_file(*read).largest_albedo == Approx(0.25 * M_PI));
+    CHECK(compare_file(*read, White()).albedo_error <= 1e-6);
+    CHECK_THROWS_AS(open_brdf_file(folder / "white.tiny"), InputError);
+    // Its own options and its own bound.
+    const ExportOptions negative{.extra = {{"sign", -1}}};
+    CHECK_THROWS_AS(export_brdf(White(), tiny, folder / "b.tiny", negative, {}), TooCoarse);
+    CHECK_THROWS_WITH(export_brdf(White(), tiny, folder / "b", {.extra = {{"sign", 2}}}, {}),
+                      Catch::Contains("-1 to 1"));
+    CHECK_THROWS_AS(export_brdf(material(), tiny, folder / "b.tiny", {}, {}), UsageError);
+    CHECK(folder.count() == 1);
+    CHECK_THROWS_WITH(find_format("tinny", formats), Catch::Contains("did you mean tiny?"));
 }

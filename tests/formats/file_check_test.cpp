@@ -1,4 +1,4 @@
-#include "pipeline/formats/file_check.h"
+#include "pipeline/formats/check/check.h"
 
 #include <cmath>
 #include <numbers>

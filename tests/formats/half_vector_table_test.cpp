@@ -1,4 +1,4 @@
-#include "pipeline/formats/half_vector_table.h"
+#include "pipeline/formats/rgl/half_vector_table.h"
 
 #include <numbers>
 

@@ -1,19 +1,14 @@
-#include "pipeline/formats/merl_writer.h"
-
-#include <sstream>
-
 #include "tests/support/catch.h"
 #include "tests/support/outside/bytes.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
 
 TEST_CASE("merl: size, scale and bins are those of the format", "[exports][merl]") {
     const support::ColouredMaterial material;
-    std::ostringstream out;
-    write_merl(material.rgb, {}, out);
-    const std::string file = out.str();
+    const std::string file = support::written_file("merl", material.spectral);
     CHECK(file.size() == 34'992'012);
     CHECK(support::numbers_at<std::int32_t>(file, 0, 3) == std::vector<std::int32_t>{90, 90, 180});
     const auto bin = [&](std::size_t channel, std::size_t half, std::size_t difference) {

@@ -1,12 +1,9 @@
-#include "pipeline/formats/pbrt_writer.h"
-
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/outside/bytes.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
@@ -15,10 +12,8 @@ namespace {
 
 using support::number_at;
 
-std::string written(const PbrtOptions& options) {
-    std::ostringstream out;
-    write_pbrt(support::ColouredMaterial().rgb, options, out);
-    return out.str();
+std::string written(int intervals) {
+    return support::written_file("pbrt", support::material(), {.resolution = intervals});
 }
 
 std::uint32_t field(const std::string& file, std::size_t offset) {
@@ -29,7 +24,7 @@ std::uint32_t field(const std::string& file, std::size_t offset) {
 
 TEST_CASE("pbrt: header, nodes and sizes are where pbrt-v3 and layerlab look for them",
           "[exports][pbrt]") {
-    const std::string file = written({.intervals = 16});
+    const std::string file = written(16);
     const std::uint32_t n = field(file, 12);
     CHECK(file.substr(0, 8) == std::string("SCATFUN\x01"));
     CHECK(field(file, 8) == 1);
@@ -62,7 +57,7 @@ TEST_CASE("pbrt: header, nodes and sizes are where pbrt-v3 and layerlab look for
 
 TEST_CASE("pbrt: rows at the horizon hold the limit, not nothing", "[exports][pbrt]") {
     // layerlab leaves them empty and loses up to 7 % of the albedo at mu_out = 0.1.
-    const std::string file = written({.intervals = 8});
+    const std::string file = written(8);
     const std::uint32_t n = field(file, 12);
     for (const std::uint32_t row : {n / 2 - 1, n / 2}) {
         for (std::uint32_t column = 0; column + 1 < n / 2; ++column) {
@@ -72,6 +67,5 @@ TEST_CASE("pbrt: rows at the horizon hold the limit, not nothing", "[exports][pb
 }
 
 TEST_CASE("pbrt: options out of range are refused", "[exports][pbrt][errors]") {
-    CHECK_THROWS_WITH(written({.intervals = 3}),
-                      Catch::Contains("3") && Catch::Contains("4 to 500"));
+    CHECK_THROWS_WITH(written(3), Catch::Contains("3") && Catch::Contains("4 to 500"));
 }

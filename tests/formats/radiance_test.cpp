@@ -1,28 +1,24 @@
 #include <cmath>
 #include <pugixml.hpp>
-#include <sstream>
 
-#include <miebrdf/error.h>
-#include "pipeline/formats/file_check.h"
-#include "pipeline/formats/klems_writer.h"
-#include "pipeline/formats/tensor_tree_writer.h"
+#include "pipeline/formats/check/check.h"
 #include "tests/support/catch.h"
 #include "tests/support/sampling.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
 
 TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exports][radiance]") {
     const support::ColouredMaterial material;
-    std::ostringstream out;
-    write_radiance_klems(material.rgb, out);
+    const std::string content = support::written_file("klems", material.spectral);
     pugi::xml_document document;
-    REQUIRE(document.load_string(out.str().c_str()));
+    REQUIRE(document.load_string(content.c_str()));
     const auto layer = document.child("WindowElement").child("Optical").child("Layer");
     CHECK(layer.child("Material").child_value("Name") ==
           std::string("half-space of Henyey-Greenstein scatterers"));
-    const auto read = read_brdf_file(out.str(), "test");
+    const auto read = read_brdf_file(content, "test");
     const FileCheck check = check_file(*read);
     CAPTURE(*check.reciprocity_rms);
     CHECK(*check.reciprocity_rms <= 0.06);
@@ -33,7 +29,6 @@ TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exp
 }
 
 TEST_CASE("radiance: levels out of range are refused", "[exports][radiance][errors]") {
-    const support::ColouredMaterial material;
-    std::ostringstream out;
-    CHECK_THROWS_WITH(write_radiance_tree(material.rgb, 12, out), Catch::Contains("2 to 8"));
+    CHECK_THROWS_WITH(support::written_file("radiance", support::material(), {.resolution = 12}),
+                      Catch::Contains("2 to 8"));
 }

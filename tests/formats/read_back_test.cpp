@@ -3,24 +3,14 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <sstream>
 
-#include "pipeline/formats/astm_writer.h"
-#include "pipeline/formats/deviation.h"
-#include "pipeline/formats/exr_writer.h"
-#include "pipeline/formats/klems_writer.h"
-#include "pipeline/formats/merl_writer.h"
-#include "pipeline/formats/pbrt_writer.h"
-#include "pipeline/formats/rgl_writer.h"
-#include "pipeline/formats/ssdd_writer.h"
-#include "pipeline/formats/table_writer.h"
-#include "pipeline/formats/tensor_tree_writer.h"
+#include "pipeline/formats/check/check.h"
 #include "pipeline/solve/solved_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/outside/outside_file.h"
 #include "tests/support/sampling.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
@@ -43,79 +33,65 @@ const BrdfSource& solved() {
     return instance;
 }
 
-struct Format {
+/// A format at some fineness, and a reader of it that is not ours.
+struct Case {
     const char* name;
+    const char* format;
     bool spectral;
     std::array<double, 3> bounds;  ///< rms at mu > 0.2, 0.05-0.2, below 0.05
-    void (*write)(const BrdfSource& spectral, const RgbSource& rgb, std::ostream& out);
+    ExportOptions options;
+    std::size_t part;  ///< which of the files that the format writes
     std::unique_ptr<support::OutsideFile> (*open)(const std::string& bytes);
 };
 
-const Format kFormats[] = {
+const Case kCases[] = {
     {"pbrt, 34 nodes",
+     "pbrt",
      false,
      {1.0e-3, 2.2e-3, 2.2e-2},
-     [](const auto&, const auto& rgb, auto& out) { write_pbrt(rgb, {.intervals = 16}, out); },
+     {.resolution = 16},
+     0,
      support::scatfun_file},
     {"pbrt, 98 nodes",
+     "pbrt",
      false,
      {1.04e-4, 1.68e-4, 1.74e-3},
-     [](const auto&, const auto& rgb, auto& out) { write_pbrt(rgb, {.intervals = 48}, out); },
+     {.resolution = 48},
+     0,
      support::scatfun_file},
     {"rgl spectral, 16",
+     "rgl",
      true,
      {7.4e-2, 0.30, 2.4},
-     [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {.resolution = 16}, out); },
+     {.resolution = 16},
+     0,
      support::tensor_bsdf_file},
     {"rgl spectral, 32",
+     "rgl",
      true,
      {1.68e-2, 9.8e-2, 1.12},
-     [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {.resolution = 32}, out); },
+     {.resolution = 32},
+     0,
      support::tensor_bsdf_file},
-    {"rgl spectral, 64",
-     true,
-     {4.4e-3, 3.2e-2, 0.52},
-     [](const auto& f, const auto&, auto& out) { write_rgl_spectral(f, {}, out); },
-     support::tensor_bsdf_file},
-    {"rgl RGB, 64",
-     false,
-     {4.4e-3, 3.2e-2, 0.52},
-     [](const auto&, const auto& rgb, auto& out) { write_rgl_rgb(rgb, {}, out); },
-     support::tensor_bsdf_file},
-    {"merl",
-     false,
-     {6.2e-4, kAny, kAny},
-     [](const auto&, const auto& rgb, auto& out) { write_merl(rgb, {}, out); },
-     support::merl_file},
-    {"ssdd, 5 x 5 x 10 degrees",
-     true,
-     {5.6e-3, kAny, kAny},
-     [](const auto& f, const auto&, auto& out) { write_ssdd(f, 18, out); },
-     support::ssdd_file},
-    {"astm, 10 x 10 x 20 degrees",
-     true,
-     {2.6e-2, kAny, kAny},
-     [](const auto& f, const auto&, auto& out) { write_astm(f, 9, out); },
-     support::astm_file},
-    {"klems",
-     false,
-     {0.158, kAny, kAny},
-     [](const auto&, const auto& rgb, auto& out) { write_radiance_klems(rgb, out); },
-     support::klems_file},
+    {"rgl spectral, 64", "rgl", true, {4.4e-3, 3.2e-2, 0.52}, {}, 0, support::tensor_bsdf_file},
+    {"rgl RGB, 64", "rgl", false, {4.4e-3, 3.2e-2, 0.52}, {}, 1, support::tensor_bsdf_file},
+    {"merl", "merl", false, {6.2e-4, kAny, kAny}, {}, 0, support::merl_file},
+    {"ssdd, 5 x 5 x 10 degrees", "ssdd", true, {5.6e-3, kAny, kAny}, {}, 0, support::ssdd_file},
+    {"astm, 10 x 10 x 20 degrees", "astm", true, {2.6e-2, kAny, kAny}, {}, 0, support::astm_file},
+    {"klems", "klems", false, {0.158, kAny, kAny}, {}, 0, support::klems_file},
     {"radiance, 16 cells",
+     "radiance",
      false,
      {0.188, kAny, kAny},
-     [](const auto&, const auto& rgb, auto& out) { write_radiance_tree(rgb, 4, out); },
-     support::tensor_tree_file},
-    {"radiance, 32 cells",
-     false,
-     {0.132, kAny, kAny},
-     [](const auto&, const auto& rgb, auto& out) { write_radiance_tree(rgb, 5, out); },
+     {.resolution = 4},
+     0,
      support::tensor_tree_file},
     {"radiance, 64 cells",
+     "radiance",
      false,
      {0.074, kAny, kAny},
-     [](const auto&, const auto& rgb, auto& out) { write_radiance_tree(rgb, 6, out); },
+     {.resolution = 6},
+     0,
      support::tensor_tree_file},
 };
 
@@ -124,13 +100,10 @@ struct Written {
     std::string bytes;
     const BrdfSource& truth;
 
-    Written(const Format& format, const BrdfSource& spectral)
+    Written(const Case& one, const BrdfSource& spectral)
         : rgb(spectral, nearest_wavelengths(spectral.wavelength_nm())),
-          truth(format.spectral ? spectral : static_cast<const BrdfSource&>(rgb)) {
-        std::ostringstream out;
-        format.write(spectral, rgb, out);
-        bytes = out.str();
-    }
+          bytes(support::written_file(one.format, spectral, one.options, one.part)),
+          truth(one.spectral ? spectral : static_cast<const BrdfSource&>(rgb)) {}
 };
 
 /// Both directions uniform over the hemisphere, down to 17 arc minutes above the horizon: nearer, a
@@ -193,36 +166,35 @@ void check_table(const support::OutsideTable& table, const BrdfSource& source, d
 
 TEST_CASE("formats read back as their programs do, within the errors of docs/formats",
           "[exports][read_back]") {
-    const Format& format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
+    const Case& one = GENERATE(from_range(std::begin(kCases), std::end(kCases)));
     const bool closed_form = GENERATE(true, false);
-    const Written written(format, closed_form ? material() : solved());
-    const auto errors = relative_errors(*format.open(written.bytes), written.truth);
-    CAPTURE(format.name, closed_form, written.bytes.size(), errors);
+    const Written written(one, closed_form ? material() : solved());
+    const auto errors = relative_errors(*one.open(written.bytes), written.truth);
+    CAPTURE(one.name, closed_form, written.bytes.size(), errors);
     // The bounds are of the closed form; the solved half-space is a little brighter at the horizon.
     const double room = closed_form ? 1.0 : 1.1;
-    for (std::size_t band = 0; band < 3; ++band) CHECK(errors[band] <= room * format.bounds[band]);
+    for (std::size_t band = 0; band < 3; ++band) CHECK(errors[band] <= room * one.bounds[band]);
 }
 
 TEST_CASE("bin centres serve readers of MERL that do not interpolate", "[exports][read_back]") {
     const RgbSource rgb(material(), nearest_wavelengths(material().wavelength_nm()));
-    std::ostringstream edges, centres;
-    write_merl(rgb, {MerlSample::lower_edge}, edges);
-    write_merl(rgb, {MerlSample::centre}, centres);
-    const auto from_edges = relative_errors(*support::merl_bins_file(edges.str()), rgb);
-    const auto from_centres = relative_errors(*support::merl_bins_file(centres.str()), rgb);
+    const std::string edges = support::written_file("merl", material());
+    const std::string centres =
+        support::written_file("merl", material(), {.extra = {{"bin_centres", 1}}});
+    const auto from_edges = relative_errors(*support::merl_bins_file(edges), rgb);
+    const auto from_centres = relative_errors(*support::merl_bins_file(centres), rgb);
     CAPTURE(from_edges, from_centres);
     // A value uniform in its bin is on average half as far (rms) from the centre as from the edge.
     CHECK(from_centres[0] <= 0.6 * from_edges[0]);
 }
 
 TEST_CASE("npz and exr hold the axes and values that other readers find", "[exports][read_back]") {
-    const TableGrid grid{{0.125, 0.5, 1.0}, {0.25, 0.75, 1.0}, {0, 45, 90, 135, 180}};
-    const support::TemporaryFolder folder;
-    write_table_npz(material(), grid, folder / "a.npz");
-    check_table(support::npz_table(support::read_file(folder / "a.npz")), material(), 0.0);
-    std::ostringstream exr;
-    write_exr(material(), nearest_wavelengths(material().wavelength_nm()), grid, exr);
-    check_table(support::exr_table(exr.str()), material(), 6e-8);
+    const ExportOptions options{
+        .directions = {{0.125, 0.5, 1.0}, {0.25, 0.75, 1.0}, {0, 45, 90, 135, 180}}};
+    check_table(support::npz_table(support::written_file("npz", material(), options)), material(),
+                0.0);
+    check_table(support::exr_table(support::written_file("exr", material(), options)), material(),
+                6e-8);
 }
 
 TEST_CASE("sampled with the stored tables, the albedo is complete and the density true",
@@ -233,14 +205,14 @@ TEST_CASE("sampled with the stored tables, the albedo is complete and the densit
         GENERATE(std::pair{0, 1e-3}, std::pair{1, 1e-3}, std::pair{2, 2.3e-2}, std::pair{3, 5e-3},
                  std::pair{4, 5e-3}, std::pair{5, 5e-3});
     const bool closed_form = GENERATE(true, false);
-    const Format& format = kFormats[index];
-    const Written written(format, closed_form ? material() : solved());
-    const auto file = format.open(written.bytes);
+    const Case& one = kCases[index];
+    const Written written(one, closed_form ? material() : solved());
+    const auto file = one.open(written.bytes);
     for (const double mu : {0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0}) {
         const support::Sampling sampling = support::sampling_of(*file, mu);
         const auto sampled = support::sampled_albedo(sampling, 10000);
         const auto expected = support::integrated_albedo(written.truth, mu);
-        CAPTURE(format.name, closed_form, mu, sampled, expected);
+        CAPTURE(one.name, closed_form, mu, sampled, expected);
         for (std::size_t c = 0; c < expected.size(); ++c)
             CHECK(std::abs(sampled[c] / expected[c] - 1) <= bound);
         if (mu == 0.1 || mu == 0.3 || mu == 0.9) {
@@ -251,14 +223,14 @@ TEST_CASE("sampled with the stored tables, the albedo is complete and the densit
 
 TEST_CASE("the sampling that `check` judges by carries the albedo and draws by its density",
           "[exports][read_back]") {
-    const Format& format = kFormats[GENERATE(0, 3)];
-    const Written written(format, material());
-    const auto file = read_brdf_file(written.bytes, format.name);
+    const Case& one = kCases[GENERATE(0, 3)];
+    const Written written(one, material());
+    const auto file = read_brdf_file(written.bytes, one.name);
     for (const double mu : {0.3, 0.9}) {
         const support::Sampling sampling = support::sampling_of(*file, mu);
         const auto sampled = support::sampled_albedo(sampling, 4000);
         const auto expected = support::integrated_albedo(written.truth, mu);
-        CAPTURE(format.name, mu, sampled, expected);
+        CAPTURE(one.name, mu, sampled, expected);
         for (std::size_t c = 0; c < expected.size(); ++c)
             CHECK(std::abs(sampled[c] / expected[c] - 1) <= 1e-2);
         CHECK(support::chi_square_probability(sampling, 20000) >= 1e-3);
@@ -266,10 +238,10 @@ TEST_CASE("the sampling that `check` judges by carries the albedo and draws by i
 }
 
 TEST_CASE("the readers of `check` see what the other readers see", "[exports][read_back]") {
-    const Format& format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
-    const Written written(format, material());
-    const auto other = format.open(written.bytes);
-    const auto ours = read_brdf_file(written.bytes, format.name);
+    const Case& one = GENERATE(from_range(std::begin(kCases), std::end(kCases)));
+    const Written written(one, material());
+    const auto other = one.open(written.bytes);
+    const auto ours = read_brdf_file(written.bytes, one.name);
     std::vector<double> found(ours->channels().size());
     double largest = 0;
     std::vector<Direction> directions = random_directions(600, 8);
@@ -282,6 +254,6 @@ TEST_CASE("the readers of `check` see what the other readers see", "[exports][re
         for (std::size_t c = 0; c < found.size(); ++c)
             largest = std::max(largest, std::abs(found[c] / expected[c] - 1));
     }
-    CAPTURE(format.name);
+    CAPTURE(one.name);
     CHECK(largest <= 1e-6);
 }

@@ -1,4 +1,4 @@
-#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/formats/common/rgb_weights.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,25 +1,20 @@
-#include "pipeline/formats/rgl_writer.h"
-
 #include <algorithm>
 #include <cstring>
-#include <sstream>
 
-#include <miebrdf/error.h>
-#include "pipeline/formats/readers/brdf_file.h"
-#include "pipeline/formats/readers/tensor_file_reader.h"
+#include "pipeline/formats/rgl/tables.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
 using support::material;
+using support::written_file;
 
 namespace {
 
 std::string spectral_file(int resolution) {
-    std::ostringstream out;
-    write_rgl_spectral(material(), {.resolution = resolution}, out);
-    return out.str();
+    return written_file("rgl", material(), {.resolution = resolution});
 }
 
 }  // namespace
@@ -54,9 +49,8 @@ TEST_CASE("rgl: nothing stored is negative, even beside a lobe that the grid doe
     // pbrt-v4 counts negative values as an error and Mitsuba 3 renders with them.
     const double alpha = GENERATE(0.3, 0.05, 0.01);
     const support::SharpMaterial sharp(support::seven_wavelengths(), alpha);
-    std::ostringstream out;
-    write_rgl_spectral(sharp, {.resolution = 24, .incident_angles = 8}, out);
-    const std::string content = out.str();
+    const std::string content =
+        written_file("rgl", sharp, {.resolution = 24, .extra = {{"incident_angles", 8}}});
     const auto fields = read_tensor_file(content);
     const auto least = [&](const char* name) {
         const auto values = tensor_floats(fields, name);
@@ -70,17 +64,15 @@ TEST_CASE("rgl: nothing stored is negative, even beside a lobe that the grid doe
 }
 
 TEST_CASE("rgl: the RGB file names its channels", "[exports][rgl]") {
-    std::ostringstream out;
-    write_rgl_rgb(support::ColouredMaterial().rgb, {.resolution = 8}, out);
-    const auto read = read_brdf_file(out.str(), "test");
+    const auto read = read_brdf_file(written_file("rgl", material(), {.resolution = 8}, 1), "test");
     CHECK(read->channels() == std::vector<std::string>{"R", "G", "B"});
 }
 
 TEST_CASE("rgl: options out of range are refused", "[exports][rgl][errors]") {
-    std::ostringstream out;
-    CHECK_THROWS_WITH(write_rgl_spectral(material(), {.resolution = 2}, out),
-                      Catch::Contains("4 to 1024"));
-    CHECK_THROWS_WITH(write_rgl_spectral(material(), {.incident_angles = 1}, out),
-                      Catch::Contains("2 to 512"));
-    CHECK_THROWS_AS(write_rgl_spectral(support::ColouredMaterial().rgb, {}, out), UsageError);
+    CHECK_THROWS_WITH(spectral_file(2), Catch::Contains("4 to 1024"));
+    CHECK_THROWS_WITH(written_file("rgl", material(), {.extra = {{"incident_angles", 1}}}),
+                      Catch::Contains("incident_angles") && Catch::Contains("2 to 512"));
+    CHECK_THROWS_AS(written_file("rgl", support::ColouredMaterial().rgb), UsageError);
+    const support::TestMaterial falling({650, 450}, 0.4);
+    CHECK_THROWS_WITH(export_brdf(falling, "rgl", "x"), Catch::Contains("450 nm follows 650 nm"));
 }

@@ -1,10 +1,8 @@
-#include "pipeline/formats/table_check.h"
-
 #include <numbers>
 
-#include "pipeline/formats/file_check.h"
-#include "pipeline/formats/readers/grid_file.h"
-#include "pipeline/formats/table_grid.h"
+#include "pipeline/formats/check/check.h"
+#include "pipeline/formats/common/grid_file.h"
+#include "pipeline/formats/table/tabulate.h"
 #include "tests/support/catch.h"
 #include "tests/support/sampling.h"
 #include "tests/support/test_material.h"
@@ -16,7 +14,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-std::unique_ptr<BrdfFile> table_of(const TableGrid& grid, const BrdfSource& source) {
+std::unique_ptr<BrdfFile> table_of(const rte::Directions& grid, const BrdfSource& source) {
     GridTable table;
     table.format = "test";
     table.in = grid.mu_in;
@@ -39,7 +37,7 @@ class Shape : public support::TestMaterial {
     double (*shape_)(const Direction&);
 };
 
-TableGrid default_grid() {
+rte::Directions default_grid() {
     return {sine_squared_cosines(16), sine_squared_cosines(16), equally_spaced(0, 180, 19)};
 }
 
@@ -47,11 +45,11 @@ TableGrid default_grid() {
 
 TEST_CASE("a white Lambertian table has albedo 1, whatever directions it lists",
           "[exports][table_check]") {
-    const TableGrid grid =
-        GENERATE(default_grid(), TableGrid{{0.5}, {0.1, 0.3, 0.9}, {0, 90, 180}},
-                 TableGrid{{0.2, 1}, {0.05, 0.1, 0.2, 0.5, 0.6, 1}, {10, 20, 30, 70}},
-                 TableGrid{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 330, 12)},
-                 TableGrid{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 360, 13)});
+    const rte::Directions grid =
+        GENERATE(default_grid(), rte::Directions{{0.5}, {0.1, 0.3, 0.9}, {0, 90, 180}},
+                 rte::Directions{{0.2, 1}, {0.05, 0.1, 0.2, 0.5, 0.6, 1}, {10, 20, 30, 70}},
+                 rte::Directions{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 330, 12)},
+                 rte::Directions{{1}, {0.2, 0.4, 0.6, 0.8, 1}, equally_spaced(0, 360, 13)});
     const auto file = table_of(grid, Shape([](const Direction&) { return 1.0; }));
     const auto albedos = table_albedos(*file, *file->listed());
     REQUIRE(albedos.size() == grid.mu_in.size());

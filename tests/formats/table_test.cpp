@@ -1,21 +1,17 @@
-#include "pipeline/formats/table_writer.h"
-
 #include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <sstream>
 
-#include <miebrdf/error.h>
-#include "pipeline/formats/deviation.h"
-#include "pipeline/formats/readers/npz_reader.h"
+#include "pipeline/formats/table/npz.h"
 #include "pipeline/io/atomic_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
+#include "tests/support/written_file.h"
 
 using namespace miebrdf;
 using namespace miebrdf::exports;
@@ -23,9 +19,13 @@ using support::material;
 
 namespace {
 
-const TableGrid& grid() {
-    static const TableGrid instance{{0.1, 0.5, 1.0}, {0.05, 0.3, 0.6, 1.0}, {0, 45, 90, 180}};
+const rte::Directions& grid() {
+    static const rte::Directions instance{{0.1, 0.5, 1.0}, {0.05, 0.3, 0.6, 1.0}, {0, 45, 90, 180}};
     return instance;
+}
+
+void write_npz(const std::filesystem::path& path) {
+    export_brdf(material(), "npz", path, {.directions = grid()});
 }
 
 /// The file's values at the table's own directions are those of the BRDF, bit for bit.
@@ -47,13 +47,13 @@ void check_exact(const BrdfFile& file) {
 }  // namespace
 
 TEST_CASE("csv and json tables read back to the same doubles", "[exports][table]") {
-    std::ostringstream csv, json;
-    write_table_csv(material(), grid(), csv);
-    write_table_json(material(), grid(), json);
-    const auto from_csv = read_brdf_file(csv.str(), "test");
+    const ExportOptions options{.directions = grid()};
+    const std::string csv = support::written_file("csv", material(), options);
+    const std::string json = support::written_file("json", material(), options);
+    const auto from_csv = read_brdf_file(csv, "test");
     CHECK(from_csv->format() == "csv");
     check_exact(*from_csv);
-    const auto from_json = read_brdf_file(json.str(), "test");
+    const auto from_json = read_brdf_file(json, "test");
     CHECK(from_json->format() == "json");
     check_exact(*from_json);
 }
@@ -61,8 +61,8 @@ TEST_CASE("csv and json tables read back to the same doubles", "[exports][table]
 TEST_CASE("npz holds the axes by name, the same doubles, and the same bytes each time",
           "[exports][table]") {
     const support::TemporaryFolder folder;
-    write_table_npz(material(), grid(), folder / "a.npz");
-    write_table_npz(material(), grid(), folder / "b.npz");
+    write_npz(folder / "a.npz");
+    write_npz(folder / "b.npz");
     const std::string content = support::read_file(folder / "a.npz");
     CHECK(content == support::read_file(folder / "b.npz"));
     CHECK(folder.count() == 2);
@@ -75,7 +75,7 @@ TEST_CASE("npz holds the axes by name, the same doubles, and the same bytes each
 
 TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[exports][table]") {
     const support::TemporaryFolder folder;
-    write_table_npz(material(), grid(), folder / "a.npz");
+    write_npz(folder / "a.npz");
     const std::string content = support::read_file(folder / "a.npz");
     const std::size_t first = content.find("\x93NUMPY");
     REQUIRE(first != content.npos);
@@ -103,7 +103,7 @@ TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[export
             });
             const rlimit bytes{limit, limit};
             setrlimit(RLIMIT_FSIZE, &bytes);
-            write_table_npz(material(), grid(), folder / "a.npz");
+            write_npz(folder / "a.npz");
         },
         [](const std::exception&) { return 8; });
     CHECK(support::exit_code(child) == 7);
@@ -112,15 +112,14 @@ TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[export
 
 TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
     const support::TemporaryFolder folder;
-    write_table_npz(material(), grid(), folder / "a.npz");
+    write_npz(folder / "a.npz");
     REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
-    const pid_t child =
-        support::in_child([&] { write_table_npz(material(), grid(), folder / "pipe"); },
-                          [](const std::exception&) { return 8; });
+    const pid_t child = support::in_child([&] { write_npz(folder / "pipe"); },
+                                          [](const std::exception&) { return 8; });
     CHECK(support::read_file(folder / "pipe") == support::read_file(folder / "a.npz"));
     CHECK(support::exit_code(child) == 0);
-    CHECK_NOTHROW(write_table_npz(material(), grid(), "/dev/null"));
-    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/dev/full"), InputError);
+    CHECK_NOTHROW(write_npz("/dev/null"));
+    CHECK_THROWS_AS(write_npz("/dev/full"), InputError);
 }
 
 TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behind",
@@ -131,7 +130,7 @@ TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behin
             std::signal(SIGXFSZ, SIG_IGN);
             const rlimit bytes{4000, 4000};
             setrlimit(RLIMIT_FSIZE, &bytes);
-            write_table_npz(material(), grid(), folder / "a.npz");
+            write_npz(folder / "a.npz");
         },
         [](const std::exception& error) {
             const bool told = std::string(error.what()).find("File too large") != std::string::npos;
@@ -143,9 +142,8 @@ TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behin
 
 TEST_CASE("tables refuse directions out of range and unwritable places",
           "[exports][table][errors]") {
-    std::ostringstream out;
-    CHECK_THROWS_WITH(write_table_csv(material(), {{0.0}, {1.0}, {0}}, out),
-                      Catch::Contains("(0, 1]"));
-    CHECK_THROWS_AS(write_table_csv(material(), {{}, {1.0}, {0}}, out), UsageError);
-    CHECK_THROWS_AS(write_table_npz(material(), grid(), "/nowhere/at/all.npz"), InputError);
+    const ExportOptions horizon{.directions = {{0.0}, {1.0}, {0}}};
+    CHECK_THROWS_WITH(support::written_file("csv", material(), horizon),
+                      Catch::Contains("mu_in: 0") && Catch::Contains("(0, 1]"));
+    CHECK_THROWS_AS(write_npz("/nowhere/at/all.npz"), InputError);
 }

@@ -3,7 +3,8 @@
 
 #include <functional>
 
-#include "pipeline/formats/readers/brdf_file.h"
+#include <miebrdf/formats.h>
+#include <miebrdf/brdf_source.h>
 #include "tests/support/outside/outside_file.h"
 
 namespace miebrdf::support {

@@ -10,9 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pipeline/formats/brdf_export.h"
-#include "pipeline/formats/file_check.h"
-#include "pipeline/formats/rgb_weights.h"
+#include <miebrdf/formats.h>
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/solved_source.h"
 #include "tools/bench/process_memory.h"
@@ -24,7 +22,7 @@ using namespace miebrdf::exports;
 namespace fs = std::filesystem;
 
 // One thread: what a child inherits has no threads, and CPU time is that of the work alone.
-const RunControl kControl{.threads = 1};
+const Control kControl{.threads = 1};
 
 double cpu_seconds() {
     rusage usage{};
@@ -33,31 +31,21 @@ double cpu_seconds() {
            1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-struct Case {
-    const BrdfSource& spectral;
-    const RgbSource& rgb;
-};
-
-std::string albedo_columns(const ExportedFile& file, const Case& scene) {
+std::string albedo_columns(const ExportedFile& file, const BrdfSource& source) {
     const auto read = open_brdf_file(file.path.string());
-    const bool colours = read->wavelength_nm().empty();
-    const BrdfSource& truth = colours ? static_cast<const BrdfSource&>(scene.rgb) : scene.spectral;
     const FileCheck check = check_file(*read);
     return fmt::format(
-        "{:.1e} | {}", albedo_error(*read, truth),
+        "{:.1e} | {}", compare_file(*read, source).albedo_error,
         check.sampled_albedo_error ? fmt::format("{:.1e}", *check.sampled_albedo_error) : "");
 }
 
-void print_row(const std::string& format, const fs::path& folder, const Case& scene) {
-    ExportOptions options;
-    options.format = format;
-    options.rgb = scene.rgb.weights();
+void print_row(const Format& format, const fs::path& folder, const BrdfSource& source) {
     const double seconds = cpu_seconds(), resident = bench::resident_bytes();
     std::vector<ExportedFile> files;
     try {
-        files = export_brdf(scene.spectral, options, folder / ("a." + format), kControl);
+        files = export_brdf(source, format, folder / ("a." + format.name), {}, kControl);
     } catch (const TooCoarse& refusal) {
-        fmt::print("| {} | refused: {} |\n", format, refusal.what());
+        fmt::print("| {} | refused: {} |\n", format.name, refusal.what());
         return;
     }
     const double took = cpu_seconds() - seconds;
@@ -68,10 +56,9 @@ void print_row(const std::string& format, const fs::path& folder, const Case& sc
             errors = fmt::format("{:.1e} | {:.1e} | {:.1e} | {:.1e}", d->rms[0], d->rms[1],
                                  d->rms[2], d->lobe);
         }
-        const std::string name =
-            files.size() > 1 ? format + file.path.stem().string().substr(1) : format;
+        const std::string name = format.name + file.path.stem().string().substr(1);
         fmt::print("| {} | {} | {} | {} | {:.2f} | {:.0f} |\n", name, file.bytes, errors,
-                   albedo_columns(file, scene), took, 1e-6 * memory);
+                   albedo_columns(file, source), took, 1e-6 * memory);
     }
 }
 
@@ -79,17 +66,17 @@ void print_row(const std::string& format, const fs::path& folder, const Case& sc
 void print_table(const char* title, const Request& request, const fs::path& folder) {
     const double start = cpu_seconds();
     const SolvedSource source(request, Component::total, "bench_exports", kControl);
-    const RgbSource rgb(source, rgb_weights("auto", request.wavelength_nm));
     fmt::print("{} (the solution takes {:.1f} s of CPU time):\n\n", title, cpu_seconds() - start);
     fmt::print(
         "| format | bytes | mu > 0.2 | mu 0.05-0.2 | mu < 0.05 | near mirror | albedo | "
         "sampling | s | MB |\n|---|---|---|---|---|---|---|---|---|---|\n");
     malloc_trim(0);  // else children begin with free memory that no count shows
-    for (const std::string& format : export_formats()) {
+    for (const Format& format : all_formats()) {
+        if (format.files.empty()) continue;  // no BRDF
         std::fflush(stdout);
         const pid_t child = fork();
         if (child == 0) {
-            print_row(format, folder, {source, rgb});
+            print_row(format, folder, source);
             std::fflush(stdout);
             _exit(0);
         }

@@ -5,10 +5,7 @@
 
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
-#include "pipeline/formats/brdf_export.h"
-#include "pipeline/formats/file_check.h"
-#include "pipeline/formats/rgb_weights.h"
-#include "pipeline/formats/table_check.h"
+#include <miebrdf/formats.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -52,11 +49,7 @@ class Verdict {
     bool good_ = true;
 };
 
-constexpr std::size_t kDirections = 3000;
-constexpr std::uint64_t kSeed = 5;
-
-/// How far the file is from the scene that it is said to hold: at random directions, but of a table
-/// that no program interpolates at those that it lists.
+/// How far the file is from the scene that it is said to hold.
 void compare(const exports::BrdfFile& file, const CheckArguments& arguments, const Shell& shell,
              Verdict& verdict) {
     Request request = arguments.scene.parse();
@@ -64,27 +57,19 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
     const BrdfTable source =
         solve(request.scene, request.wavelength_nm, request.solver, shell.control())
             .table({parse_brdf_part(arguments.component), shell.command_line()});
-    const exports::RgbSource rgb(source,
-                                 exports::rgb_weights(arguments.rgb, request.wavelength_nm));
-    const BrdfSource& truth =
-        file.wavelength_nm().empty() ? rgb : static_cast<const BrdfSource&>(source);
-    const double bound = arguments.largest_deviation > 0.0 ? arguments.largest_deviation
-                                                           : exports::accepted_error(file.format());
-    const auto lists = file.listed();
-    const bool between = !lists || lists->interpolated;
-    const auto deviation =
-        exports::measure_deviation(file, truth,
-                                   between ? exports::random_directions(kDirections, kSeed)
-                                           : exports::random_listed(*lists, kDirections, kSeed));
+    const exports::FileComparison found = exports::compare_file(file, source, arguments.rgb);
+    const double bound = arguments.largest_deviation > 0.0
+                             ? arguments.largest_deviation
+                             : exports::find_format(file.format()).accepted_error;
     for (std::size_t band = 0; band < 3; ++band) {
         const std::string name = fmt::format("deviation_rms ({})", exports::kDeviationBands[band]);
         // Near the horizon every format that interpolates loses digits.
-        band == 0 || !between ? verdict.at_most(name, deviation.rms[band], bound)
-                              : verdict.tell(name, deviation.rms[band]);
+        band == 0 || found.only_listed ? verdict.at_most(name, found.deviation.rms[band], bound)
+                                       : verdict.tell(name, found.deviation.rms[band]);
     }
-    verdict.tell("directional_albedo_error", exports::albedo_error(file, truth));
-    if (between) {
-        verdict.at_most("deviation_rms (near the mirror direction)", deviation.lobe, bound);
+    verdict.tell("directional_albedo_error", found.albedo_error);
+    if (!found.only_listed) {
+        verdict.at_most("deviation_rms (near the mirror direction)", found.deviation.lobe, bound);
     }
 }
 

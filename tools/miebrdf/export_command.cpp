@@ -1,12 +1,17 @@
 // miebrdf export: a scene's BRDF in the formats that renderers and tools read.
 #include <fmt/format.h>
 
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
-#include "pipeline/formats/brdf_export.h"
+#include <miebrdf/formats.h>
+#include <miebrdf/version.h>
+#include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
-#include "tools/miebrdf/spectrum_export.h"
 
 namespace miebrdf::program {
 namespace {
@@ -46,16 +51,79 @@ Table table_of(const std::vector<exports::ExportedFile>& files, const ResultRepo
     return table;
 }
 
+/// Moments of a single-scattering table; what radiative-transfer codes with 64 streams use.
+constexpr int kHighestMoment = 128;
+
+void tell_written(bool converged, const Shell& shell) {
+    shell.tell_written({.facts = {{"converged", std::string(converged ? "yes" : "no")}},
+                        .columns = {"file"},
+                        .rows = {{shell.common().output}}});
+}
+
+int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    const AlbedoValues values = brdf.albedo({1.0});
+    exports::Spectrum spectrum;
+    spectrum.wavelength_nm = brdf.wavelength_nm();
+    spectrum.value = values.spherical_albedo;
+    spectrum.comments = {
+        fmt::format("miebrdf {}", kVersion), shell.command_line(),
+        "spherical albedo (reflectance under diffuse light), wavelengths in nm in vacuum"};
+    for (const std::string& source : values.sources)
+        spectrum.comments.push_back("source: " + source);
+    exports::export_spectrum(spectrum, format, shell.common().output);
+    tell_written(values.converged(), shell);
+    return values.converged() ? kGood : kNotConverged;
+}
+
+int export_scattering(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    // The base alone: layers are for light transfer.
+    const Scene scene{.base = brdf.scene().base,
+                      .particles = brdf.scene().particles,
+                      .database = brdf.scene().database};
+    const ResolvedScene resolved = resolve(scene, brdf.wavelength_nm());
+    OpticsDemand demand;
+    demand.highest_moment = kHighestMoment;
+    if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
+    std::vector<std::size_t> wavelengths(brdf.wavelength_nm().size());
+    std::iota(wavelengths.begin(), wavelengths.end(), std::size_t{0});
+    const auto optics = optics_of(resolved, {0}, wavelengths, demand, shell.control());
+    exports::ScatteringTable table;
+    table.wavelength_nm = brdf.wavelength_nm();
+    bool converged = true;
+    for (const std::vector<MediumOptics>& media : optics) {
+        const MediumOptics& o = media.front();
+        table.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
+        table.asymmetry.push_back(o.asymmetry);
+        table.q_ext.push_back(o.q_ext.value_or(std::numeric_limits<double>::quiet_NaN()));
+        table.chi.push_back(o.optics.chi);
+        converged = converged && o.converged;
+    }
+    const nlohmann::ordered_json metadata = {
+        {"generator", fmt::format("miebrdf {}", kVersion)},
+        {"command", shell.command_line()},
+        {"medium", describe(scene.base)},
+        {"source", resolved.sources.front()},
+        {"chi", "Legendre moments, chi_0 = 1, without 2l + 1"},
+        {"lm_a1", "(2l + 1) chi_l, the Legendre coefficients of the phase function with mean 1"},
+        {"ssa", "scattering / extinction"},
+        {"q_ext", "extinction efficiency; not a number for media without particles"}};
+    table.metadata = metadata.dump(1);
+    exports::export_scattering(table, format, shell.common().output);
+    tell_written(converged, shell);
+    return converged ? kGood : kNotConverged;
+}
+
 int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
-    const exports::ExportOptions options = arguments.file(brdf.wavelength_nm());
+    const exports::ExportOptions options = arguments.file();
     const BrdfTable table =
         brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
     std::vector<exports::ExportedFile> files;
     try {
-        files = exports::export_brdf(table, options, output, shell.control());
+        files = exports::export_brdf(table, arguments.format(), output, options, shell.control());
     } catch (const exports::TooCoarse& error) {
-        shell.note(std::string("error: ") + error.what());
+        shell.note(
+            fmt::format("error: {} (--resolution); --max-error accepts it as it is", error.what()));
         return kCheckFailed;
     }
     for (const auto& file : files) shell.note(describe(file));
@@ -72,11 +140,12 @@ Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shel
     arguments->check_format();
     const Request request = arguments->scene();
     const Brdf brdf = solve(request.scene, request.wavelength_nm, request.solver, shell.control());
-    if (is_spectrum_format(arguments->format())) {
-        return
-            [brdf, arguments, &shell] { return export_spectrum(arguments->format(), brdf, shell); };
-    }
-    arguments->file(request.wavelength_nm);  // refuses lists that are wrong
+    const std::string format = arguments->format().name;
+    if (arguments->format().content == exports::FormatContent::spectrum)
+        return [brdf, format, &shell] { return export_albedo(format, brdf, shell); };
+    if (arguments->format().content == exports::FormatContent::scattering)
+        return [brdf, format, &shell] { return export_scattering(format, brdf, shell); };
+    arguments->file();  // refuses lists that are wrong
     return [brdf, arguments, &shell] { return write_export(brdf, *arguments, shell); };
 }
 

@@ -4,18 +4,79 @@
 
 #include <algorithm>
 
-#include <miebrdf/error.h>
-#include "pipeline/formats/rgb_weights.h"
+#include <miebrdf/brdf.h>
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/export_formats.h"
 
 namespace miebrdf::program {
+namespace {
+
+using exports::Format;
+using exports::FormatContent;
+using exports::FormatOption;
+
+/// What a table of single scattering, without light transfer, leaves unread.
+constexpr const char* kOfTransfer[] = {
+    "--coat",        "--roughness",     "--coupling",   "--surface-index",
+    "--tolerance",   "--streams",       "--grid",       "--half-space-method",
+    "--coat-method", "--coat-substeps", "--no-delta-m", "--no-single-scattering-correction"};
+
+/// The option for a field of ExportOptions, or for one of its `extra`.
+std::string option_of(std::string field) {
+    if (field == "azimuth_deg") return "--azimuth";
+    if (field == "largest_error") return "--max-error";
+    std::replace(field.begin(), field.end(), '_', '-');
+    return "--" + field;
+}
+
+std::vector<std::string> file_options_of(const Format& format) {
+    std::vector<std::string> options;
+    for (const std::string& field : exports::options_of(format)) {
+        options.push_back(option_of(field));
+    }
+    return options;
+}
+
+/// "csv, json": the formats of which something is true.
+std::string formats_that(const std::function<bool(const Format&)>& is_so) {
+    std::vector<std::string> names;
+    for (const Format& format : exports::all_formats()) {
+        if (is_so(format)) names.push_back(format.name);
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string formats_that_take(const std::string& field) {
+    return formats_that([&](const Format& format) {
+        const std::vector<std::string> taken = exports::options_of(format);
+        return std::find(taken.begin(), taken.end(), field) != taken.end();
+    });
+}
+
+/// "csv, json: 16 cosines; pbrt: 56 intervals of the cosine".
+std::string resolutions() {
+    std::vector<std::pair<std::string, std::string>> groups;  // fineness, names
+    for (const Format& format : exports::all_formats()) {
+        const exports::Fineness& fineness = format.resolution;
+        if (fineness.lowest == fineness.highest) continue;
+        const std::string text = fmt::format("{} {}", fineness.standard, fineness.unit);
+        const auto same = std::find_if(groups.begin(), groups.end(),
+                                       [&](const auto& group) { return group.first == text; });
+        if (same != groups.end()) {
+            same->second += ", " + format.name;
+        } else {
+            groups.emplace_back(text, format.name);
+        }
+    }
+    std::vector<std::string> lines;
+    for (const auto& [text, names] : groups) lines.push_back(names + ": " + text);
+    return fmt::format("{}", fmt::join(lines, "; "));
+}
+
+}  // namespace
 
 void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     command_ = &command;
-    command
-        .add_option("--format", options_.format,
-                    fmt::format("{}", fmt::join(all_export_formats(), ", ")))
+    command.add_option("--format", format_, formats_that([](const Format&) { return true; }))
         ->type_name("NAME")
         ->required();
     scene_.add_to(command, shell);
@@ -27,32 +88,40 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
 void ExportArguments::add_file_options(CLI::App& command) {
     auto* group = command.add_option_group("File");
     group
-        ->add_option("--resolution", options_.resolution,
-                     "all but merl, klems, spd, irregular, scattering: fineness, format by format "
-                     "(docs/formats); 0: the format's default")
+        ->add_option(option_of("resolution"), options_.resolution,
+                     fmt::format("fineness, format by format; 0: the default ({})", resolutions()))
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
-    group->add_option("--incident-angles", options_.incident_angles, "rgl: angles of incidence")
-        ->capture_default_str();
-    group->add_option("--mu-in", mu_in_, "csv, json, npz, exr: cosines of incidence")
+    for (const Format& format : exports::all_formats()) {
+        for (const FormatOption& extra : format.extra) {
+            const std::string help = format.name + ": " + extra.help;
+            int& value = options_.extra.emplace(extra.name, extra.standard).first->second;
+            if (extra.is_switch) {
+                group->add_flag(option_of(extra.name), value, help);
+            } else {
+                group->add_option(option_of(extra.name), value, help)->capture_default_str();
+            }
+        }
+    }
+    const std::string tables = formats_that_take("mu_in");
+    group->add_option(option_of("mu_in"), mu_in_, tables + ": cosines of incidence")
         ->type_name("LIST");
-    group->add_option("--mu-out", mu_out_, "csv, json, npz, exr: cosines of reflection")
+    group->add_option(option_of("mu_out"), mu_out_, tables + ": cosines of reflection")
         ->type_name("LIST");
-    group->add_option("--azimuth", azimuth_, "csv, json, npz, exr: degrees, 0 = mirror side")
+    group->add_option(option_of("azimuth_deg"), azimuth_, tables + ": degrees, 0 = mirror side")
         ->type_name("LIST");
     group
-        ->add_option(
-            "--rgb", rgb_,
-            "colour of exr, pbrt, rgl, merl, radiance, klems: cie (observer and D65), wavelengths "
-            "(the nearest to 620, 535, 480 nm), auto: cie where the wavelengths cover the visible")
+        ->add_option(option_of("rgb"), options_.rgb,
+                     fmt::format("colour of {}: cie (observer and D65), wavelengths (the nearest "
+                                 "to 620, 535, 480 nm), auto: cie where the wavelengths cover the "
+                                 "visible",
+                                 formats_that_take("rgb")))
         ->capture_default_str();
-    group->add_flag("--bin-centres", merl_centres_,
-                    "merl: sample bins at their centres, for readers that do not interpolate");
     group
-        ->add_option(
-            "--max-error", options_.largest_error,
-            "formats that are read back (pbrt to klems): largest relative error (rms, at "
-            "mu > 0.2 and near the mirror direction) that is accepted; 0: the format's own")
+        ->add_option(option_of("largest_error"), options_.largest_error,
+                     fmt::format("{} are read back: largest relative error (rms, at mu > 0.2 and "
+                                 "near the mirror direction) that is accepted; 0: the format's own",
+                                 formats_that_take("largest_error")))
         ->capture_default_str();
 }
 
@@ -63,10 +132,10 @@ bool ExportArguments::given(const std::string& option) const {
 
 void ExportArguments::check_format() const {
     const std::vector<std::string> taken = file_options_of(format());
-    for (const std::string& name : ignored_options_of(format())) {
+    for (const std::string& name : ignored_options_of(format_)) {
         if (!given(name)) continue;
         throw UsageError(fmt::format(
-            "format '{}' has no use for {}; {}", format(), name,
+            "format '{}' has no use for {}; {}", format_, name,
             taken.empty()
                 ? std::string("it has no options of the file")
                 : fmt::format("of the file's options it takes {}", fmt::join(taken, ", "))));
@@ -84,18 +153,36 @@ Request ExportArguments::scene() const {
     return request;
 }
 
-exports::ExportOptions ExportArguments::file(const std::vector<double>& wavelength_nm) const {
+exports::ExportOptions ExportArguments::file() const {
     exports::ExportOptions options = options_;
-    if (!mu_in_.empty()) options.grid.mu_in = parse_number_list(mu_in_, "mu_in", 0.0, 1.0, true);
-    if (!mu_out_.empty())
-        options.grid.mu_out = parse_number_list(mu_out_, "mu_out", 0.0, 1.0, true);
+    rte::Directions& directions = options.directions;
+    if (!mu_in_.empty()) directions.mu_in = parse_number_list(mu_in_, "mu_in", 0.0, 1.0, true);
+    if (!mu_out_.empty()) directions.mu_out = parse_number_list(mu_out_, "mu_out", 0.0, 1.0, true);
     if (!azimuth_.empty()) {
-        options.grid.azimuth_deg = parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0);
+        directions.azimuth_deg = parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0);
     }
-    options.merl_sample =
-        merl_centres_ ? exports::MerlSample::centre : exports::MerlSample::lower_edge;
-    options.rgb = exports::rgb_weights(rgb_, wavelength_nm);
+    // What was not typed, or is another format's, has no say.
+    std::erase_if(options.extra, [&](const auto& extra) {
+        return command_->get_option(option_of(extra.first))->count() == 0;
+    });
     return options;
+}
+
+std::vector<std::string> ignored_options_of(const std::string& format) {
+    const Format& known = exports::find_format(format);
+    const std::vector<std::string> taken = file_options_of(known);
+    std::vector<std::string> ignored;
+    for (const Format& other : exports::all_formats()) {
+        for (const std::string& option : file_options_of(other)) {
+            const bool there = std::find(taken.begin(), taken.end(), option) != taken.end() ||
+                               std::find(ignored.begin(), ignored.end(), option) != ignored.end();
+            if (!there) ignored.push_back(option);
+        }
+    }
+    if (known.files.empty()) ignored.emplace_back("--component");
+    if (known.content == FormatContent::scattering)
+        ignored.insert(ignored.end(), std::begin(kOfTransfer), std::end(kOfTransfer));
+    return ignored;
 }
 
 }  // namespace miebrdf::program

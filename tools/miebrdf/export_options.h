@@ -1,10 +1,11 @@
-// The options of `export`, and which of them each format takes.
+// The options of `export`: what each format takes is in the list of formats (miebrdf/formats.h).
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
-#include "pipeline/formats/brdf_export.h"
+#include <miebrdf/formats.h>
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -17,13 +18,13 @@ class ExportArguments {
     /// @throws UsageError  naming those that it does take
     void check_format() const;
 
-    const std::string& format() const { return options_.format; }
+    const exports::Format& format() const { return exports::find_format(format_); }
     const std::string& component() const { return component_; }
     /// Wavelengths ascending: the order of every format.
     /// @throws UsageError, InputError
     Request scene() const;
     /// @throws UsageError
-    exports::ExportOptions file(const std::vector<double>& wavelength_nm) const;
+    exports::ExportOptions file() const;
 
   private:
     void add_file_options(CLI::App& command);
@@ -33,11 +34,15 @@ class ExportArguments {
 
     const CLI::App* command_ = nullptr;
     SceneArguments scene_;
+    std::string format_;
     std::string component_ = "total";
     std::string mu_in_, mu_out_, azimuth_;
-    std::string rgb_ = "auto";
-    bool merl_centres_ = false;
     exports::ExportOptions options_;
 };
+
+/// Options (with their dashes) that a format has no use for: those of other formats, and for
+/// spectra and single-scattering tables parts of the scene's.
+/// @throws UsageError  for an unknown format, with the nearest names
+std::vector<std::string> ignored_options_of(const std::string& format);
 
 }  // namespace miebrdf::program

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include <miebrdf/error.h>
-#include "pipeline/formats/rgb_weights.h"
+#include "pipeline/formats/common/rgb_weights.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {

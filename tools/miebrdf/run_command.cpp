@@ -10,7 +10,7 @@
 
 #include <miebrdf/error.h>
 #include "tools/miebrdf/commands.h"
-#include "tools/miebrdf/export_formats.h"
+#include "tools/miebrdf/export_options.h"
 #include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {

@@ -1,0 +1,292 @@
+// Files that renderers and measurement tools read: written, read back and checked.
+//
+//     export_brdf(brdf, "rgl", "paint.bsdf");              // writes paint_spec and paint_rgb
+//     const auto check = check_file("paint_spec.bsdf");    // reciprocity, albedo, least value
+//
+// docs/formats has a page for each format.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <miebrdf/brdf_source.h>
+#include <miebrdf/control.h>
+#include <miebrdf/error.h>
+#include <miebrdf/solver.h>
+
+namespace miebrdf::exports {
+
+class BrdfFile;
+struct ExportJob;
+struct Spectrum;
+struct ScatteringTable;
+
+// ---------------------------------------------------------------- What formats there are
+
+enum class FormatContent {
+    table,       ///< a BRDF at listed directions, exact there
+    sampled,     ///< a BRDF that its readers interpolate; read back and compared after writing
+    spectrum,    ///< reflectances without directions
+    scattering,  ///< single scattering of a medium
+};
+
+/// How fine a format can be; each counts something else.
+struct Fineness {
+    std::string unit = {};  ///< what is counted
+    int standard = 0;       ///< by default
+    int lowest = 0;
+    int highest = 0;  ///< as lowest: there is nothing to choose
+    int finest = 0;   ///< largest that is worth its bytes
+};
+
+/// An option of one format alone: a whole number, or a switch (0 or 1).
+struct FormatOption {
+    std::string name = {};  ///< key of ExportOptions::extra
+    std::string help = {};
+    int standard = 0;
+    int lowest = 0;
+    int highest = 1;
+    bool is_switch = false;
+};
+
+/// One of the files that an export writes.
+struct FormatFile {
+    std::string suffix = {};  ///< after the stem of the name
+    bool colours = false;     ///< holds R, G, B instead of the wavelengths
+    void (*write)(const ExportJob& job, std::ostream& out) = nullptr;
+};
+
+/// How sure a format is that some content is its own.
+enum class Recognised { no, by_structure, by_first_bytes };
+
+/// How files of a format are known and read.
+struct FormatReader {
+    Recognised (*recognise)(std::string_view content) = nullptr;  ///< null: not by itself
+    /// @throws InputError  for a damaged, truncated or inconsistent file
+    std::unique_ptr<BrdfFile> (*read)(std::string content) = nullptr;
+};
+
+/// All that is known of a format: export, check, help and messages read it from here.
+struct Format {
+    std::string name = {};
+    std::string readers = {};               ///< programs that read it
+    std::string holds = {};                 ///< in words
+    std::vector<std::string> endings = {};  ///< of file names, the usual one first
+    FormatContent content = FormatContent::table;
+
+    // What it takes of ExportOptions.
+    Fineness resolution = {};
+    bool takes_directions = false;
+    bool takes_colours = false;
+    std::vector<FormatOption> extra = {};
+
+    /// Largest error, as in ExportOptions::largest_error, that is accepted by default.
+    double accepted_error = 0.05;
+    bool needs_ascending_wavelengths = false;
+    bool seeks = false;            ///< goes back in its file: pipes get it from memory
+    std::string not_checked = {};  ///< why check_file does not know it; empty: it does
+
+    // The functions of the format, with types of the library's inside: formats are added there.
+    std::vector<FormatFile> files = {};
+    std::string (*sidecar)(const ExportJob& job) = nullptr;  ///< text of FILE.json, if any
+    void (*write_spectrum)(const Spectrum& spectrum, std::ostream& out) = nullptr;
+    void (*write_scattering)(const ScatteringTable& table, std::ostream& out) = nullptr;
+    FormatReader reader = {};
+};
+
+/// In the order in which people are told of them.
+std::span<const Format> all_formats();
+
+/// @throws UsageError  for an unknown name, with the known and the nearest ones
+const Format& find_format(const std::string& name, std::span<const Format> known = all_formats());
+
+/// The fields of ExportOptions, and names of its `extra`, that a format looks at.
+std::vector<std::string> options_of(const Format& format);
+
+// ---------------------------------------------------------------- Writing
+
+/// What a format does not take is not looked at.
+struct ExportOptions {
+    int resolution = 0;               ///< Format::resolution; 0: its standard
+    rte::Directions directions = {};  ///< empty lists: by the resolution
+    /// Colours: "cie" (1931 observer, D65), "wavelengths" (the nearest to 620, 535 and 480 nm), or
+    /// "auto": cie where the wavelengths cover the visible.
+    std::string rgb = "auto";
+    /// Largest relative error (rms, at mu > 0.2 and near the mirror direction) of a file that is
+    /// read back; 0: Format::accepted_error.
+    double largest_error = 0.0;
+    std::map<std::string, int> extra = {};  ///< Format::extra by name
+};
+
+/// How far a file, read as its program reads it, is from the BRDF that it was made from: root mean
+/// square of relative errors over random directions, by m = min(mu_in, mu_out). Values below a
+/// hundredth of the mean (tails of a lobe) are compared with that.
+struct Deviation {
+    /// m > 0.2, 0.05 < m <= 0.2, m <= 0.05 (down to 0.005: below, 17 arc minutes above the horizon,
+    /// relative errors of formats that store BRDF times cosine have no bound).
+    std::array<double, 3> rms = {0.0, 0.0, 0.0};
+    /// Error of the values near the mirror direction, rms over rms: what a file makes of a surface
+    /// lobe that random directions hardly ever meet.
+    double lobe = 0.0;
+    double largest = 0.0;        ///< of all directions, relative to the BRDF's mean over directions
+    std::size_t directions = 0;  ///< compared; those where the file has no value are left out
+    std::size_t missing = 0;
+};
+
+/// Names of Deviation::rms.
+inline constexpr std::array<const char*, 3> kDeviationBands = {"mu > 0.2", "mu 0.05-0.2",
+                                                               "mu < 0.05"};
+
+struct ExportedFile {
+    std::filesystem::path path;
+    std::uintmax_t bytes = 0;            ///< 0: a pipe or device
+    std::optional<Deviation> deviation;  ///< of what was read back; tables are exact
+};
+
+/// A file would be further from the BRDF than accepted. Nothing was written.
+class TooCoarse : public Error {
+    using Error::Error;
+};
+
+/// Writes every file of a format whole, or none of them.
+/// @return  the files that were written, without a FILE.json beside them
+/// @throws UsageError  options out of range, or a source without wavelengths
+/// @throws InputError  when a file cannot be written
+/// @throws TooCoarse   with the error, and a resolution that would do; Cancelled
+std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& format,
+                                      const std::filesystem::path& path,
+                                      const ExportOptions& options, const Control& control);
+std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::string& format,
+                                      const std::filesystem::path& path,
+                                      const ExportOptions& options = {});
+
+/// A reflectance at each wavelength.
+struct Spectrum {
+    std::vector<double> wavelength_nm;
+    std::vector<double> value;
+    std::vector<std::string> comments;  ///< version, command line, sources, what the value is
+};
+
+/// Single scattering at each wavelength.
+struct ScatteringTable {
+    std::vector<double> wavelength_nm;
+    std::vector<double> single_scattering_albedo;
+    std::vector<double> asymmetry;
+    std::vector<double> q_ext;             ///< not a number for media without particles
+    std::vector<std::vector<double>> chi;  ///< chi_0 = 1, ...; lists may differ in length
+    std::string metadata;                  ///< JSON
+};
+
+/// @throws UsageError  for a format of another content, or wavelengths that do not suit it
+/// @throws InputError  when the file cannot be written
+void export_spectrum(const Spectrum& spectrum, const std::string& format,
+                     const std::filesystem::path& path);
+void export_scattering(const ScatteringTable& table, const std::string& format,
+                       const std::filesystem::path& path);
+
+// ---------------------------------------------------------------- Reading and checking
+
+/// The directions of a table: it has a value at each combination.
+struct ListedDirections {
+    std::vector<double> mu_in, mu_out;  ///< ascending
+    std::vector<double> azimuth_deg;    ///< ascending, 0 = mirror side
+    /// Programs that read the format interpolate: what lies between is as much the file's.
+    bool interpolated = false;
+};
+
+/// A BRDF file as its program sees it. Readers are written from the layouts alone and share no code
+/// with the writers; they evaluate (interpolate, clamp, divide by the cosine) as the real program
+/// does.
+class BrdfFile {
+  public:
+    virtual ~BrdfFile() = default;
+
+    virtual std::string format() const = 0;       ///< Format::name
+    virtual std::string description() const = 0;  ///< what is special about this file
+
+    /// "550 nm" or "R", "G", "B" or whatever the file calls them.
+    virtual const std::vector<std::string>& channels() const = 0;
+    /// Of each channel; empty when the channels are colours.
+    virtual const std::vector<double>& wavelength_nm() const = 0;
+
+    /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
+    /// holds none.
+    virtual void evaluate(const Direction& direction, std::span<double> values) const = 0;
+
+    /// Of tables over lists of directions.
+    virtual std::optional<ListedDirections> listed() const { return {}; }
+
+    /// Which cosine the format's importance sampling starts from; it draws the other one.
+    enum class Sampling { none, from_mu_in, from_mu_out };
+    virtual Sampling sampling() const { return Sampling::none; }
+    /// Draws a direction with two uniform numbers in [0, 1), as the real program does. Empty when
+    /// it fell below the horizon.
+    virtual std::optional<Direction> sample(double mu_fixed, double u, double v) const;
+    /// Of `sample`, per unit of solid angle, at any direction.
+    virtual double density(const Direction& direction) const;
+};
+
+/// Reads whatever `content` is, recognised by its first bytes and structure, not by a name. Binary
+/// formats are read where they are, others into no more than their text takes; memory stays in
+/// proportion to the size of the content, whatever its header claims.
+/// @param name  for messages
+/// @throws InputError  for an unknown, damaged, truncated or inconsistent file
+std::unique_ptr<BrdfFile> read_brdf_file(std::string content, const std::string& name,
+                                         std::span<const Format> known = all_formats());
+/// The same from disk. @throws InputError
+std::unique_ptr<BrdfFile> open_brdf_file(const std::string& path,
+                                         std::span<const Format> known = all_formats());
+
+/// Physics of a BRDF file, as the program that reads it will see it.
+struct FileCheck {
+    /// Root mean square of |f(i, o) - f(o, i)| / mean of both, directions with both cosines > 0.2;
+    /// empty when a table lists no pair of directions both ways.
+    std::optional<double> reciprocity_rms;
+    /// Directional, of all channels and angles of incidence; empty when a table has too few
+    /// directions to integrate over.
+    std::optional<double> largest_albedo;
+    /// Estimate of what integrating over a table's directions may err by, there; the albedo shown
+    /// is the one that is largest without it.
+    double largest_albedo_error = 0.0;
+    double largest_albedo_mu = 0.0;
+    std::string largest_albedo_channel;
+    double least_value = 0.0;    ///< of the BRDF, 1/sr
+    std::size_t missing = 0;     ///< directions without a value
+    std::size_t directions = 0;  ///< looked at for the above
+    /// Largest relative difference of the albedo found by importance sampling from the integrated
+    /// one; empty without sampling tables.
+    std::optional<double> sampled_albedo_error;
+};
+
+/// Looks at `directions` random directions, and integrates at six angles of incidence, mu 0.1 to 1.
+/// Of tables it looks at what they list: random combinations, and all angles of incidence.
+FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
+/// The same from disk. @throws InputError
+FileCheck check_file(const std::string& path);
+
+/// How far a file is from the BRDF that it is said to hold.
+struct FileComparison {
+    /// At 3000 random directions; of a table that no program interpolates, at those that it lists.
+    Deviation deviation;
+    bool only_listed = false;  ///< such a table: there is no Deviation::lobe
+    /// Largest relative difference of directional albedos, over channels and mu_in = 0.1 ... 1.
+    double albedo_error = 0.0;
+};
+
+/// @param truth  with the file's wavelengths; of a file of colours, any that colours are made from
+/// @param rgb    as ExportOptions::rgb
+/// @throws UsageError  when the channels do not fit
+FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth,
+                            const std::string& rgb = "auto");
+
+}  // namespace miebrdf::exports

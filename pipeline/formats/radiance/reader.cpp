@@ -1,0 +1,237 @@
+// Radiance's BSDF XML, front reflection: Klems matrices and tensor trees.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <pugixml.hpp>
+
+#include <miebrdf/formats.h>
+#include <miebrdf/brdf_source.h>
+
+namespace miebrdf::exports {
+namespace {
+
+using std::numbers::pi;
+
+/// Numbers of a matrix or a full tree, whatever stands between them; seven digits, as Radiance has
+/// them.
+std::vector<float> parse_values(const char* text, std::size_t largest) {
+    std::vector<float> values;
+    const char* const end = text + std::char_traits<char>::length(text);
+    values.reserve(std::min(largest, static_cast<std::size_t>(end - text) / 8));
+    while (text < end) {
+        if (std::string_view(" \t\r\n,{}").find(*text) != std::string_view::npos) {
+            ++text;
+            continue;
+        }
+        float value = 0.0F;
+        const auto [after, error] = std::from_chars(text, end, value);
+        if (error != std::errc() || !std::isfinite(value))
+            throw InputError("radiance: ScatteringData has no number");
+        values.push_back(value);
+        if (values.size() > largest)
+            throw InputError("radiance: ScatteringData has too many numbers");
+        text = after;
+    }
+    return values;
+}
+
+/// The block of front reflection ("Reflection Back" in WINDOW's words) at a wavelength of that
+/// name; empty when there is none.
+/// @throws InputError  for what is no number, or more than `largest` of them
+std::vector<float> radiance_block(const pugi::xml_node& layer, std::string_view wavelength,
+                                  std::size_t largest) {
+    for (const pugi::xml_node data : layer.children("WavelengthData")) {
+        const pugi::xml_node part = data.child("WavelengthDataBlock");
+        if (data.child_value("Wavelength") != wavelength) continue;
+        if (part.child_value("WavelengthDataDirection") != std::string_view("Reflection Back"))
+            continue;
+        return parse_values(part.child_value("ScatteringData"), largest);
+    }
+    return {};
+}
+
+/// Linear sRGB from CIE XYZ.
+std::array<double, 3> srgb_of(double X, double Y, double Z) {
+    // Inverse of the matrix of IEC 61966-2-1, to the digits of that standard.
+    return {3.2406 * X - 1.5372 * Y - 0.4986 * Z, -0.9689 * X + 1.8758 * Y + 0.0415 * Z,
+            0.0557 * X - 0.2040 * Y + 1.0570 * Z};
+}
+
+/// Constant over cells of the directions, which each kind numbers its own way.
+class RadianceFile : public BrdfFile {
+  public:
+    std::string format() const override { return "radiance"; }
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
+
+    void evaluate(const Direction& direction, std::span<double> values) const override {
+        const std::size_t cell = cell_of(direction);
+        const std::array<double, 3> rgb = colour_of(cell);
+        std::copy(rgb.begin(), rgb.end(), values.begin());
+    }
+
+  protected:
+    virtual std::size_t cell_of(const Direction& direction) const = 0;
+    virtual std::array<double, 3> colour_of(std::size_t cell) const = 0;
+
+  private:
+    std::vector<std::string> channels_ = {"R", "G", "B"};
+    std::vector<double> no_wavelengths_;
+};
+
+/// A matrix over the patches of rings about the normal, as Radiance's bsdf_m.c evaluates it.
+class KlemsFile : public RadianceFile {
+  public:
+    explicit KlemsFile(const pugi::xml_node& layer) {
+        for (const pugi::xml_node ring :
+             layer.child("DataDefinition").child("AngleBasis").children("AngleBasisBlock")) {
+            const int patches = ring.child("nPhis").text().as_int();
+            const double upper = ring.child("ThetaBounds").child("UpperTheta").text().as_double();
+            const double lower = rings_.empty() ? 0.0 : rings_.back().upper_deg;
+            if (patches < 1 || patches > 10000 || !(upper > lower && upper <= 90.0) ||
+                rings_.size() > 100) {
+                throw InputError("radiance: the angle basis is damaged");
+            }
+            rings_.push_back({upper, static_cast<std::size_t>(patches), patches_});
+            patches_ += static_cast<std::size_t>(patches);
+        }
+        if (rings_.empty()) throw InputError("radiance: no angle basis");
+        const std::size_t size = patches_ * patches_;
+        y_ = radiance_block(layer, "Visible", size);
+        x_ = radiance_block(layer, "CIE-X", size);
+        z_ = radiance_block(layer, "CIE-Z", size);
+        if (y_.size() != size || (!x_.empty() && x_.size() != size) ||
+            (!z_.empty() && z_.size() != size)) {
+            throw InputError(fmt::format("radiance: {} values of a {} x {} matrix", y_.size(),
+                                         patches_, patches_));
+        }
+    }
+    std::string description() const override {
+        return fmt::format("Klems matrix of {} patches", patches_);
+    }
+
+  private:
+    struct Ring {
+        double upper_deg;
+        std::size_t patches, first;
+    };
+
+    std::size_t patch(double mu, double azimuth_deg) const {
+        const double theta = std::acos(std::clamp(mu, -1.0, 1.0)) * 180 / pi;
+        const auto ring = std::find_if(rings_.begin(), rings_.end() - 1,
+                                       [&](const Ring& r) { return theta < r.upper_deg; });
+        const double turns = azimuth_deg / 360.0 - std::floor(azimuth_deg / 360.0);
+        const auto count = static_cast<double>(ring->patches);
+        return ring->first + static_cast<std::size_t>(std::lround(turns * count)) % ring->patches;
+    }
+
+    /// Incident azimuth 0 is turned by half a turn in this basis: equal patches are mirror
+    /// directions.
+    std::size_t cell_of(const Direction& d) const override {
+        return patch(d.mu_out, d.azimuth_deg) * patches_ + patch(d.mu_in, 0.0);
+    }
+    std::array<double, 3> colour_of(std::size_t cell) const override {
+        if (x_.empty() || z_.empty()) return {y_[cell], y_[cell], y_[cell]};
+        return srgb_of(x_[cell], y_[cell], z_[cell]);
+    }
+
+    std::vector<Ring> rings_;
+    std::size_t patches_ = 0;
+    std::vector<float> x_, y_, z_;
+};
+
+/// Shirley and Chiu's map from the unit disk to the unit square.
+std::pair<double, double> disk_to_square(double dx, double dy) {
+    const double r = std::hypot(dx, dy);
+    double phi = std::atan2(dy, dx);
+    if (phi < -pi / 4) phi += 2 * pi;
+    double a = 0, b = 0;
+    if (phi < pi / 4) {
+        a = r, b = phi * r / (pi / 4);
+    } else if (phi < 3 * pi / 4) {
+        b = r, a = -(phi - pi / 2) * r / (pi / 4);
+    } else if (phi < 5 * pi / 4) {
+        a = -r, b = (phi - pi) * a / (pi / 4);
+    } else {
+        b = -r, a = -(phi - 3 * pi / 2) * b / (pi / 4);
+    }
+    return {(a + 1) / 2, (b + 1) / 2};
+}
+
+/// A tensor tree of three dimensions that is a full grid, as Radiance's bsdf_t.c evaluates it.
+class TreeFile : public RadianceFile {
+  public:
+    /// @param largest  no more numbers than this can be in the file
+    TreeFile(const pugi::xml_node& layer, std::size_t largest) {
+        y_ = radiance_block(layer, "Visible", largest);
+        u_ = radiance_block(layer, "CIE-u", largest);
+        v_ = radiance_block(layer, "CIE-v", largest);
+        while (side_ * side_ * side_ < y_.size()) side_ *= 2;
+        if (y_.empty() || side_ * side_ * side_ != y_.size()) {
+            throw InputError(fmt::format(
+                "radiance: a tree of {} values is no full grid; nested trees are not read",
+                y_.size()));
+        }
+        if ((!u_.empty() && u_.size() != y_.size()) || (!v_.empty() && v_.size() != y_.size())) {
+            throw InputError("radiance: the trees of colour and luminance differ");
+        }
+    }
+    std::string description() const override {
+        return fmt::format("tensor tree, {} cells a side", side_);
+    }
+
+  private:
+    std::size_t index(double x) const {
+        return std::min(side_ - 1,
+                        static_cast<std::size_t>(std::max(x, 0.0) * static_cast<double>(side_)));
+    }
+    std::size_t cell_of(const Direction& d) const override {
+        const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in)),
+                     sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
+        const auto [x, y] = disk_to_square(sin_out * std::cos(d.azimuth_deg * pi / 180),
+                                           sin_out * std::sin(d.azimuth_deg * pi / 180));
+        // Normal incidence belongs to the last cell in use, as in Radiance.
+        return (index(0.5 - 1e-6 - 0.5 * sin_in) * side_ + index(x)) * side_ + index(y);
+    }
+    std::array<double, 3> colour_of(std::size_t cell) const override {
+        const double Y = y_[cell];
+        if (u_.empty() || v_.empty() || !(v_[cell] > 0)) return {Y, Y, Y};
+        const double X = Y * 9 * u_[cell] / (4 * v_[cell]);
+        const double Z = Y * (12 - 3 * u_[cell] - 20 * v_[cell]) / (4 * v_[cell]);
+        return srgb_of(X, Y, Z);
+    }
+
+    std::size_t side_ = 1;
+    std::vector<float> y_, u_, v_;
+};
+
+Recognised recognise_radiance(std::string_view content) {
+    const bool found = content.substr(0, 1 << 16).find("<WindowElement") != content.npos;
+    return found ? Recognised::by_structure : Recognised::no;
+}
+
+std::unique_ptr<BrdfFile> read_radiance(std::string content) {
+    pugi::xml_document document;
+    const std::size_t size = content.size();  // parsing in place writes into the content
+    const auto result = document.load_buffer_inplace(content.data(), size);
+    if (!result)
+        throw InputError(
+            fmt::format("radiance: {} at byte {}", result.description(), result.offset));
+    const pugi::xml_node layer = document.child("WindowElement").child("Optical").child("Layer");
+    const std::string_view structure =
+        layer.child("DataDefinition").child_value("IncidentDataStructure");
+    if (structure == "Columns") return std::make_unique<KlemsFile>(layer);
+    if (structure == "TensorTree3") return std::make_unique<TreeFile>(layer, size);
+    throw InputError(fmt::format(
+        "radiance: incident data structure '{}'; known: Columns, TensorTree3", structure));
+}
+
+}  // namespace
+
+FormatReader radiance_reader() { return {recognise_radiance, read_radiance}; }
+
+}  // namespace miebrdf::exports

@@ -1,0 +1,225 @@
+// rgl: the measured materials of RGL (EPFL), which Mitsuba 3 and pbrt-v4 call `measured`.
+// docs/formats/rgl.md
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "pipeline/formats/common/byte_writer.h"
+#include "pipeline/formats/common/export_job.h"
+#include "pipeline/formats/rgl/half_vector_table.h"
+
+namespace miebrdf::exports {
+
+FormatReader rgl_reader();  // reader.cpp
+
+namespace {
+
+// The "tensor_file" container: named arrays in one binary file.
+
+/// An array of 32-bit floats, last dimension fastest, or a text.
+struct TensorField {
+    std::string name;
+    std::vector<std::uint64_t> shape;
+    std::vector<float> values;
+    std::string bytes;  ///< instead of values: unsigned 8-bit
+};
+
+constexpr std::uint8_t kUnsigned8 = 1, kFloat32 = 10;  // the container's type numbers
+
+std::uint64_t data_size(const TensorField& field) {
+    return field.values.empty() ? field.bytes.size() : field.values.size() * sizeof(float);
+}
+
+std::uint64_t header_size(const std::vector<TensorField>& fields) {
+    std::uint64_t size = 12 + 2 + 4;  // magic, version, number of fields
+    for (const TensorField& field : fields)
+        size += 2 + field.name.size() + 2 + 1 + 8 + 8 * field.shape.size();
+    return size;
+}
+
+std::uint64_t aligned(std::uint64_t offset) { return (offset + 7) / 8 * 8; }
+
+TensorField float_field(std::string name, std::vector<std::uint64_t> shape,
+                        std::vector<float> values) {
+    return {std::move(name), std::move(shape), std::move(values), {}};
+}
+
+TensorField byte_field(std::string name, std::string bytes) {
+    return {std::move(name), {bytes.size()}, {}, std::move(bytes)};
+}
+
+/// Header, then the data of each field at a multiple of 8 bytes. Little-endian.
+void write_tensor_file(const std::vector<TensorField>& fields, std::ostream& out) {
+    ByteWriter bytes(out);
+    bytes.put_text({"tensor_file\0", 12});
+    bytes.put(std::uint8_t{1});
+    bytes.put(std::uint8_t{0});
+    bytes.put(static_cast<std::uint32_t>(fields.size()));
+    std::uint64_t offset = header_size(fields);
+    for (const TensorField& field : fields) {
+        offset = aligned(offset);
+        bytes.put(static_cast<std::uint16_t>(field.name.size()));
+        bytes.put_text(field.name);
+        bytes.put(static_cast<std::uint16_t>(field.shape.size()));
+        bytes.put(field.values.empty() ? kUnsigned8 : kFloat32);
+        bytes.put(offset);
+        for (const std::uint64_t extent : field.shape) bytes.put(extent);
+        offset += data_size(field);
+    }
+    offset = header_size(fields);
+    for (const TensorField& field : fields) {
+        bytes.put_zeros(aligned(offset) - offset);
+        if (field.values.empty()) {
+            bytes.put_text(field.bytes);
+        } else {
+            bytes.put_all(field.values);
+        }
+        offset = aligned(offset) + data_size(field);
+    }
+}
+
+constexpr double kHalfPi = std::numbers::pi / 2;
+/// The last incident angle is stored as 90 degrees but computed here: at 90 itself nothing arrives.
+constexpr double kLargestAngle = 89.9 * kDegree;
+/// Incident angles crowd at the horizon, where the BRDF bends: at mu = 0.1 the albedo is 0.1 % off
+/// instead of 0.9 % with equal steps (24 angles, test material, tests/formats/read_back_test.cpp).
+constexpr double kCrowding = 1.75;
+/// Stands for the horizon, where mu = 0 is no direction.
+constexpr double kHorizon = 1e-9;
+/// Every half vector stays reachable by importance sampling, however dark it is.
+constexpr double kLuminanceFloor = 1e-6;
+
+/// What is stored at half vector (x, y) of incident angle t: BRDF * cos(theta_out), as readers
+/// compute it with ndf = 1, sigma = 1/4 and an identity warp (vndf = 1).
+class RglGrid {
+  public:
+    RglGrid(const BrdfSource& source, const ExportOptions& options)
+        : source_(source),
+          n_(static_cast<std::size_t>(options.resolution)),
+          angles_(static_cast<std::size_t>(options.extra.at("incident_angles"))),
+          channels_(source.channels().size()) {}
+
+    void fill(const Control& control) {
+        spectra_.assign(angles_ * channels_ * n_ * n_, 0.0f);
+        luminance_.assign(angles_ * n_ * n_, 0.0f);
+        for (std::size_t t = 0; t < angles_; ++t) fill_incidence(t, control);
+    }
+
+    std::vector<TensorField> fields(const std::string& description) {
+        std::vector<float> theta(angles_);
+        for (std::size_t t = 0; t < angles_; ++t) theta[t] = static_cast<float>(theta_in(t));
+        std::vector<TensorField> fields;
+        fields.push_back(byte_field("description", description));
+        fields.push_back(float_field("phi_i", {1}, {0.0f}));
+        fields.push_back(float_field("theta_i", {angles_}, std::move(theta)));
+        fields.push_back(float_field("ndf", {2, 2}, std::vector<float>(4, 1.0f)));
+        fields.push_back(float_field("sigma", {2, 2}, std::vector<float>(4, 0.25f)));
+        fields.push_back(
+            float_field("vndf", {1, angles_, 2, 2}, std::vector<float>(4 * angles_, 1.0f)));
+        fields.push_back(float_field("luminance", {1, angles_, n_, n_}, std::move(luminance_)));
+        fields.push_back(byte_field("jacobian", "\1"));
+        if (source_.wavelength_nm().empty()) {
+            fields.push_back(
+                float_field("rgb", {1, angles_, channels_, n_, n_}, std::move(spectra_)));
+        } else {
+            std::vector<float> wavelengths(source_.wavelength_nm().begin(),
+                                           source_.wavelength_nm().end());
+            fields.push_back(float_field("wavelengths", {channels_}, std::move(wavelengths)));
+            fields.push_back(
+                float_field("spectra", {1, angles_, channels_, n_, n_}, std::move(spectra_)));
+        }
+        return fields;
+    }
+
+  private:
+    double theta_in(std::size_t t) const {
+        const double x = static_cast<double>(t) / static_cast<double>(angles_ - 1);
+        return kHalfPi * (1.0 - std::pow(1.0 - x, kCrowding));
+    }
+
+    void fill_incidence(std::size_t t, const Control& control) {
+        const Eigen::Vector3d in = spherical(std::min(theta_in(t), kLargestAngle), 0.0);
+        const HalfVectorTable table(n_, in);
+        std::vector<Direction> directions;
+        std::vector<double> cosines;
+        for (const std::size_t node : table.needed()) {
+            const Eigen::Vector3d out = table.outgoing(node);
+            Direction d = direction_of(in, out);
+            d.mu_out = std::clamp(std::abs(out.z()), kHorizon, 1.0);
+            directions.push_back(d);
+            cosines.push_back(out.z());
+        }
+        const auto stage = fmt::format("incidence {} of {}", t + 1, angles_);
+        const std::vector<double> values = evaluate_all(source_, directions, stage, control);
+        std::vector<double> fitted(table.size()), mean(table.size(), 0.0);
+        for (std::size_t c = 0; c < channels_; ++c) {
+            for (std::size_t i = 0; i < cosines.size(); ++i)
+                fitted[table.needed()[i]] = values[i * channels_ + c] * cosines[i];
+            table.fit(fitted);
+            std::copy(fitted.begin(), fitted.end(),
+                      spectra_.begin() + (t * channels_ + c) * table.size());
+            for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += fitted[i];
+        }
+        for (std::size_t i = 0; i < mean.size(); ++i)
+            luminance_[t * table.size() + i] = luminance(mean[i] / double(channels_), table, i);
+    }
+
+    /// Readers divide the density of (x, y) by the Jacobian to get one per solid angle; times it,
+    /// sampling by luminance follows BRDF * cosine.
+    static float luminance(double mean, const HalfVectorTable& table, std::size_t node) {
+        return static_cast<float>(std::max(mean * table.jacobian(node), kLuminanceFloor));
+    }
+
+    const BrdfSource& source_;
+    std::size_t n_, angles_, channels_;
+    std::vector<float> spectra_, luminance_;
+};
+
+void write_rgl(const BrdfSource& source, const std::string& colour, const ExportJob& job,
+               std::ostream& out) {
+    RglGrid grid(source, job.options);
+    grid.fill(job.control);
+    const auto description = metadata(source, {.format = "rgl",
+                                               .cosine_included = true,
+                                               .azimuth_zero = "towards the source",
+                                               .colour = colour});
+    write_tensor_file(grid.fields(description.dump(1)), out);
+}
+
+/// Every wavelength, for pbrt-v4 and Mitsuba's spectral variants.
+void write_rgl_spectral(const ExportJob& job, std::ostream& out) {
+    write_rgl(job.spectral, "", job, out);
+}
+
+/// For Mitsuba's RGB variants; they refuse the spectral file.
+void write_rgl_rgb(const ExportJob& job, std::ostream& out) {
+    write_rgl(job.rgb, job.rgb.weights().description, job, out);
+}
+
+}  // namespace
+
+Format rgl_format() {
+    return {.name = "rgl",
+            .readers = "Mitsuba 3 and pbrt-v4 `measured`, powitacq, Tekari",
+            .holds = "every wavelength (and RGB in a second file), importance sampling",
+            .endings = {".bsdf"},
+            .content = FormatContent::sampled,
+            .resolution = {"half vectors a side", 64, 4, 1024, 256},
+            .takes_colours = true,
+            .extra = {{.name = "incident_angles",
+                       .help = "angles of incidence, from the normal to the horizon",
+                       .standard = 24,
+                       .lowest = 2,
+                       .highest = 512}},
+            .accepted_error = 0.05,
+            .needs_ascending_wavelengths = true,
+            .files = {{.suffix = "_spec", .write = write_rgl_spectral},
+                      {.suffix = "_rgb", .colours = true, .write = write_rgl_rgb}},
+            .reader = rgl_reader()};
+}
+
+}  // namespace miebrdf::exports

@@ -1,0 +1,211 @@
+// Spectral OpenEXR tables of ours: channels by wavelength, directions from attributes.
+#include <ImfChannelList.h>
+#include <ImfFloatVectorAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <map>
+
+#include "pipeline/formats/common/grid_file.h"
+
+namespace miebrdf::exports {
+namespace {
+
+/// A compressed image of one value can be a thousand times smaller than itself; more is an attack.
+constexpr std::uint64_t kLargestExpansion = 2048;
+
+std::uint32_t little_endian(std::string_view content, std::size_t position) {
+    std::uint32_t value = 0;
+    for (int byte = 3; byte >= 0; --byte) {
+        value = value << 8 | static_cast<unsigned char>(content[position + std::size_t(byte)]);
+    }
+    return value;
+}
+
+/// Lines and offsets are allocated for the whole window when the file is opened.
+void check_window(std::string_view content, std::size_t position) {
+    const auto coordinate = [&](std::size_t which) {
+        return std::int64_t{
+            static_cast<std::int32_t>(little_endian(content, position + 4 * which))};
+    };
+    const std::int64_t width = coordinate(2) - coordinate(0) + 1;
+    const std::int64_t height = coordinate(3) - coordinate(1) + 1;
+    const auto largest =
+        static_cast<std::int64_t>(kLargestExpansion * content.size() / sizeof(float));
+    if (width < 1 || height < 1 || width > largest / height) {
+        throw InputError(fmt::format("exr: a window of {} x {} pixels in a file of {} bytes", width,
+                                     height, content.size()));
+    }
+}
+
+/// OpenEXR reads types of one size, and channels up to an empty name, whatever size is claimed;
+/// what follows must not be taken for something else. Other types than these are in no
+/// file of ours.
+bool fits_type(std::string_view type, std::string_view value) {
+    static const std::map<std::string_view, std::size_t> sizes = {
+        {"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+        {"compression", 1}, {"double", 8},   {"envmap", 1},
+        {"float", 4},       {"int", 4},      {"keycode", 28},
+        {"lineOrder", 1},   {"m33f", 36},    {"m44f", 64},
+        {"rational", 8},    {"timecode", 8}, {"v2f", 8},
+        {"v2i", 8},         {"v3f", 12},     {"v3i", 12}};
+    if (const auto known = sizes.find(type); known != sizes.end()) {
+        return value.size() == known->second;
+    }
+    if (type == "chlist") {
+        constexpr std::size_t channel = 16;  // behind its name
+        while (!value.empty() && value.front() != '\0') {
+            const std::size_t end = value.find('\0');
+            if (end == std::string_view::npos || value.size() - end - 1 < channel) return false;
+            value.remove_prefix(end + 1 + channel);
+        }
+        return value.size() == 1;
+    }
+    if (type == "floatvector") return value.size() % sizeof(float) == 0;
+    return type == "string";
+}
+
+/// What the header claims, before the library believes it: it is a list of name, type, size and
+/// that many bytes, up to an empty name. OpenEXR allocates what a size claims before it reads:
+/// sizes beyond the file are refused here. Files of several parts, which have several headers, are
+/// none of ours.
+void check_exr_header(std::string_view content) {
+    constexpr unsigned char kDeepOrParts = 0x18;  // bits 11 and 12 of the version
+    if (content.size() < 8 || (static_cast<unsigned char>(content[5]) & kDeepOrParts) != 0) {
+        throw InputError("exr: not an image of one flat part");
+    }
+    std::size_t position = 8;  // magic number and version
+    const auto word = [&] {
+        const std::size_t end = content.find('\0', std::min(position, content.size()));
+        if (end == std::string_view::npos) throw InputError("exr: the header ends early");
+        const std::string_view found = content.substr(position, end - position);
+        position = end + 1;
+        return found;
+    };
+    for (std::string_view name = word(); !name.empty(); name = word()) {
+        const std::string_view type = word();
+        if (content.size() - position < 4) throw InputError("exr: the header ends early");
+        const std::uint32_t size = little_endian(content, position);
+        position += 4;
+        if (size > content.size() - position) {
+            throw InputError(fmt::format("exr: attribute '{}' claims {} bytes of the {} left", name,
+                                         size, content.size() - position));
+        }
+        if (!fits_type(type, content.substr(position, size))) {
+            throw InputError(
+                fmt::format("exr: attribute '{}' of type '{}' has {} bytes", name, type, size));
+        }
+        if (name == "dataWindow" && size == 16) check_window(content, position);
+        position += size;
+    }
+}
+
+class MemoryStream : public Imf::IStream {
+  public:
+    explicit MemoryStream(std::string_view content) : IStream("exr"), content_(content) {}
+    bool read(char bytes[], int count) override {
+        if (count < 0 || static_cast<std::uint64_t>(count) > content_.size() - position_) {
+            throw InputError("exr: the file ends early");
+        }
+        std::memcpy(bytes, content_.data() + position_, static_cast<std::size_t>(count));
+        position_ += static_cast<std::size_t>(count);
+        return position_ < content_.size();
+    }
+    uint64_t tellg() override { return position_; }
+    void seekg(uint64_t position) override {
+        if (position > content_.size()) throw InputError("exr: the file points beyond its end");
+        position_ = position;
+    }
+
+  private:
+    std::string_view content_;
+    std::size_t position_ = 0;
+};
+
+std::vector<double> list_attribute(const Imf::Header& header, const char* name) {
+    const auto* attribute = header.findTypedAttribute<Imf::FloatVectorAttribute>(name);
+    if (attribute == nullptr) throw InputError(fmt::format("exr: no attribute '{}'", name));
+    return {attribute->value().begin(), attribute->value().end()};
+}
+
+/// Wavelength of T.550,000000nm; 0 for other channels.
+double wavelength_of(const std::string& channel) {
+    if (!channel.starts_with("T.") || !channel.ends_with("nm")) return 0.0;
+    std::string number = channel.substr(2, channel.size() - 4);
+    std::replace(number.begin(), number.end(), ',', '.');
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    return error == std::errc() && end == number.data() + number.size() ? value : 0.0;
+}
+
+GridTable read_table(std::string_view content) {
+    check_exr_header(content);
+    MemoryStream stream(content);
+    Imf::InputFile file(stream, 0);
+    const Imf::Header& header = file.header();
+    GridTable table;
+    table.format = "exr";
+    table.in = list_attribute(header, "mu_in");
+    table.out = list_attribute(header, "mu_out");
+    table.azimuth_deg = list_attribute(header, "azimuth_deg");
+    std::vector<std::pair<double, std::string>> spectral;
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+        const double wavelength = wavelength_of(channel.name());
+        if (wavelength > 0) spectral.emplace_back(wavelength, channel.name());
+    }
+    std::sort(spectral.begin(), spectral.end());
+    const auto& window = header.dataWindow();
+    const auto width = static_cast<std::int64_t>(window.max.x) - window.min.x + 1;
+    const auto height = static_cast<std::int64_t>(window.max.y) - window.min.y + 1;
+    if (window.min.x != 0 || window.min.y != 0 ||
+        width != static_cast<std::int64_t>(table.azimuth_deg.size()) ||
+        height != static_cast<std::int64_t>(table.in.size() * table.out.size())) {
+        throw InputError("exr: the image does not fit the attributes mu_in, mu_out, azimuth_deg");
+    }
+    const auto pixels = static_cast<std::uint64_t>(width * height);
+    if (pixels * spectral.size() * sizeof(float) > kLargestExpansion * content.size()) {
+        throw InputError(fmt::format("exr: {} x {} x {} values in a file of {} bytes", width,
+                                     height, spectral.size(), content.size()));
+    }
+    std::vector<float> planes(pixels * spectral.size());
+    Imf::FrameBuffer buffer;
+    for (std::size_t c = 0; c < spectral.size(); ++c) {
+        table.wavelength_nm.push_back(spectral[c].first);
+        buffer.insert(spectral[c].second,
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&planes[c * pixels]),
+                                 sizeof(float), sizeof(float) * static_cast<std::size_t>(width)));
+    }
+    file.setFrameBuffer(buffer);
+    file.readPixels(window.min.y, window.max.y);
+    table.count = planes.size();
+    table.value = [planes = std::move(planes)](std::size_t i) { return double(planes[i]); };
+    return table;
+}
+
+Recognised recognise_exr(std::string_view content) {
+    return content.starts_with("\x76\x2f\x31\x01") ? Recognised::by_first_bytes : Recognised::no;
+}
+
+std::unique_ptr<BrdfFile> read_exr(std::string content) {
+    Imf::Header::setMaxImageSize(1 << 16, 1 << 20);  // of what the library will allocate for
+    try {
+        return make_grid_file(read_table(content));
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {  // OpenEXR's own
+        throw InputError(fmt::format("exr: {}", error.what()));
+    }
+}
+
+}  // namespace
+
+FormatReader exr_reader() { return {recognise_exr, read_exr}; }
+
+}  // namespace miebrdf::exports

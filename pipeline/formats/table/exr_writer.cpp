@@ -1,0 +1,142 @@
+// exr: spectral OpenEXR (Fichet, Pacanowski & Wilkie 2021, JCGT 10(3)). docs/formats/exr.md
+#include <ImfChannelList.h>
+#include <ImfFloatVectorAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "pipeline/formats/table/tabulate.h"
+
+namespace miebrdf::exports {
+
+FormatReader exr_reader();  // exr_reader.cpp
+
+namespace {
+
+class StreamAdapter : public Imf::OStream {
+  public:
+    explicit StreamAdapter(std::ostream& out) : OStream("spectral BRDF"), out_(out) {}
+    void write(const char bytes[], int count) override {
+        out_.write(bytes, count);
+        if (!out_) throw InputError("exr: cannot write");
+    }
+    uint64_t tellp() override { return static_cast<uint64_t>(out_.tellp()); }
+    void seekp(uint64_t position) override { out_.seekp(static_cast<std::streamoff>(position)); }
+
+  private:
+    std::ostream& out_;
+};
+
+Imf::FloatVector floats(const std::vector<double>& numbers) {
+    return {numbers.begin(), numbers.end()};
+}
+
+/// The paper's name of a reflectance channel: a decimal comma, since a point separates layers.
+std::string channel_name(double wavelength_nm) {
+    std::string number = fmt::format("{:.6f}", wavelength_nm);
+    std::replace(number.begin(), number.end(), '.', ',');
+    return "T." + number + "nm";
+}
+
+/// Enough rows of pixels to keep all threads busy, few enough to take little memory.
+std::size_t incidences_at_a_time(const rte::Directions& grid) {
+    constexpr std::size_t kPixels = 1 << 14;
+    return std::max<std::size_t>(1, kPixels / (grid.mu_out.size() * grid.azimuth_deg.size()));
+}
+
+/// One plane of pixels for each wavelength, then for R, G and B.
+std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview,
+                             const rte::Directions& part, const Control& control) {
+    const std::vector<double> table = tabulate(source, part, control);
+    const std::size_t wavelengths = source.wavelength_nm().size(), pixels = size_of(part);
+    std::vector<float> planes(table.begin(), table.end());
+    planes.resize((wavelengths + 3) * pixels, 0.0f);
+    for (std::size_t c = 0; c < 3; ++c) {
+        float* plane = &planes[(wavelengths + c) * pixels];
+        for (std::size_t p = 0; p < pixels; ++p) {
+            double sum = 0.0;
+            for (std::size_t w = 0; w < wavelengths; ++w)
+                sum += preview.weight[w][c] * table[w * pixels + p];
+            plane[p] = static_cast<float>(std::numbers::pi * sum);
+        }
+    }
+    return planes;
+}
+
+/// The lines of some incidences, `first` of them written already.
+void write_rows(const std::vector<float>& planes, const rte::Directions& part, std::size_t first,
+                const std::vector<double>& wavelength_nm, Imf::OutputFile& file) {
+    const std::size_t width = part.azimuth_deg.size(), pixels = size_of(part);
+    const std::size_t before = first * part.mu_out.size() * width;  // pixels of the lines written
+    Imf::FrameBuffer buffer;
+    const auto add = [&](const std::string& name, std::size_t plane) {
+        // OpenEXR counts from the picture's first line; no line before these is looked at.
+        char* const origin = reinterpret_cast<char*>(
+            reinterpret_cast<std::uintptr_t>(&planes[plane * pixels]) - before * sizeof(float));
+        buffer.insert(name, Imf::Slice(Imf::FLOAT, origin, sizeof(float), sizeof(float) * width));
+    };
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) add(channel_name(wavelength_nm[w]), w);
+    for (std::size_t c = 0; c < 3; ++c) add(std::string(1, "RGB"[c]), wavelength_nm.size() + c);
+    file.setFrameBuffer(buffer);
+    file.writePixels(static_cast<int>(part.mu_in.size() * part.mu_out.size()));
+}
+
+/// One 32-bit float channel T.<wavelength>nm for each wavelength, and R, G, B of the reflection
+/// function (pi times the BRDF) to look at. Column = azimuth, row = mu_in * number of mu_out +
+/// mu_out; the three lists are in float-vector attributes of their names.
+void write_exr(const ExportJob& job, std::ostream& out) {
+    const BrdfSource& source = job.spectral;
+    const RgbWeights& preview = job.rgb.weights();
+    const rte::Directions grid = table_directions(job.options);
+    const int width = static_cast<int>(grid.azimuth_deg.size());
+    const int height = static_cast<int>(grid.mu_in.size() * grid.mu_out.size());
+    Imf::Header header(width, height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.insert("spectralLayoutVersion", Imf::StringAttribute("1.0"));
+    header.insert("mu_in", Imf::FloatVectorAttribute(floats(grid.mu_in)));
+    header.insert("mu_out", Imf::FloatVectorAttribute(floats(grid.mu_out)));
+    header.insert("azimuth_deg", Imf::FloatVectorAttribute(floats(grid.azimuth_deg)));
+    const auto description =
+        metadata(source, {.format = "exr",
+                          .cosine_included = false,
+                          .azimuth_zero = "mirror side",
+                          .colour = "R, G, B: pi times the BRDF; " + preview.description});
+    header.insert("miebrdf", Imf::StringAttribute(description.dump()));
+
+    for (const double wavelength : source.wavelength_nm())
+        header.channels().insert(channel_name(wavelength), Imf::Channel(Imf::FLOAT));
+    for (const char* colour : {"R", "G", "B"})
+        header.channels().insert(colour, Imf::Channel(Imf::FLOAT));
+    StreamAdapter adapter(out);
+    Imf::OutputFile file(adapter, header, 0);  // no threads of its own
+    const std::size_t block = incidences_at_a_time(grid);
+    for (std::size_t first = 0; first < grid.mu_in.size(); first += block) {
+        rte::Directions part = grid;
+        part.mu_in.assign(grid.mu_in.begin() + static_cast<std::ptrdiff_t>(first),
+                          grid.mu_in.begin() + static_cast<std::ptrdiff_t>(
+                                                   std::min(first + block, grid.mu_in.size())));
+        write_rows(planes_of(source, preview, part, job.control), part, first,
+                   source.wavelength_nm(), file);
+    }
+}
+
+}  // namespace
+
+Format exr_format() {
+    Format format =
+        table_format("exr", "image tools, spectral-exr", ".exr", write_exr, exr_reader());
+    format.holds = "every wavelength, any directions, 32-bit floats";
+    format.takes_colours = true;
+    format.seeks = true;
+    return format;
+}
+
+}  // namespace miebrdf::exports
