@@ -9,9 +9,10 @@ packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev li
                   libzip-dev libopenexr-dev libpugixml-dev)
 # Rendering is optional; its tests run only with these.
 packages_tests=("${packages_program[@]}" catch2 libembree-dev libtinyobjloader-dev libpng-dev zlib1g-dev)
+packages_gates=("${packages_program[@]}" clang clang-format clang-tidy)
 packages_coverage=("${packages_tests[@]}" gcovr)
 
-# install_missing_packages program|tests|coverage
+# install_missing_packages program|tests|gates|coverage
 install_missing_packages() {
     local -n wanted="packages_$1"
     local missing=()

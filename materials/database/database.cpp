@@ -34,11 +34,6 @@ std::shared_ptr<const Database::Layer> Database::open_layer(const std::filesyste
         throw DatabaseError(
             fmt::format("materials database {}: is damaged or cut short", file.string()));
     }
-    if (state == DatabaseState::older) {
-        // Whoever only reads does not change the file: the next writer does.
-        connection = connection.copy_in_memory();
-        create_or_migrate_schema(connection);
-    }
     return std::make_shared<const Layer>(Layer{file.string(), std::move(connection)});
 }
 

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "materials/database/names.h"
-#include "materials/database/new_database.h"
 #include "materials/database/schema.h"
 #include "materials/errors.h"
 
@@ -25,7 +24,7 @@ sqlite::Connection open_for_writing(const std::filesystem::path& file) {
     create_database_file(file);
     sqlite::Connection connection = sqlite::Connection::open_read_write(file);
     // First of all, since it refuses files that are not ours before a byte of them is changed.
-    create_or_migrate_schema(connection);
+    create_schema(connection);
     connection.use_write_ahead_log();
     return connection;
 }

@@ -42,18 +42,6 @@ Connection Connection::open_memory() {
     return Connection(":memory:", "(memory)", SQLITE_OPEN_READWRITE);
 }
 
-Connection Connection::copy_in_memory() const {
-    Connection copy(":memory:", name(), SQLITE_OPEN_READWRITE);
-    sqlite3* target = copy.connection_.get();
-    sqlite3_backup* backup = sqlite3_backup_init(target, "main", connection_.get(), "main");
-    if (backup == nullptr) fail(sqlite3_errcode(target), target, name());
-    constexpr int all_pages = -1;
-    sqlite3_backup_step(backup, all_pages);
-    const int code = sqlite3_backup_finish(backup);
-    if (code != SQLITE_OK) fail(code, target, name());
-    return copy;
-}
-
 std::string Connection::image() const {
     sqlite3_int64 size = 0;
     const std::unique_ptr<unsigned char, void (*)(void*)> bytes(

@@ -64,8 +64,6 @@ class Connection {
 
     /// A new database in memory.
     static Connection open_memory();
-    /// All of this database in memory, under the same name.
-    Connection copy_in_memory() const;
     /// The bytes that this database has as a file.
     std::string image() const;
     /// Readers go on reading while somebody writes, and a commit that was reported survives a power

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
-#include "mie/sizes/area_density.h"
-#include "mie/sphere/inside_wave.h"
-#include "mie/sphere/lanes.h"
-#include "mie/sphere/terms.h"
+#include "mie/sizes/size_law.h"
+#include "mie/sphere/lane_waves.h"
+#include "mie/sphere/radial_functions.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -22,7 +22,7 @@ void forward_sums(Complex m, const Complex* x, Complex* sums) {
     ComplexLanes X, z;
     ComplexLanes psi, psi_before, xi, xi_before;
     double largest = 0;
-    for (int lane = 0; lane < lane_count; ++lane) {
+    for (int lane = 0; lane < kLaneCount; ++lane) {
         const auto set = [lane](ComplexLanes& lanes, Complex value) {
             lanes.re[lane] = value.real();
             lanes.im[lane] = value.imag();
@@ -37,7 +37,7 @@ void forward_sums(Complex m, const Complex* x, Complex* sums) {
         set(xi, Complex(0, -1) * outgoing);
         set(xi_before, outgoing);
     }
-    // Symbols as in sphere_block.cpp.
+    // Symbols as in Boundary of lane_math.h.
     const int terms = number_of_terms(largest);
     InsideWave<Complex> inside(z, terms);
     const Complex m_minus_inverse = m - 1.0 / m;
@@ -76,7 +76,7 @@ void forward_sums(Complex m, const Complex* x, Complex* sums) {
         add(total.im, (pa.im * da.re - pa.re * da.im) * inverse_a +
                           (pb.im * db.re - pb.re * db.im) * inverse_b);
     }
-    for (int lane = 0; lane < lane_count; ++lane) {
+    for (int lane = 0; lane < kLaneCount; ++lane) {
         sums[lane] = {total.re[lane], total.im[lane]};
     }
 }
@@ -86,27 +86,15 @@ struct Path {
     std::vector<Complex> weight;  // dx
 };
 
-// A narrow density of variance v grows off the axis like exp(h^2 / (2 v x^2)) at height h: what has
-// to cancel again along the path would leave its rounding behind. Where 4 would be too high the
-// density itself is the sharpest feature, and a height of 3.7 of its standard deviations is smooth
-// on the path's nodes. The power law has no such growth.
-double highest(const SizeDistribution& distribution, double wave_number_per_um) {
-    const bool grows = distribution.kind == SizeDistributionKind::gamma ||
-                       distribution.kind == SizeDistributionKind::log_normal;
-    if (!grows) return 4.0;
-    constexpr double growth = 1e3;
-    return wave_number_per_um * distribution.effective_radius_um *
-           std::sqrt(2 * std::log(growth) * distribution.effective_variance);
-}
-
+// highest: what the density of sizes allows (SizeLaw::continuation_height).
 Path shifted_path(Complex m, double smallest, double largest, double highest) {
     const double height = std::min({4.0, largest, highest});  // higher, small spheres would cancel
-    constexpr int cap_nodes = 32;
+    constexpr int kCapNodes = 32;
     Path path;
     // Up or down at one end: Im x = height t^4, so that resonances close to the axis are resolved.
     const auto add_cap = [&](double end, double sign) {
-        const math::Quadrature rule = math::gauss_legendre(cap_nodes, 0, 1);
-        for (int i = 0; i < cap_nodes; ++i) {
+        const math::Quadrature rule = math::gauss_legendre(kCapNodes, 0, 1);
+        for (int i = 0; i < kCapNodes; ++i) {
             const double t = rule.nodes[i];
             path.x.emplace_back(end, height * t * t * t * t);
             path.weight.emplace_back(0, sign * rule.weights[i] * height * 4 * t * t * t);
@@ -117,9 +105,9 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
     const double width = largest - smallest;
     const double damping = 2 * (std::abs(m.real() - 1) * height + m.imag() * smallest);
     const double periods = damping > 12 ? 0.0 : width * std::abs(m.real() - 1) / std::numbers::pi;
-    constexpr double most_per_piece = 2000;  // large grains of ice have thousands of periods
-    const int pieces = 1 + static_cast<int>(2.2 * periods / most_per_piece);
-    const int count = static_cast<int>(56 + 2.2 * periods / pieces) / lane_count * lane_count;
+    constexpr double kMostPerPiece = 2000;  // large grains of ice have thousands of periods
+    const int pieces = 1 + static_cast<int>(2.2 * periods / kMostPerPiece);
+    const int count = static_cast<int>(56 + 2.2 * periods / pieces) / kLaneCount * kLaneCount;
     for (int piece = 0; piece < pieces; ++piece) {
         const math::Quadrature rule = math::gauss_legendre(count, smallest + width * piece / pieces,
                                                            smallest + width * (piece + 1) / pieces);
@@ -136,19 +124,20 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
 
 double exact_extinction(Complex relative_index, const SizeDistribution& distribution,
                         const RadiusRange& range, double wave_number_per_um, const Executor& run) {
-    const AreaDensity area_density(distribution);
+    const std::unique_ptr<const AreaDensity> density = area_density(distribution);
+    const double highest = wave_number_per_um * distribution.effective_radius_um *
+                           distribution.kind.law().continuation_height(distribution);
     const Path path = shifted_path(relative_index, wave_number_per_um * range.smallest_um,
-                                   wave_number_per_um * range.largest_um,
-                                   highest(distribution, wave_number_per_um));
-    const int groups = static_cast<int>(path.x.size()) / lane_count;
+                                   wave_number_per_um * range.largest_um, highest);
+    const int groups = static_cast<int>(path.x.size()) / kLaneCount;
     std::vector<double> parts(groups, 0.0);
     run(groups, [&](int group) {
-        Complex sums[lane_count];
-        const std::size_t first = static_cast<std::size_t>(group) * lane_count;
+        Complex sums[kLaneCount];
+        const std::size_t first = static_cast<std::size_t>(group) * kLaneCount;
         forward_sums(relative_index, &path.x[first], sums);
-        for (int lane = 0; lane < lane_count; ++lane) {
+        for (int lane = 0; lane < kLaneCount; ++lane) {
             const Complex x = path.x[first + lane];
-            const Complex share = area_density(x / wave_number_per_um) / wave_number_per_um *
+            const Complex share = density->at(x / wave_number_per_um) / wave_number_per_um *
                                   path.weight[first + lane];
             parts[group] += (2.0 / (x * x) * sums[lane] * share).real();
         }

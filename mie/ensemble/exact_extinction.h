@@ -3,8 +3,7 @@
 
 #include <complex>
 
-#include <miebrdf/sizes.h>
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
 
 namespace miebrdf::mie {
 

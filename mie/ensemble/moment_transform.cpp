@@ -6,11 +6,31 @@
 namespace miebrdf::mie {
 namespace {
 
+// Rows of a tile: products of tile x (tile + width) blocks waste half a tile squared each, but
+// narrower ones run slower.
+constexpr int kTileRows = 32;
+
+template <typename Waves>
+void add_band(const Waves& waves, int terms, int columns, BandCovariance::Matrix& band) {
+    const int width = static_cast<int>(band.cols()) - 1;
+    Waves tile;
+    for (int n = 1; n <= terms; n += kTileRows) {
+        const int rows = std::min(kTileRows, terms - n + 1);
+        const int reach = std::min(rows + width, terms - n + 1);
+        tile.noalias() =
+            waves.block(n, 0, rows, columns) * waves.block(n, 0, reach, columns).transpose();
+        for (int i = 0; i < rows; ++i) {
+            const int count = std::min(width + 1, reach - i);
+            band.row(n + i).head(count) += tile.row(i).segment(i, count).template cast<double>();
+        }
+    }
+}
+
 // Orders n handled together; enough independent recurrences to hide the latency of each.
-constexpr int group = 32;
-constexpr int diagonals_at_once = 64;
-constexpr int diagonals_per_job = 8;
-using Group = Eigen::Array<double, group, 1>;
+constexpr int kGroup = 32;
+constexpr int kDiagonalsAtOnce = 64;
+constexpr int kDiagonalsPerJob = 8;
+using Group = Eigen::Array<double, kGroup, 1>;
 using Lane = Eigen::Array<double, 8, 1>;
 
 Lane folded(const Group& g) {
@@ -64,8 +84,8 @@ class OneDiagonal {
     // Adds the orders first ... first + group - 1 to moments, eight partial sums per l.
     void add_orders_from(int first, std::vector<Lane>& moments) const {
         Group gain_plus = Group::Zero(), gain_minus = Group::Zero(), f = Group::Zero(), K;
-        const int last = std::min(first + group - 1, covariance_.terms() - d_);
-        for (int i = 0; i < group; ++i) {
+        const int last = std::min(first + kGroup - 1, covariance_.terms() - d_);
+        for (int i = 0; i < kGroup; ++i) {
             const double n = first + i;
             const double m = n + d_;
             K[i] = n + m + 1;
@@ -80,12 +100,12 @@ class OneDiagonal {
         const Group K_squared = K.square();
         const Group even = gain_plus + gain_minus, odd = gain_plus - gain_minus;
         Group f_before = Group::Zero();
-        Group root_here = inverse_root_.col(d_).segment<group>(j);
+        Group root_here = inverse_root_.col(d_).segment<kGroup>(j);
         for (int l = d_; l <= L_; ++l) {
             const Group square = f.square();
             moments[l] += folded((l - d_) % 2 == 0 ? Group(square * even) : Group(square * odd));
             if (l == L_) break;
-            const Group root_next = inverse_root_.col(l + 1).segment<group>(j);
+            const Group root_next = inverse_root_.col(l + 1).segment<kGroup>(j);
             const double alpha = 2 * (2 * l + 1) / e_[l + 1];
             const double beta = e_[l] / e_[l + 1];
             const double l_squared = static_cast<double>(l) * l;
@@ -107,10 +127,33 @@ class OneDiagonal {
 
 }  // namespace
 
+BandCovariance::BandCovariance(int terms, int width)
+    : plus_(Matrix::Zero(terms + 1, width + 1)), minus_(plus_) {}
+
+template <typename Scalar>
+void BandCovariance::add(const SphereBlockOf<Scalar>& block) {
+    const int columns = 2 * block.size;
+    add_band(block.U, block.terms, columns, plus_);
+    add_band(block.V, block.terms, columns, minus_);
+}
+
+template void BandCovariance::add(const SphereBlockOf<float>&);
+template void BandCovariance::add(const SphereBlockOf<double>&);
+
+void BandCovariance::add(const BandCovariance& other) {
+    plus_ += other.plus_;
+    minus_ += other.minus_;
+}
+
+void BandCovariance::scale(double factor) {
+    plus_ *= factor;
+    minus_ *= factor;
+}
+
 MomentTransform::MomentTransform(int terms, int width, const Executor& run)
     : terms_(terms), width_(width) {
     run(2, [&](int parity) {
-        inverse_roots_[parity] = inverse_roots(terms + width + group, width, parity);
+        inverse_roots_[parity] = inverse_roots(terms + width + kGroup, width, parity);
     });
 }
 
@@ -118,24 +161,24 @@ std::vector<double> MomentTransform::operator()(const BandCovariance& covariance
                                                 const Executor& run) const {
     const int L = width_;
     const int terms = terms_;
-    FirstSquares first_squares(terms + group + 1);
+    FirstSquares first_squares(terms + kGroup + 1);
     const int diagonals = std::min(L, terms - 1) + 1;
     std::vector<Lane> sums(L + 1, Lane::Zero());
-    for (int first_d = 0; first_d < diagonals; first_d += diagonals_at_once) {
-        const int count = std::min(diagonals_at_once, diagonals - first_d);
+    for (int first_d = 0; first_d < diagonals; first_d += kDiagonalsAtOnce) {
+        const int count = std::min(kDiagonalsAtOnce, diagonals - first_d);
         std::vector<Eigen::ArrayXd> squares;
         for (int i = 0; i < count; ++i, first_squares.next()) {
             squares.push_back(first_squares.values());
         }
-        const int jobs = (count + diagonals_per_job - 1) / diagonals_per_job;
+        const int jobs = (count + kDiagonalsPerJob - 1) / kDiagonalsPerJob;
         std::vector<std::vector<Lane>> parts(jobs, std::vector<Lane>(L + 1, Lane::Zero()));
         run(jobs, [&](int job) {
-            const int end = std::min(count, (job + 1) * diagonals_per_job);
-            for (int i = job * diagonals_per_job; i < end; ++i) {
+            const int end = std::min(count, (job + 1) * kDiagonalsPerJob);
+            for (int i = job * kDiagonalsPerJob; i < end; ++i) {
                 const int d = first_d + i;
                 const OneDiagonal diagonal(covariance, d, squares[i],
                                            inverse_roots_[d % 2 == 0 ? 1 : 0]);
-                for (int first = 1; first + d <= terms; first += group) {
+                for (int first = 1; first + d <= terms; first += kGroup) {
                     diagonal.add_orders_from(first, parts[job]);
                 }
             }

@@ -10,19 +10,20 @@ namespace miebrdf::mie {
 namespace {
 
 // Widths grow by this share of the distance from the nearer end, up to the widest.
-constexpr double growth = 1 / 3.0;
-constexpr double widest = 6 * std::numbers::pi / 180;
+constexpr double kWidthGrowth = 1 / 3.0;
+constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
 // before better than that does so by chance.
-constexpr double slowest_gain = 0.5;
+constexpr double kSlowestGain = 0.5;
 
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
     std::vector<double> edges = {0};
     const double end = 0.5 * std::numbers::pi;
     while (edges.back() < end) {
-        const double width = std::clamp(growth * edges.back(), std::min(narrowest, widest), widest);
+        const double width = std::clamp(kWidthGrowth * edges.back(),
+                                        std::min(narrowest, kWidestPanel), kWidestPanel);
         const double next = edges.back() + width;
         edges.push_back(next > end - 0.5 * width ? end : next);
     }
@@ -30,8 +31,8 @@ std::vector<double> graded_half(double narrowest) {
 }
 
 double last_two(const Eigen::VectorXd& values) {
-    const Eigen::VectorXd c = PhaseTable::coefficients_of(values);
-    return std::abs(c[PhaseTable::panel_nodes - 1]) + std::abs(c[PhaseTable::panel_nodes - 2]);
+    const Eigen::VectorXd c = panel_coefficients(values);
+    return std::abs(c[PhaseTable::kPanelNodes - 1]) + std::abs(c[PhaseTable::kPanelNodes - 2]);
 }
 
 }  // namespace
@@ -70,12 +71,12 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
         // The mean of two families errs by half their difference.
         const Eigen::VectorXd error = 0.5 * (values_of(0) - values_of(1));
         const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
-        const double root = std::sqrt(double(PhaseTable::panel_nodes));
+        const double root = std::sqrt(double(PhaseTable::kPanelNodes));
         worst_ = relative.cwiseAbs().maxCoeff();
         relative_ = relative.norm() / root;
         rms = error.norm() / root;
     }
-    const double doubt = rippled && level_ > 0 ? slowest_gain : 0.0;
+    const double doubt = rippled && level_ > 0 ? kSlowestGain : 0.0;
     double missed = 0;
     if (scattering_efficiency > 0) {
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
@@ -98,7 +99,7 @@ double PhasePanel::solid_angle_of_moments(int first_moment) const {
 }
 
 double PhasePanel::moment_noise(int first_moment) const {
-    return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::panel_nodes));
+    return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::kPanelNodes));
 }
 
 double PhasePanel::moment_tail(int first_moment) const {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mie/sizes/size_families.h"
+#include "mie/ensemble/size_families.h"
 
 namespace miebrdf::mie {
 

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
-#include "mie/sphere/lanes.h"
+#include <miebrdf/error.h>
+#include "mie/sphere/lane_math.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 namespace {
+
+constexpr int kNodes = PhaseTable::kPanelNodes;
 
 // Weighted samples of P over the cosine: sum of weight * P(mu) P_l(mu) is 2 chi_l.
 struct Samples {
@@ -18,7 +20,7 @@ struct Samples {
 
 double clenshaw(const double* coefficients, double t) {
     double b1 = 0, b2 = 0;
-    for (int k = PhaseTable::panel_nodes - 1; k >= 1; --k) {
+    for (int k = kNodes - 1; k >= 1; --k) {
         const double b = coefficients[k] + 2 * t * b1 - b2;
         b2 = b1;
         b1 = b;
@@ -30,11 +32,11 @@ double clenshaw(const double* coefficients, double t) {
 std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
                               int highest_moment) {
     std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
-    constexpr int group = 4 * lane_count;  // hides the latency of the recurrence
-    using Group = Eigen::Array<double, group, 1>;
-    for (std::size_t first = first_sample; first < end; first += group) {
+    constexpr int kGroup = 4 * kLaneCount;  // hides the latency of the recurrence
+    using Group = Eigen::Array<double, kGroup, 1>;
+    for (std::size_t first = first_sample; first < end; first += kGroup) {
         Group mu = Group::Zero(), weighted = Group::Zero();
-        for (std::size_t i = first; i < std::min(first + group, end); ++i) {
+        for (std::size_t i = first; i < std::min(first + kGroup, end); ++i) {
             mu[static_cast<Eigen::Index>(i - first)] = samples.mu[i];
             weighted[static_cast<Eigen::Index>(i - first)] = samples.weighted[i];
         }
@@ -57,10 +59,10 @@ std::vector<double> projected(const Samples& samples, std::size_t first_sample, 
 
 }  // namespace
 
-std::vector<double> PhaseTable::nodes_of(double lower, double upper) {
+std::vector<double> panel_nodes(double lower, double upper) {
     std::vector<double> nodes;
-    for (int i = panel_nodes - 1; i >= 0; --i) {
-        const double t = std::cos(std::numbers::pi * i / (panel_nodes - 1));
+    for (int i = kNodes - 1; i >= 0; --i) {
+        const double t = std::cos(std::numbers::pi * i / (kNodes - 1));
         nodes.push_back(0.5 * (lower + upper) + 0.5 * (upper - lower) * t);
     }
     nodes.front() = lower;
@@ -68,11 +70,11 @@ std::vector<double> PhaseTable::nodes_of(double lower, double upper) {
     return nodes;
 }
 
-// c_k = 2/N sum'' f_i cos(pi k i / N), N = panel_nodes - 1; first and last terms, and c_0 and c_N,
+// c_k = 2/N sum'' f_i cos(pi k i / N), N = kPanelNodes - 1; first and last terms, and c_0 and c_N,
 // count half.
-Eigen::VectorXd PhaseTable::coefficients_of(const Eigen::VectorXd& values) {
-    constexpr int N = panel_nodes - 1;
-    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(panel_nodes);
+Eigen::VectorXd panel_coefficients(const Eigen::VectorXd& values) {
+    constexpr int N = kNodes - 1;
+    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(kNodes);
     for (int k = 0; k <= N; ++k) {
         for (int i = 0; i <= N; ++i) {
             const double halves = (i % N == 0 ? 0.5 : 1.0) * (k % N == 0 ? 0.5 : 1.0);
@@ -83,42 +85,35 @@ Eigen::VectorXd PhaseTable::coefficients_of(const Eigen::VectorXd& values) {
     return coefficients;
 }
 
-PhaseTable::PhaseTable(std::vector<double> edges, const Eigen::MatrixXd& values,
-                       double interpolation_error, double size_error, std::vector<double> noise,
-                       double noise_floor)
-    : parts_{std::move(edges),
-             Eigen::MatrixXd(values.rows(), values.cols()),
-             1,
-             interpolation_error,
-             size_error,
-             std::move(noise),
-             noise_floor} {
+PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values) {
+    parts.coefficients.clear();
     for (Eigen::Index panel = 0; panel < values.cols(); ++panel) {
-        parts_.coefficients.col(panel) = coefficients_of(values.col(panel));
+        const Eigen::VectorXd coefficients = panel_coefficients(values.col(panel));
+        parts.coefficients.insert(parts.coefficients.end(), coefficients.begin(),
+                                  coefficients.end());
     }
     // Normalised by its own integral, so that it conserves energy with chi_0 = 1.
-    const math::Quadrature rule = math::gauss_legendre(panel_nodes);
+    const math::Quadrature rule = math::gauss_legendre(kNodes);
     double integral = 0;
-    for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
-        const double half = 0.5 * (parts_.edges[p + 1] - parts_.edges[p]);
-        for (int i = 0; i < panel_nodes; ++i) {
-            const double theta = parts_.edges[p] + half * (1 + rule.nodes[i]);
+    for (std::size_t p = 0; p + 1 < parts.edges.size(); ++p) {
+        const double half = 0.5 * (parts.edges[p + 1] - parts.edges[p]);
+        for (int i = 0; i < kNodes; ++i) {
+            const double theta = parts.edges[p] + half * (1 + rule.nodes[i]);
             integral += half * rule.weights[i] * std::sin(theta) *
-                        clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(p)).data(),
-                                 rule.nodes[i]);
+                        clenshaw(&parts.coefficients[p * kNodes], rule.nodes[i]);
         }
     }
-    parts_.mean = 0.5 * integral;
-    parts_.coefficients /= parts_.mean;
+    parts.mean = 0.5 * integral;
+    for (double& coefficient : parts.coefficients) coefficient /= parts.mean;
+    return PhaseTable(std::move(parts));
 }
 
 PhaseTable::PhaseTable(Parts parts) : parts_(std::move(parts)) {
-    const auto panels = static_cast<Eigen::Index>(parts_.edges.size()) - 1;
-    if (panels < 1 || parts_.coefficients.rows() != panel_nodes ||
-        parts_.coefficients.cols() != panels ||
-        (!parts_.noise.empty() && static_cast<Eigen::Index>(parts_.noise.size()) != panels) ||
+    const std::size_t panels = parts_.edges.empty() ? 0 : parts_.edges.size() - 1;
+    if (panels < 1 || parts_.coefficients.size() != kNodes * panels ||
+        (!parts_.noise.empty() && parts_.noise.size() != panels) ||
         !std::is_sorted(parts_.edges.begin(), parts_.edges.end())) {
-        throw std::invalid_argument("parts of a phase table that do not fit each other");
+        throw UsageError("parts of a phase table that do not fit each other");
     }
 }
 
@@ -131,7 +126,7 @@ double PhaseTable::at_angle(double theta) const {
     const std::size_t panel = panel_at(theta);
     const double lower = parts_.edges[panel], upper = parts_.edges[panel + 1];
     const double t = (2 * theta - lower - upper) / (upper - lower);
-    return clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(panel)).data(), t);
+    return clenshaw(&parts_.coefficients[panel * kNodes], t);
 }
 
 double PhaseTable::operator()(double cos_theta) const {
@@ -147,8 +142,8 @@ double PhaseTable::noise(double cos_theta) const {
 std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {
     // Each panel in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up to
     // 2 rad per node to rounding.
-    constexpr int piece_nodes = 16;
-    const math::Quadrature rule = math::gauss_legendre(piece_nodes);
+    constexpr int kPieceNodes = 16;
+    const math::Quadrature rule = math::gauss_legendre(kPieceNodes);
     Samples samples;
     for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
         const double width = parts_.edges[p + 1] - parts_.edges[p];
@@ -156,20 +151,19 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
         for (int piece = 0; piece < pieces; ++piece) {
             const double half = 0.5 * width / pieces;
             const double centre = parts_.edges[p] + half * (2 * piece + 1);
-            for (int i = 0; i < piece_nodes; ++i) {
+            for (int i = 0; i < kPieceNodes; ++i) {
                 const double theta = centre + half * rule.nodes[i];
                 const double t = 2 * (theta - parts_.edges[p]) / width - 1;
                 samples.mu.push_back(std::cos(theta));
-                samples.weighted.push_back(
-                    half * rule.weights[i] * std::sin(theta) *
-                    clenshaw(parts_.coefficients.col(static_cast<Eigen::Index>(p)).data(), t));
+                samples.weighted.push_back(half * rule.weights[i] * std::sin(theta) *
+                                           clenshaw(&parts_.coefficients[p * kNodes], t));
             }
         }
     }
-    constexpr int jobs = 8;
-    std::vector<std::vector<double>> parts(jobs);
-    const std::size_t share = (samples.mu.size() + jobs - 1) / jobs;
-    run(jobs, [&](int job) {
+    constexpr int kJobs = 8;
+    std::vector<std::vector<double>> parts(kJobs);
+    const std::size_t share = (samples.mu.size() + kJobs - 1) / kJobs;
+    run(kJobs, [&](int job) {
         const std::size_t first = std::min(samples.mu.size(), job * share);
         parts[job] =
             projected(samples, first, std::min(samples.mu.size(), first + share), highest_moment);

@@ -4,21 +4,46 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
-#include "mie/sphere/angular_functions.h"
-#include "mie/sphere/terms.h"
+#include "mie/ensemble/phase_panel.h"
+#include "mie/ensemble/phase_table.h"
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 namespace {
 
-constexpr int both = -1;  // families
+constexpr int kBothFamilies = -1;
 
-constexpr double coarse_share = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
+constexpr double kCoarseShare = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
 
 // Noise of single points gives most to the lowest moments: more of them are not looked at.
-constexpr int moments_to_judge = 400;
+constexpr int kMomentsToJudge = 400;
 
-}  // namespace
+// Computes everything when it is made.
+class PhaseTabulation {
+  public:
+    PhaseTabulation(std::complex<double> relative_index, const SizeDistribution& distribution,
+                    const RadiusRange& range, double wave_number_per_um,
+                    const PhaseTabulationOptions& options, const Executor& run);
+
+    PhaseTable table() const;
+    double moment_error() const;
+
+  private:
+    PhaseTable table_of(int family) const;
+    std::vector<PhasePanel> take_next();
+    void add_level(std::vector<PhasePanel> panels);
+    bool needs_more_sizes(const PhasePanel& panel) const;
+    void sort_in(PhasePanel panel);
+
+    SizeFamilies sizes_;
+    PhaseTabulationOptions options_;
+    const Executor& run_;
+    int terms_;
+    double narrowest_;  // panel, in radians
+    std::vector<PhasePanel> active_, done_;
+};
 
 PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
                                  const SizeDistribution& distribution, const RadiusRange& range,
@@ -53,7 +78,7 @@ std::vector<PhasePanel> PhaseTabulation::take_next() {
 void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     std::vector<double> angles_deg;
     for (const PhasePanel& panel : panels) {
-        for (const double theta : PhaseTable::nodes_of(panel.lower(), panel.upper())) {
+        for (const double theta : panel_nodes(panel.lower(), panel.upper())) {
             angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
         }
     }
@@ -61,17 +86,17 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     const FamilyIntensity sums = sizes_.level(panels.front().level() + 1, angular, run_);
     Eigen::Index first = 0;
     for (PhasePanel& panel : panels) {
-        panel.add_level({sums.intensity.middleRows(first, PhaseTable::panel_nodes),
+        panel.add_level({sums.intensity.middleRows(first, PhaseTable::kPanelNodes),
                          {sums.scattered[0], sums.scattered[1]}},
                         sizes_, options_.scattering_efficiency, options_.floor);
-        first += PhaseTable::panel_nodes;
+        first += PhaseTable::kPanelNodes;
         sort_in(std::move(panel));
     }
 }
 
 bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
     if (panel.level() >= sizes_.last_level()) return false;
-    const double believed = sizes_.resolves(panel.level()) ? 1.0 : coarse_share;
+    const double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
     return panel.noise() > believed * options_.size_tolerance ||
            panel.moment_noise(options_.first_moment) > believed * options_.moment_tolerance;
 }
@@ -91,14 +116,14 @@ void PhaseTabulation::sort_in(PhasePanel panel) {
 }
 
 // Half of what the families' moments differ, and what the polynomials leave out.
-double PhaseTabulation::moment_error(int highest_moment) const {
+double PhaseTabulation::moment_error() const {
     double squares = 0;
     for (const PhasePanel& panel : done_) {
         squares += std::pow(panel.moment_tail(options_.first_moment), 2);
     }
     double noise = 0;
     if (sizes_.count() == 2) {
-        const int last = std::min(highest_moment, options_.first_moment + moments_to_judge);
+        const int last = std::min(options_.last_moment, options_.first_moment + kMomentsToJudge);
         const std::vector<double> a = table_of(0).moments(last, run_);
         const std::vector<double> b = table_of(1).moments(last, run_);
         for (int l = options_.first_moment; l <= last; ++l) {
@@ -108,7 +133,7 @@ double PhaseTabulation::moment_error(int highest_moment) const {
     return noise + std::sqrt(squares);
 }
 
-PhaseTable PhaseTabulation::table() const { return table_of(both); }
+PhaseTable PhaseTabulation::table() const { return table_of(kBothFamilies); }
 
 PhaseTable PhaseTabulation::table_of(int family) const {
     std::vector<const PhasePanel*> panels;
@@ -116,7 +141,7 @@ PhaseTable PhaseTabulation::table_of(int family) const {
     std::sort(panels.begin(), panels.end(),
               [](const PhasePanel* a, const PhasePanel* b) { return a->lower() < b->lower(); });
     std::vector<double> edges = {0};
-    constexpr Eigen::Index last = PhaseTable::panel_nodes - 1;
+    constexpr Eigen::Index last = PhaseTable::kPanelNodes - 1;
     Eigen::MatrixXd values(last + 1, static_cast<Eigen::Index>(panels.size()));
     // Of three neighbours, the noisiest: in narrow panels all nodes may agree by chance.
     std::vector<double> noise;
@@ -124,7 +149,8 @@ PhaseTable PhaseTabulation::table_of(int family) const {
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const auto column = static_cast<Eigen::Index>(p);
         edges.push_back(panels[p]->upper());
-        values.col(column) = family == both ? panels[p]->values() : panels[p]->values_of(family);
+        values.col(column) =
+            family == kBothFamilies ? panels[p]->values() : panels[p]->values_of(family);
         if (p > 0) {
             const bool better = panels[p]->level() > panels[p - 1]->level();
             const double shared = better ? values(0, column) : values(last, column - 1);
@@ -135,8 +161,25 @@ PhaseTable PhaseTabulation::table_of(int family) const {
         noise.push_back(std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
                                   panels[std::min(p + 1, panels.size() - 1)]->noise()}));
     }
-    return PhaseTable(std::move(edges), values, interpolation_error, size_error, std::move(noise),
-                      options_.floor);
+    return make_phase_table({.edges = std::move(edges),
+                             .coefficients = {},
+                             .interpolation_error = interpolation_error,
+                             .size_error = size_error,
+                             .noise = std::move(noise),
+                             .noise_floor = options_.floor},
+                            values);
+}
+
+}  // namespace
+
+TabulatedPhase tabulate_phase(std::complex<double> relative_index,
+                              const SizeDistribution& distribution, const RadiusRange& range,
+                              double wave_number_per_um, const PhaseTabulationOptions& options,
+                              const Executor& run) {
+    const PhaseTabulation tabulation(relative_index, distribution, range, wave_number_per_um,
+                                     options, run);
+    const bool with_moments = options.last_moment >= options.first_moment;
+    return {tabulation.table(), with_moments ? tabulation.moment_error() : 0.0};
 }
 
 }  // namespace miebrdf::mie

@@ -3,25 +3,28 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "mie/sphere/lanes.h"
-#include "mie/sphere/terms.h"
+#include <miebrdf/sphere.h>
+#include "mie/sphere/lane_math.h"
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 namespace {
 
-constexpr int largest_chunk_count = 8;
-constexpr int least_chunk_size = 32;
-constexpr double chunk_memory = 24e6;  // bytes, all bands of a pass together
+constexpr int kAnglesPerGroup = 128;
+
+constexpr int kMostChunks = 8;
+constexpr int kLeastChunk = 32;
+constexpr double kChunkMemory = 24e6;  // bytes, all bands of a pass together
 
 int most_chunks(int size_count, const SizeSumOptions& options) {
     // Each chunk has sums of its own, which cost as much as some ten sizes.
     const double band_bytes = 2 * 8.0 * (options.terms + 1) * (std::max(options.band_width, 0) + 1);
-    const int fitting = std::max(4, static_cast<int>(chunk_memory / band_bytes));
-    return std::min(size_count >= 2048 ? largest_chunk_count : 4, fitting);
+    const int fitting = std::max(4, static_cast<int>(kChunkMemory / band_bytes));
+    return std::min(size_count >= 2048 ? kMostChunks : 4, fitting);
 }
 
 // To whole vectors.
-int rounded_up(int size) { return (size + lane_count - 1) / lane_count * lane_count; }
+int rounded_up(int size) { return (size + kLaneCount - 1) / kLaneCount * kLaneCount; }
 
 template <typename Scalar>
 SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSizes& sizes,
@@ -36,7 +39,7 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     if (with_waves) {
         const auto& last = blocks.back();
         block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
-                        most_sizes_per_block);
+                        kMostSizesPerBlock);
     }
     for (const auto [first, count] : blocks) {
         const std::size_t here = count;
@@ -52,6 +55,65 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
 }
 
 }  // namespace
+
+template <typename Scalar>
+AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_deg, int terms,
+                                               const Executor& run)
+    : plus_(static_cast<Eigen::Index>(angles_deg.size()), terms + 1),
+      minus_(plus_.rows(), terms + 1) {
+    Eigen::ArrayXd mu(plus_.rows());
+    for (Eigen::Index i = 0; i < mu.size(); ++i) mu[i] = cosine_of_scattering_angle(angles_deg[i]);
+    const int groups = static_cast<int>(mu.size() + kAnglesPerGroup - 1) / kAnglesPerGroup;
+    run(groups, [&](int group) {
+        const Eigen::Index first = group * Eigen::Index(kAnglesPerGroup);
+        fill(first, mu.segment(first, std::min<Eigen::Index>(kAnglesPerGroup, mu.size() - first)));
+    });
+}
+
+// As in scattering_amplitudes, several angles at once.
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& mu) {
+    const Eigen::Index count = mu.size();
+    plus_.col(0).segment(first, count).setZero();
+    minus_.col(0).segment(first, count).setZero();
+    Eigen::ArrayXd pi_before = Eigen::ArrayXd::Zero(count), pi = Eigen::ArrayXd::Ones(count);
+    Eigen::ArrayXd s(count), t(count), tau(count);
+    for (Eigen::Index n = 1; n < plus_.cols(); ++n) {
+        const double order = static_cast<double>(n);
+        s = mu * pi;
+        t = s - pi_before;
+        tau = order * t - pi_before;
+        const double weight = (2 * order + 1) / (order * (order + 1));
+        plus_.col(n).segment(first, count) = (weight * (pi + tau)).matrix().template cast<Scalar>();
+        minus_.col(n).segment(first, count) =
+            (weight * (pi - tau)).matrix().template cast<Scalar>();
+        pi_before.swap(pi);
+        pi = s + (order + 1) / order * t;
+    }
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
+                                             const typename SphereBlockOf<Scalar>::Matrix& waves,
+                                             int terms, int columns,
+                                             Eigen::VectorXd& intensity) const {
+    Matrix amplitude(functions.rows(), columns);
+    amplitude.noalias() = functions.middleCols(1, terms) * waves.block(1, 0, terms, columns);
+    for (int column = 0; column < columns; ++column) {
+        intensity += amplitude.col(column).template cast<double>().cwiseAbs2();
+    }
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
+                                               Eigen::VectorXd& intensity) const {
+    const int columns = 2 * block.size;
+    add_squares(plus_, block.U, block.terms, columns, intensity);
+    add_squares(minus_, block.V, block.terms, columns, intensity);
+}
+
+template class AngularFunctionsOf<float>;
+template class AngularFunctionsOf<double>;
 
 WeightedSizes::WeightedSizes(const SizeNodes& nodes, double wave_number_per_um) {
     for (std::size_t i = 0; i < nodes.radius_um.size(); ++i) {
@@ -70,7 +132,7 @@ SizeChunks::SizeChunks(int size_count, int most, int least)
 std::vector<SizeChunks::Block> SizeChunks::blocks(int chunk) const {
     const int first = chunk * per_chunk_;
     const int end = std::min(size_count_, first + per_chunk_);
-    const int count = (end - first + most_sizes_per_block - 1) / most_sizes_per_block;
+    const int count = (end - first + kMostSizesPerBlock - 1) / kMostSizesPerBlock;
     const int size = rounded_up((end - first + count - 1) / count);
     std::vector<Block> list;
     for (int at = first; at < end; at += size) list.push_back({at, std::min(size, end - at)});
@@ -92,7 +154,7 @@ void SizeSums::scale(double factor) {
 SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
-    const SizeChunks chunks(count, most_chunks(count, options), least_chunk_size);
+    const SizeChunks chunks(count, most_chunks(count, options), kLeastChunk);
     std::vector<SizeSums> parts(chunks.count());
     run(chunks.count(), [&](int job) {
         const int chunk = chunk_of_job(job, chunks.count());

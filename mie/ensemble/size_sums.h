@@ -1,16 +1,48 @@
-// What the sizes of one pass sum to.
+// What the sizes of one pass sum to: efficiencies, products of partial waves, intensities at
+// angles.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
+#include <span>
+#include <vector>
 
-#include "mie/ensemble/band_covariance.h"
-#include "mie/ensemble/executor.h"
+#include <miebrdf/ensemble.h>
+#include "mie/ensemble/moment_transform.h"
 #include "mie/sizes/size_nodes.h"
-#include "mie/sphere/angular_functions.h"
 #include "mie/sphere/sphere_block.h"
 
 namespace miebrdf::mie {
+
+/// The phase function at listed angles, from the partial waves of the spheres:
+/// S1 +- S2 = sum_n (2n+1)/(n(n+1)) (a_n +- b_n) (pi_n +- tau_n): the tables of the angular part,
+/// shared by all sizes. Row = angle, column = n (column 0 unused). Scalar: float or double.
+template <typename Scalar>
+class AngularFunctionsOf {
+  public:
+    AngularFunctionsOf() = default;
+    /// @throws UsageError  for an angle outside 0 to 180 degrees
+    AngularFunctionsOf(std::span<const double> angles_deg, int terms,
+                       const Executor& run = run_in_order);
+
+    int angle_count() const { return static_cast<int>(plus_.rows()); }
+
+    /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
+    /// weights of SphereSums this is P times 2 * scattered.
+    void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::VectorXd& intensity) const;
+
+  private:
+    void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
+
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+    void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
+                     int terms, int columns, Eigen::VectorXd& intensity) const;
+
+    Matrix plus_, minus_;
+};
+
+using AngularFunctions = AngularFunctionsOf<double>;
 
 /// Sums over sizes, weighted by their share of the geometric cross-section over x^2.
 struct SizeSums {
@@ -59,7 +91,7 @@ class SizeChunks {
 /// same.
 inline int chunk_of_job(int job, int count) { return job % 2 == 0 ? count - 1 - job / 2 : job / 2; }
 
-constexpr int most_sizes_per_block = 40;
+constexpr int kMostSizesPerBlock = 40;
 
 /// Sums over all sizes, in chunks of blocks that do not depend on the executor.
 SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,

@@ -1,76 +1,13 @@
 #include "mie/sizes/size_nodes.h"
 
 #include <algorithm>
-#include <boost/math/distributions/gamma.hpp>
-#include <boost/math/distributions/lognormal.hpp>
 #include <cmath>
+#include <memory>
 
-#include "mie/sizes/area_density.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 namespace {
-
-struct MappedRadius {
-    double radius_um;
-    double slope;  // dr/dt
-};
-
-// r(t), t from 0 to 1 over the range, for one distribution; nodes even in t are spread in r as the
-// distribution wants them.
-template <typename NodeDensity>
-class QuantileMap {
-  public:
-    QuantileMap(NodeDensity density, const RadiusRange& range)
-        : density_(density),
-          below_(cdf(density, range.smallest_um)),
-          share_(cdf(density, range.largest_um) - below_) {}
-
-    MappedRadius operator()(double t) const {
-        const double radius = quantile(density_, below_ + t * share_);
-        return {radius, share_ / pdf(density_, radius)};
-    }
-
-  private:
-    NodeDensity density_;
-    double below_, share_;
-};
-
-// The cube root of a gamma density (shape s, scale c) is one of shape (s + 2)/3 and scale 3 c.
-MappedRadius map_gamma(const SizeDistribution& d, const RadiusRange& range, double t) {
-    const double shape = 1 / d.effective_variance;
-    const boost::math::gamma_distribution<> density(
-        (shape + 2) / 3, 3 * d.effective_radius_um * d.effective_variance);
-    return QuantileMap(density, range)(t);
-}
-
-// The cube root of a log-normal density (location u, variance s) is one of location u + 2 s and
-// variance 3 s.
-MappedRadius map_log_normal(const SizeDistribution& d, const RadiusRange& range, double t) {
-    const double variance = std::log1p(d.effective_variance);
-    const boost::math::lognormal_distribution<> density(
-        std::log(d.effective_radius_um) + 1.5 * variance, std::sqrt(3 * variance));
-    return QuantileMap(density, range)(t);
-}
-
-MappedRadius map_radius(const SizeDistribution& d, const RadiusRange& range, double t,
-                        SizeSpacing spacing) {
-    switch (d.kind) {
-        case SizeDistributionKind::gamma:
-            return map_gamma(d, range, t);
-        case SizeDistributionKind::log_normal:
-            return map_log_normal(d, range, t);
-        default: {
-            if (spacing == SizeSpacing::geometric) {
-                const double log_ratio = std::log(range.largest_um / range.smallest_um);
-                const double radius = range.smallest_um * std::exp(t * log_ratio);
-                return {radius, radius * log_ratio};
-            }
-            const double width = range.largest_um - range.smallest_um;
-            return {range.smallest_um + t * width, width};
-        }
-    }
-}
 
 struct Ramp {
     double t;
@@ -81,16 +18,20 @@ struct Ramp {
 // is the smoothstep u^4 (35 - 84 u + 70 u^2 - 20 u^3), whose first three derivatives vanish at both
 // ends.
 Ramp ramp(double tau) {
-    constexpr double width = 0.05;  // more nodes are lost to a wider ramp, smoothness to a narrower
-    constexpr double plateau = 1 / (1 - width);
+    constexpr double kRamp = 0.05;  // more nodes are lost to a wider ramp, smoothness to a narrower
+    constexpr double kPlateau = 1 / (1 - kRamp);
     const double from_end = std::min(tau, 1 - tau);
-    const double u = std::min(1.0, from_end / width);
-    const double slope = plateau * u * u * u * u * (35 + u * (-84 + u * (70 - 20 * u)));
+    const double u = std::min(1.0, from_end / kRamp);
+    const double slope = kPlateau * u * u * u * u * (35 + u * (-84 + u * (70 - 20 * u)));
     const double u5 = u * u * u * u * u;
-    double t = plateau * width * u5 * (7 + u * (-14 + u * (10 - 2.5 * u)));
-    if (from_end > width) t += plateau * (from_end - width);
+    double t = kPlateau * kRamp * u5 * (7 + u * (-14 + u * (10 - 2.5 * u)));
+    if (from_end > kRamp) t += kPlateau * (from_end - kRamp);
     return {tau <= 0.5 ? t : 1 - t, slope};
 }
+
+constexpr int kSmoothStart = 16;       // nodes of the first pass where efficiencies are smooth
+constexpr int kSmoothLimit = 256;      // more than this is for the even rule
+constexpr double kFirstSpacing = 3.4;  // of the even rule, in ripple periods
 
 }  // namespace
 
@@ -98,28 +39,29 @@ SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRa
                             int count) {
     const math::Quadrature rule =
         math::gauss_legendre(count, std::log(range.smallest_um), std::log(range.largest_um));
-    const AreaDensity area_density(distribution);
+    const std::unique_ptr<const AreaDensity> density = area_density(distribution);
     SizeNodes nodes;
     for (int i = 0; i < count; ++i) {
         const double radius = std::exp(rule.nodes[i]);
         nodes.radius_um.push_back(radius);
-        nodes.area_share.push_back(rule.weights[i] * radius * area_density(radius));
+        nodes.area_share.push_back(rule.weights[i] * radius * density->at(radius));
     }
     return nodes;
 }
 
 SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRange& range, int count,
                           double offset, SizeSpacing spacing) {
-    const AreaDensity area_density(distribution);
+    const std::unique_ptr<const AreaDensity> density = area_density(distribution);
     SizeNodes nodes;
     for (int i = 0; i < count; ++i) {
         const double tau = (i + offset) / count;
         const Ramp ramped = ramp(tau);
         if (!(ramped.slope > 0)) continue;  // the very end carries no weight
-        const MappedRadius mapped = map_radius(distribution, range, ramped.t, spacing);
+        const MappedRadius mapped =
+            distribution.kind.law().radius_at(distribution, range, ramped.t, spacing);
         nodes.radius_um.push_back(mapped.radius_um);
         nodes.area_share.push_back(mapped.slope * ramped.slope / count *
-                                   area_density(mapped.radius_um));
+                                   density->at(mapped.radius_um));
     }
     return nodes;
 }
@@ -128,6 +70,70 @@ SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRa
                             int first_count, int level, SizeSpacing spacing) {
     if (level == 0) return even_size_nodes(distribution, range, first_count, 1.0, spacing);
     return even_size_nodes(distribution, range, first_count << (level - 1), 0.5, spacing);
+}
+
+double ripple_period(double index) {
+    if (!(index > 1)) return 1;
+    const double s = std::sqrt((index - 1) * (index + 1));
+    return s > 1e-3 ? std::atan(s) / s : 1;
+}
+
+int coarsest_even_count(double index, double width) {
+    const double count = width / (kFirstSpacing * ripple_period(index));
+    return static_cast<int>(std::clamp(count, 16.0, kNodeLimit / 4.0));
+}
+
+SizeRefinement::SizeRefinement(const SizeDistribution& distribution, const RadiusRange& range,
+                               std::complex<double> relative_index, double wave_number_per_um)
+    : distribution_(distribution),
+      range_(range),
+      index_(relative_index.real()),
+      width_(wave_number_per_um * (range.largest_um - range.smallest_um)) {
+    if (distribution.kind.law().single_size) {
+        rule_ = Rule::single;
+        take({{range.largest_um}, {1.0}});
+        return;
+    }
+    // Resonances in size are as wide as k x at least: beyond 1, or for small spheres, nothing is
+    // narrow.
+    const double x_effective = wave_number_per_um * effective_radius_of(distribution);
+    const bool damped = relative_index.imag() * x_effective > 1;
+    const bool small = wave_number_per_um * range.largest_um < 3;
+    if (damped || small) {
+        rule_ = Rule::smooth;
+        take(smooth_size_nodes(distribution, range, kSmoothStart));
+    } else {
+        start_even();
+    }
+}
+
+void SizeRefinement::take(SizeNodes nodes) {
+    nodes_ = std::move(nodes);
+    nodes_so_far_ += static_cast<int>(nodes_.radius_um.size());
+}
+
+void SizeRefinement::start_even() {
+    rule_ = Rule::even;
+    pass_ = 0;
+    first_count_ = even_count_ = coarsest_even_count(index_, width_);
+    take(nested_size_nodes(distribution_, range_, first_count_, 0));
+}
+
+bool SizeRefinement::refine() {
+    if (rule_ == Rule::single || nodes_so_far_ >= kNodeLimit) return false;
+    ++pass_;
+    if (rule_ == Rule::smooth) {
+        const int count = kSmoothStart << pass_;
+        if (count > kSmoothLimit) {
+            start_even();
+        } else {
+            take(smooth_size_nodes(distribution_, range_, count));
+        }
+        return true;
+    }
+    if (pass_ > 1) even_count_ *= 2;
+    take(nested_size_nodes(distribution_, range_, first_count_, pass_));
+    return true;
 }
 
 }  // namespace miebrdf::mie

@@ -1,9 +1,10 @@
-// Which sizes an average is taken over.
+// Which sizes an average is taken over: rules of nodes, and pass after pass of more of them.
 #pragma once
 
+#include <complex>
 #include <vector>
 
-#include <miebrdf/sizes.h>
+#include "mie/sizes/size_law.h"
 
 namespace miebrdf::mie {
 
@@ -17,16 +18,11 @@ struct SizeNodes {
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int count);
 
-/// How the sizes of a power law or a table are spread: equally, as ripple wants it (all resonances
-/// of one family are met alike), or in equal ratios, as averages that are smooth in size want it.
-enum class SizeSpacing { equal, geometric };
-
 /// Equally spaced sizes, as the ripple of transparent spheres wants them, shifted by `offset` of
 /// one spacing, 0 < offset <= 1. Near the ends the spacing shrinks smoothly to zero, so that every
 /// offset is as good as the midpoint, and the grids of `count` nodes with offsets o and o + 1/2
-/// make together the grid of 2 `count`. For gamma and log-normal the density of nodes follows the
-/// cube root of the area density (the least error of a rule whose error goes with the square of the
-/// spacing).
+/// make together the grid of 2 `count`. Laws without ends spread their sizes themselves
+/// (SizeLaw::radius_at).
 SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRange& range, int count,
                           double offset, SizeSpacing spacing = SizeSpacing::equal);
 
@@ -34,5 +30,52 @@ SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRang
 /// so that the mean over levels 0 ... l is the rule of first_count * 2^l sizes.
 SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int first_count, int level, SizeSpacing spacing = SizeSpacing::equal);
+
+/// Most sizes of one average; transparent spheres stop near 1e-6 there.
+constexpr int kNodeLimit = 1 << 16;
+
+/// Distance in x after which the ripple of a transparent sphere repeats, atan(s)/s with
+/// s^2 = n^2 - 1 (Chylek 1990, J. Opt. Soc. Am. A 7, 1609, eq. 1); 1 where there is none.
+double ripple_period(double index);
+
+/// Number of sizes of the coarsest even grid: 3.4 periods apart, so that its refinements are 1.7,
+/// 0.85, 0.425 ... periods apart. A spacing just below a multiple of the period sees the same
+/// resonances again and again; 0.85 times a power of two does not, and with 0.85 itself the error
+/// drops about tenfold (docs/maths-mie.md).
+/// @param width  largest minus smallest size parameter
+int coarsest_even_count(double index, double width);
+
+/// The sizes of one pass after the other.
+class SizeRefinement {
+  public:
+    /// single: one size. smooth: Gauss nodes in ln r, each pass instead of the last. even: equally
+    /// spaced, each pass between the sizes of all passes before.
+    enum class Rule { single, smooth, even };
+
+    SizeRefinement(const SizeDistribution& distribution, const RadiusRange& range,
+                   std::complex<double> relative_index, double wave_number_per_um);
+
+    Rule rule() const { return rule_; }
+    int pass() const { return pass_; }  ///< of the current rule, from 0
+    const SizeNodes& nodes() const { return nodes_; }
+    /// The mean of this pass and of all before it is better than this pass.
+    bool adds_to_passes_before() const { return rule_ == Rule::even && pass_ > 0; }
+    int nodes_so_far() const { return nodes_so_far_; }
+    int even_count() const { return even_count_; }  ///< of the current pass of the even rule
+
+    /// Next pass; false when there are no more.
+    bool refine();
+
+  private:
+    void take(SizeNodes nodes);
+    void start_even();
+
+    SizeDistribution distribution_;
+    RadiusRange range_;
+    double index_, width_;
+    Rule rule_;
+    SizeNodes nodes_;
+    int pass_ = 0, nodes_so_far_ = 0, first_count_ = 0, even_count_ = 0;
+};
 
 }  // namespace miebrdf::mie

@@ -1,14 +1,12 @@
-#include "mie/sphere/coefficients.h"
-
+// Mie coefficients of one sphere, order after order.
 #include <fmt/format.h>
 
 #include <cmath>
-#include <stdexcept>
 #include <type_traits>
 
-#include "mie/sphere/logarithmic_derivative.h"
+#include <miebrdf/error.h>
+#include <miebrdf/sphere.h>
 #include "mie/sphere/radial_functions.h"
-#include "mie/sphere/terms.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -17,13 +15,11 @@ using Complex = std::complex<double>;
 
 void validate(Complex m, double x) {
     if (!(m.real() >= 0.01 && m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4)) {
-        throw std::invalid_argument(
-            fmt::format("relative refractive index {} + {}i; allowed: n in [0.01, 100], "
-                        "k in [0, 10000]",
-                        m.real(), m.imag()));
+        throw UsageError("relative_index", fmt::format("{} + {}i", m.real(), m.imag()),
+                         "n in [0.01, 100], k in [0, 10000]");
     }
     if (!(x >= 1e-30 && x <= 1e7)) {
-        throw std::invalid_argument(fmt::format("size parameter {}; allowed: 1e-30 to 1e7", x));
+        throw UsageError("size_parameter", x, "1e-30 to 1e7");
     }
 }
 

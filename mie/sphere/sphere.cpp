@@ -1,16 +1,114 @@
-#include "mie/sphere/sphere.h"
+// Efficiencies and amplitudes of one sphere, from its partial waves.
+#include <miebrdf/sphere.h>
 
 #include <fmt/format.h>
 
+#include <boost/math/special_functions/cos_pi.hpp>
 #include <cmath>
 #include <limits>
+#include <type_traits>
+#include <vector>
 
-#include "mie/sphere/partial_waves.h"
+#include <miebrdf/error.h>
+#include "mie/sphere/lane_waves.h"
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 namespace {
 
 using Complex = std::complex<double>;
+using ConstLanes = Eigen::Map<const Lanes>;
+
+constexpr double kLeastVectorSize = 2;    // below, mie_coefficients has more care
+constexpr double kWellOffTheHost = 1e-2;  // nearer, too
+
+/// a_n, b_n and what they absorb (Coefficients), real and imaginary parts apart: entry n holds
+/// order n. Zero at 0 and beyond `terms`, up to whole vectors.
+struct PartialWaves {
+    explicit PartialWaves(int terms);
+    int vectors() const { return (terms + kLaneCount - 1) / kLaneCount; }
+
+    int terms;
+    std::vector<double> a_re, a_im, b_re, b_im, absorbed;
+};
+
+PartialWaves::PartialWaves(int number_of_orders)
+    : terms(number_of_orders),
+      a_re(vectors() * kLaneCount + 1),
+      a_im(a_re.size()),
+      b_re(a_re.size()),
+      b_im(a_re.size()),
+      absorbed(a_re.size()) {}
+
+// Orders in the lanes, in place of the spheres of sphere_block.cpp.
+template <typename Number>
+PartialWaves by_vectors(Number m, double x) {
+    constexpr bool absorbing = !std::is_same_v<Number, double>;
+    const int terms = number_of_terms(x);
+    PartialWaves waves(terms);
+    const auto padded = waves.a_re.size();
+    RadialFunctions radial;
+    const bool upward = upward_is_stable(m * x, terms);
+    InsideOrders<Number> inside;
+    if (upward && !absorbing) {
+        std::vector<double> psi(padded + 1);
+        radial = radial_functions(x, terms, psi.data(), std::real(m) * x);
+        inside = InsideOrders<Number>::of_upward(std::move(psi), terms);
+    } else {
+        radial = radial_functions(x, terms);
+        inside = upward ? InsideOrders<Number>::upward(m * x, terms)
+                        : InsideOrders<Number>::downward(m * x, terms);
+    }
+    radial.psi.resize(padded, 0.0);
+    radial.eta.resize(padded, 1.0);
+    const Boundary<Number> boundary(m);
+    Lanes orders = Lanes::LinSpaced(kLaneCount, 1, kLaneCount);
+    Response a, b;
+    for (int n = 1; n <= terms; n += kLaneCount, orders += kLaneCount) {
+        const auto P = inside.here(n), Q = inside.before(n);
+        const Lanes n_over_x = orders / x;
+        boundary.scatter(P, Q, ConstLanes(&radial.psi[n]), ConstLanes(&radial.psi[n - 1]),
+                         ConstLanes(&radial.eta[n]), ConstLanes(&radial.eta[n - 1]), n_over_x, a,
+                         b);
+        Eigen::Map<Lanes>(&waves.a_re[n]) = a.value.re;
+        Eigen::Map<Lanes>(&waves.a_im[n]) = a.value.im;
+        Eigen::Map<Lanes>(&waves.b_re[n]) = b.value.re;
+        Eigen::Map<Lanes>(&waves.b_im[n]) = b.value.im;
+        if constexpr (absorbing) {
+            Eigen::Map<Lanes>(&waves.absorbed[n]) =
+                boundary.absorbed(P, Q, inside.absorption(n), n_over_x, a, b);
+        }
+    }
+    for (auto n = static_cast<std::size_t>(terms) + 1; n < padded; ++n) {
+        waves.a_re[n] = waves.a_im[n] = waves.b_re[n] = waves.b_im[n] = waves.absorbed[n] = 0;
+    }
+    return waves;
+}
+
+PartialWaves by_coefficients(Complex m, double x) {
+    const Coefficients c = mie_coefficients(m, x);
+    PartialWaves waves(static_cast<int>(c.a.size()));
+    for (std::size_t i = 0; i < c.a.size(); ++i) {
+        waves.a_re[i + 1] = c.a[i].real();
+        waves.a_im[i + 1] = c.a[i].imag();
+        waves.b_re[i + 1] = c.b[i].real();
+        waves.b_im[i + 1] = c.b[i].imag();
+        waves.absorbed[i + 1] = c.absorbed[i];
+    }
+    return waves;
+}
+
+// Eight orders at once where psi_n(mx) can be taken without loss, otherwise by mie_coefficients.
+// Cost at x = 1000: docs/maths-mie.md.
+PartialWaves partial_waves(Complex relative_index, double size_parameter) {
+    const Complex m = relative_index;  // a NaN goes to mie_coefficients, which refuses it
+    const bool by_vector = size_parameter >= kLeastVectorSize && size_parameter <= 1e7 &&
+                           std::abs(m - 1.0) >= kWellOffTheHost && m.real() >= 0.01 &&
+                           m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4;
+    if (!by_vector) return by_coefficients(relative_index, size_parameter);
+    if (relative_index.imag() == 0) return by_vectors(relative_index.real(), size_parameter);
+    return by_vectors(relative_index, size_parameter);
+}
 
 struct OrderSums {
     double scattered = 0, absorbed = 0;
@@ -25,8 +123,8 @@ OrderSums sum_orders(const PartialWaves& w) {
     Lanes scattered = Lanes::Zero(), absorbed = scattered, asymmetric = scattered;
     Lanes back_re = scattered, back_im = scattered, alternating;
     alternating << -1, 1, -1, 1, -1, 1, -1, 1;  // (-1)^n
-    Lanes orders = Lanes::LinSpaced(lane_count, 1, lane_count);
-    for (int n = 1; n <= w.terms; n += lane_count, orders += lane_count) {
+    Lanes orders = Lanes::LinSpaced(kLaneCount, 1, kLaneCount);
+    for (int n = 1; n <= w.terms; n += kLaneCount, orders += kLaneCount) {
         const Values a_re(&w.a_re[n]), a_im(&w.a_im[n]), b_re(&w.b_re[n]), b_im(&w.b_im[n]);
         const Values before_a_re(&w.a_re[n - 1]), before_a_im(&w.a_im[n - 1]);
         const Values before_b_re(&w.b_re[n - 1]), before_b_im(&w.b_im[n - 1]);
@@ -74,6 +172,48 @@ SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
                                     static_cast<int>(-std::log10(optics.accuracy)));
     }
     return optics;
+}
+
+double cosine_of_scattering_angle(double angle_deg) {
+    if (!(angle_deg >= 0 && angle_deg <= 180)) {
+        throw UsageError("angle_deg", angle_deg, "0 to 180");
+    }
+    if (angle_deg == 60) return 0.5;
+    if (angle_deg == 120) return -0.5;
+    return boost::math::cos_pi(angle_deg / 180);
+}
+
+Amplitudes scattering_amplitudes(const Coefficients& coefficients,
+                                 std::span<const double> angles_deg) {
+    const int terms = static_cast<int>(coefficients.a.size());
+    Amplitudes amplitudes;
+    for (const double angle_deg : angles_deg) {
+        const double mu = cosine_of_scattering_angle(angle_deg);
+        std::complex<double> s1 = 0, s2 = 0;
+        double pi_before = 0, pi = 1;  // pi_0, pi_1
+        for (int n = 1; n <= terms; ++n) {
+            // Wiscombe 1980: s = mu pi_n, t = s - pi_{n-1};
+            // tau_n = n t - pi_{n-1}, pi_{n+1} = s + (n + 1)/n t.
+            const double s = mu * pi;
+            const double t = s - pi_before;
+            const double tau = n * t - pi_before;
+            const double weight = (2.0 * n + 1.0) / (n * (n + 1.0));
+            const std::complex<double> a = weight * coefficients.a[n - 1];
+            const std::complex<double> b = weight * coefficients.b[n - 1];
+            s1 += a * pi + b * tau;
+            s2 += a * tau + b * pi;
+            pi_before = pi;
+            pi = s + (n + 1.0) / n * t;
+        }
+        amplitudes.s1.push_back(s1);
+        amplitudes.s2.push_back(s2);
+    }
+    return amplitudes;
+}
+
+Amplitudes scattering_amplitudes(std::complex<double> relative_index, double size_parameter,
+                                 std::span<const double> angles_deg) {
+    return scattering_amplitudes(mie_coefficients(relative_index, size_parameter), angles_deg);
 }
 
 }  // namespace miebrdf::mie

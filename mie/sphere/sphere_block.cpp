@@ -1,11 +1,178 @@
 #include "mie/sphere/sphere_block.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <type_traits>
 
-#include "mie/sphere/sphere_lanes.h"
-#include "mie/sphere/terms.h"
+#include <miebrdf/sphere.h>
+#include "mie/sphere/lane_waves.h"
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// The sums of SphereSums for each lane, before weights. Orders are added one after the other.
+struct LaneSums {
+    Lanes scattered = Lanes::Zero(), absorbed = Lanes::Zero(), asymmetric = Lanes::Zero();
+};
+
+/// The eight columns of a block that the eight spheres fill, or none.
+template <typename Scalar>
+struct BlockColumns {
+    void put(int order, const ComplexLanes& a, const ComplexLanes& b) const;
+    /// Rows that these eight do not reach, but others of the block do.
+    void clear_beyond(int order) const;
+
+    SphereBlockOf<Scalar>* block;  // null: nowhere
+    int first;
+    Lanes root_weight;
+};
+
+Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
+ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
+
+template <typename Scalar>
+void store(const Lanes& values, Scalar* to) {
+    Eigen::Map<Eigen::Array<Scalar, kLaneCount, 1>> target(to);
+    target = values.cast<Scalar>();
+}
+
+Lanes dot(const ComplexLanes& u, const ComplexLanes& v) { return u.re * v.re + u.im * v.im; }
+
+// x^2 g Q_sca / 4 (Bohren & Huffman 1983, sect. 4.5), order after order.
+class Asymmetry {
+  public:
+    Lanes next(int n, const ComplexLanes& a, const ComplexLanes& b) {
+        const Lanes across = (2 * n + 1) / (n * (n + 1.0)) * dot(a, b) +
+                             (n - 1.0) * (n + 1.0) / n * (dot(a, a_before_) + dot(b, b_before_));
+        a_before_ = a;
+        b_before_ = b;
+        return across;
+    }
+
+  private:
+    ComplexLanes a_before_{Lanes::Zero(), Lanes::Zero()}, b_before_ = a_before_;
+};
+
+void silence(Response& response, const Lanes& alive) {
+    response.value = times(response.value, alive);
+    response.inverse_norm *= alive;
+}
+
+template <typename Number, typename Scalar>
+LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns<Scalar>& to) {
+    Lanes last_order;
+    for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(x[lane]);
+    const int shortest = static_cast<int>(last_order.minCoeff());
+    const int terms = static_cast<int>(last_order.maxCoeff());
+
+    InsideWave<Number> inside(inside_parameter(m, x), terms);
+    OutsideWaves outside(x);
+    const Boundary<Number> boundary(m);
+    std::conditional_t<std::is_same_v<Number, double>, int, std::optional<AbsorptionSource>>
+        source{};
+    if constexpr (!std::is_same_v<Number, double>) source.emplace(m, x, inside);
+
+    LaneSums sums;
+    Asymmetry asymmetry;
+    Response a, b;
+    for (int n = 1; n <= terms; ++n) {
+        inside.advance();
+        if (n <= shortest) {
+            outside.advance(n);
+        } else {
+            outside.advance_some(n, last_order);
+        }
+        const auto& P = inside.here();
+        const auto& Q = inside.before();
+        const Lanes n_over_x = n * outside.inverse_x;
+        boundary.scatter(P, Q, outside.psi, outside.psi_before, outside.eta, outside.eta_before,
+                         n_over_x, a, b);
+        if (n > shortest) {
+            const Lanes alive = (last_order >= n).select(Lanes::Ones(), Lanes::Zero());
+            silence(a, alive);
+            silence(b, alive);
+        }
+
+        const double degeneracy = 2 * n + 1;
+        if constexpr (std::is_same_v<Number, double>) {
+            sums.scattered += degeneracy * (a.value.re + b.value.re);
+        } else {
+            sums.scattered += degeneracy * (norm(a.value) + norm(b.value));
+            sums.absorbed +=
+                degeneracy * boundary.absorbed(P, Q, source->at(inside, n), n_over_x, a, b);
+        }
+        sums.asymmetric += asymmetry.next(n, a.value, b.value);
+        if (to.block) to.put(n, a.value, b.value);
+    }
+    return sums;
+}
+
+// The path of single spheres, for sizes where the vector formulas lose digits.
+template <typename Scalar>
+LaneSums one_by_one(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
+    Coefficients spheres[kLaneCount];
+    std::size_t terms = 0;
+    for (int lane = 0; lane < kLaneCount; ++lane) {
+        spheres[lane] = mie_coefficients(m, x[lane]);
+        terms = std::max(terms, spheres[lane].a.size());
+    }
+    LaneSums sums;
+    Asymmetry asymmetry;
+    for (std::size_t i = 0; i < terms; ++i) {
+        ComplexLanes a{Lanes::Zero(), Lanes::Zero()}, b = a;
+        Lanes absorbed = Lanes::Zero();
+        for (int lane = 0; lane < kLaneCount; ++lane) {
+            const Coefficients& c = spheres[lane];
+            if (i >= c.a.size()) continue;
+            a.re[lane] = c.a[i].real();
+            a.im[lane] = c.a[i].imag();
+            b.re[lane] = c.b[i].real();
+            b.im[lane] = c.b[i].imag();
+            absorbed[lane] = c.absorbed[i];
+        }
+        const int n = static_cast<int>(i) + 1;
+        sums.scattered += (2 * n + 1) * (norm(a) + norm(b));
+        sums.absorbed += (2 * n + 1) * absorbed;
+        sums.asymmetric += asymmetry.next(n, a, b);
+        if (to.block) to.put(n, a, b);
+    }
+    return sums;
+}
+
+template <typename Scalar>
+void BlockColumns<Scalar>::put(int order, const ComplexLanes& a, const ComplexLanes& b) const {
+    Scalar* u = block->U.row(order).data() + first;
+    Scalar* v = block->V.row(order).data() + first;
+    store(root_weight * (a.re + b.re), u);
+    store(root_weight * (a.im + b.im), u + block->size);
+    store(root_weight * (a.re - b.re), v);
+    store(root_weight * (a.im - b.im), v + block->size);
+}
+
+template <typename Scalar>
+void BlockColumns<Scalar>::clear_beyond(int order) const {
+    for (int n = order + 1; n <= block->terms; ++n) {
+        for (auto* wave : {&block->U, &block->V}) {
+            wave->row(n).segment(first, kLaneCount).setZero();
+            wave->row(n).segment(first + block->size, kLaneCount).setZero();
+        }
+    }
+}
+
+// x: size parameters, ascending; from 2 on eight at once, below by mie_coefficients.
+template <typename Scalar>
+LaneSums compute_eight(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
+    if (to.block) to.clear_beyond(number_of_terms(x[0]));
+    if (x[0] < 2) return one_by_one(m, x, to);
+    if (m.imag() == 0) return by_vectors(m.real(), x, to);
+    return by_vectors(m, x, to);
+}
+
+}  // namespace
 
 void SphereSums::add(const SphereSums& other) {
     scattered += other.scattered;
@@ -36,11 +203,11 @@ SphereSums compute_spheres(std::complex<double> relative_index,
     SphereSums total;
     if (block) {
         block->make_room(number_of_terms(size_parameters[count - 1]),
-                         (count + lane_count - 1) / lane_count * lane_count);
+                         (count + kLaneCount - 1) / kLaneCount * kLaneCount);
     }
-    for (int first = 0; first < count; first += lane_count) {
+    for (int first = 0; first < count; first += kLaneCount) {
         Lanes x, weight;
-        for (int lane = 0; lane < lane_count; ++lane) {
+        for (int lane = 0; lane < kLaneCount; ++lane) {
             const int i = std::min(first + lane, count - 1);  // the last one fills up, unweighted
             x[lane] = size_parameters[i];
             weight[lane] = first + lane < count ? weights[i] : 0.0;

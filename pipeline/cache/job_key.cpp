@@ -17,8 +17,6 @@ JobKey& JobKey::add(std::string_view text) {
     return *this;
 }
 
-JobKey& JobKey::add(double number) { return add(std::span<const double>(&number, 1)); }
-
 JobKey& JobKey::add(std::span<const double> numbers) {
     return add(
         std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));

@@ -4,11 +4,6 @@
 
 namespace miebrdf {
 
-NumberPacker& NumberPacker::add(double number) {
-    numbers_.push_back(number);
-    return *this;
-}
-
 NumberPacker& NumberPacker::add(const std::vector<double>& numbers) {
     numbers_.push_back(static_cast<double>(numbers.size()));
     numbers_.insert(numbers_.end(), numbers.begin(), numbers.end());
@@ -32,17 +27,23 @@ std::size_t NumberUnpacker::count() {
     return static_cast<std::size_t>(size);
 }
 
-std::vector<double> NumberUnpacker::list() {
+void NumberUnpacker::read(std::vector<double>& numbers) {
     const std::size_t size = count();
     const auto first = numbers_.begin() + static_cast<std::ptrdiff_t>(next_);
     next_ += size;
-    return {first, first + static_cast<std::ptrdiff_t>(size)};
+    numbers.assign(first, first + static_cast<std::ptrdiff_t>(size));
 }
 
-std::string NumberUnpacker::text() {
-    std::string text;
-    for (const double code : list()) text.push_back(static_cast<char>(code));
-    return text;
+void NumberUnpacker::read(std::string& text) {
+    std::vector<double> codes;
+    read(codes);
+    text.clear();
+    for (const double code : codes) text.push_back(static_cast<char>(code));
+}
+
+void NumberUnpacker::read(std::complex<double>& value) {
+    const double real = number();
+    value = {real, number()};
 }
 
 }  // namespace miebrdf

@@ -1,5 +1,7 @@
 #include "pipeline/cache/result_cache.h"
 
+#include <miebrdf/control.h>
+
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -188,6 +190,10 @@ std::int64_t ResultCache::clear() {
     remove_files(file_);
     open();
     return entries;
+}
+
+std::shared_ptr<ResultCache> open_cache() {
+    return std::make_shared<ResultCache>(ResultCache::default_file());
 }
 
 }  // namespace miebrdf

@@ -1,4 +1,4 @@
-#include "pipeline/colour/cie_observer.h"
+#include <miebrdf/colour.h>
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 
 #include <fmt/format.h>
 
@@ -138,12 +138,6 @@ double encode_srgb(double linear) {
     const double encoded =
         size <= 0.0031308 ? 12.92 * size : 1.055 * std::pow(size, 1.0 / 2.4) - 0.055;
     return std::copysign(encoded, linear);
-}
-
-double decode_srgb(double encoded) {
-    const double size = std::abs(encoded);
-    const double linear = size <= 0.04045 ? size / 12.92 : std::pow((size + 0.055) / 1.055, 2.4);
-    return std::copysign(linear, encoded);
 }
 
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour) {

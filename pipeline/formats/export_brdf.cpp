@@ -166,7 +166,7 @@ std::vector<ExportedFile> export_tables(const Format& format, const ExportJob& j
 
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& format,
                                       const fs::path& path, const ExportOptions& options,
-                                      const RunControl& control) {
+                                      const Control& control) {
     if (format.files.empty()) refuse_content(format, "a BRDF");
     const ExportOptions ready = ready_options(format, options);
     require_ascending(format, source.wavelength_nm());

@@ -7,7 +7,7 @@
 
 #include <miebrdf/formats.h>
 #include "materials/database/names.h"
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 // One line for each format; NAME_format() is in the room of that format.
 #define MIEBRDF_FORMATS(FORMAT) \

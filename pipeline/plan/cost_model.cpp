@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/plan/rules.h"
+#include "pipeline/solve/rules.h"
 
 namespace miebrdf {
 namespace {
@@ -22,18 +22,19 @@ constexpr double kRho_s = 5e-5;
 
 }  // namespace
 
-double mie_seconds(const ParticleOptions& particles, double wavelength_nm, bool whole_phase) {
+double mie_seconds(const mie::SizeDistribution& sizes, double host_index, double wavelength_nm,
+                   bool whole_phase) {
     // The widest of the distributions ends near twice the effective radius.
-    const double radius_um = particles.sizes.effective_radius_um *
-                             (particles.sizes.kind == mie::SizeDistributionKind::mono ? 1.0 : 2.0);
-    const double x = 2.0e3 * std::numbers::pi * radius_um * particles.host_index / wavelength_nm;
+    const double radius_um =
+        sizes.effective_radius_um * (sizes.kind == mie::SizeDistributionKind::mono ? 1.0 : 2.0);
+    const double x = 2.0e3 * std::numbers::pi * radius_um * host_index / wavelength_nm;
     return 1e-3 + (whole_phase ? kWholePhase_s : kMoments_s) * x * x;
 }
 
-int expected_streams(const Request& request) {
-    if (request.solver.streams > 0) return request.solver.streams;
-    if (most_orders(request.scene) > 0) return 8;
-    return request.solver.tolerance >= 1e-3 ? 24 : 48;
+int expected_streams(const ResolvedScene& scene, const rte::SolverOptions& solver) {
+    if (solver.streams > 0) return solver.streams;
+    if (most_fourier_orders(scene) > 0) return 8;
+    return solver.tolerance >= 1e-3 ? 24 : 48;
 }
 
 double order_seconds(int streams, std::size_t layers, std::size_t cosines) {

@@ -4,8 +4,8 @@
 
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
-#include "pipeline/plan/rules.h"
-#include "pipeline/solve/tolerance.h"
+#include "pipeline/solve/rules.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -17,13 +17,13 @@ constexpr int kTypicalOrders = 30;
 }  // namespace
 
 int Planner::all_orders() const {
-    const int known = most_orders(reduced_.scene);
+    const int known = most_fourier_orders(scene_);
     return known > 0 ? known : std::min(kTypicalOrders, 2 * streams_);
 }
 
 int Planner::orders() const {
-    if (is_albedo() || only_zenith(reduced_.directions)) return 1;
-    return only_across(reduced_.directions) ? (all_orders() + 1) / 2 : all_orders();
+    if (is_albedo() || only_zenith(request_.directions)) return 1;
+    return only_across(request_.directions) ? (all_orders() + 1) / 2 : all_orders();
 }
 
 double Planner::transfer_cost(int orders, std::size_t layers) const {
@@ -33,26 +33,21 @@ double Planner::transfer_cost(int orders, std::size_t layers) const {
 }
 
 void Planner::radiative_transfer() {
-    if (!needs_layers_ || jobs_nm_.empty()) return;
-    const std::size_t shared = shared_bases();
-    const double shared_s =
-        static_cast<double>(shared) * orders() * order_seconds(streams_, 1, cosines());
+    if (!needs_layers_ || jobs_.empty()) return;
     plan_.steps.push_back(
         {"radiative transfer",
          fmt::format("{}{} of a half-space and {}, {}{} streams, {}",
-                     orders() == 1 || most_orders(reduced_.scene) > 0 ? "" : "about ",
-                     counted(static_cast<std::size_t>(orders()), "order"),
-                     counted(visible_.coats.size(), "coat"),
-                     request_.solver.streams > 0 ? "" : "about ", streams_,
-                     counted(cosines(), "cosine")),
-         jobs_nm_.size(), jobs() * transfer_cost(orders(), layers()) - shared_s});
+                     orders() == 1 || most_fourier_orders(scene_) > 0 ? "" : "about ",
+                     counted(static_cast<std::size_t>(orders()), "order"), counted(coats(), "coat"),
+                     solver_.streams > 0 ? "" : "about ", streams_, counted(cosines(), "cosine")),
+         jobs_.size(), jobs() * transfer_cost(orders(), layers())});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
                                "plane albedo at every mu_in, from order 0 of the same solution",
-                               jobs_nm_.size(), 0.0});
+                               jobs_.size(), 0.0});
     }
     leave_out_orders();
-    if (!is_albedo() && only_across(reduced_.directions)) {
+    if (!is_albedo() && only_across(request_.directions)) {
         leave_out(
             "across", "every azimuth is 90 or 270 degrees: odd orders vanish",
             jobs() * (transfer_cost(all_orders(), layers()) - transfer_cost(orders(), layers())));
@@ -64,22 +59,7 @@ void Planner::radiative_transfer() {
                   jobs() * static_cast<double>(distinct_.requested() - distinct_.computed()) *
                       value_seconds(orders()));
     }
-    leave_out_layers();
-    if (shared > 0) {
-        leave_out("one half-space",
-                  fmt::format("{} of {} wavelengths lie on a half-space that another one or an "
-                              "earlier result solves: shared where both take as many streams",
-                              shared, jobs_nm_.size()),
-                  shared_s);
-    }
-}
-
-std::size_t Planner::shared_bases() {
-    // Under a coat that hides it the base is never solved.
-    if (visible_.coats.size() < reduced_.scene.coats.size()) return 0;
-    std::size_t shared = 0;
-    for (const LayerJob& job : jobs_) shared += earlier_.bases.insert(job.base_hash).second ? 0 : 1;
-    return shared;
+    leave_out_solutions();
 }
 
 void Planner::leave_out_orders() {
@@ -87,55 +67,55 @@ void Planner::leave_out_orders() {
         jobs() * (transfer_cost(all_orders(), layers()) - transfer_cost(orders(), layers()));
     if (is_albedo()) {
         leave_out("albedo", "only order 0 carries flux: no other orders, no phase function", saved);
-    } else if (only_zenith(reduced_.directions)) {
+    } else if (only_zenith(request_.directions)) {
         leave_out("zenith", "all mu_in or all mu_out are 1: order 0 alone", saved);
-    } else if (most_orders(visible_) > 0) {
-        leave_out("few orders",
-                  fmt::format("the moments of these media end: {} at most",
-                              counted(static_cast<std::size_t>(most_orders(visible_)), "order")),
-                  jobs() * std::max(0.0, transfer_cost(kTypicalOrders, layers()) -
-                                             transfer_cost(orders(), layers())));
+    } else if (most_fourier_orders(scene_) > 0) {
+        leave_out(
+            "few orders",
+            fmt::format("the moments of these media end: {} at most",
+                        counted(static_cast<std::size_t>(most_fourier_orders(scene_)), "order")),
+            jobs() * std::max(0.0, transfer_cost(kTypicalOrders, layers()) -
+                                       transfer_cost(orders(), layers())));
     } else {
         leave_out("listed directions",
                   fmt::format("orders end where they no longer show at {}, within {} of the "
                               "tolerance",
-                              counted(distinct_.computed(), "direction"), kToleranceShares.orders),
+                              counted(distinct_.computed(), "direction"), kFourierTailShare),
                   jobs() * std::max(0, 2 * streams_ - orders()) *
                       order_seconds(streams_, layers(), cosines()));
     }
 }
 
-void Planner::leave_out_layers() {
-    if (visible_.coats.size() > 1) {
+void Planner::leave_out_solutions() {
+    if (coats() > 1) {
         leave_out("one half-space",
-                  fmt::format("{} coats on one base: its half-space is solved once",
-                              visible_.coats.size()),
-                  jobs() * orders() * static_cast<double>(visible_.coats.size() - 1) *
+                  fmt::format("{} coats on one base: its half-space is solved once", coats()),
+                  jobs() * orders() * static_cast<double>(coats() - 1) *
                       order_seconds(streams_, 1, cosines()));
     }
-    if (scatters_nothing(visible_.base)) {
+    if (scatters_nothing(scene_.media[lowest_].medium)) {
         leave_out("nothing scatters",
-                  fmt::format("{} scatters nothing: a black ground", describe(visible_.base)),
+                  fmt::format("{} scatters nothing: a black ground",
+                              describe(scene_.media[lowest_].medium)),
                   jobs() * orders() * order_seconds(streams_, 1, cosines()));
     }
 }
 
 void Planner::surface() {
-    const double wavelengths = static_cast<double>(request_.wavelength_nm.size());
+    const double wavelengths = static_cast<double>(scene_.wavelength_nm.size());
     const double values = static_cast<double>(distinct_.computed()) * wavelengths * lobe_seconds();
-    const bool whole = is_albedo() || request_.parts.total;
+    const bool whole = is_albedo() || parts_.total;
     // Albedos want rho for the mean over incidences too, and at the nodes of both solutions.
     constexpr double mean_nodes = 32.0;
     const double more =
         is_albedo() ? wavelengths * mean_nodes + jobs() * streams_ * 5.0 / 3.0 : 0.0;
     const double rho =
         whole ? (static_cast<double>(cosines()) * wavelengths + more) * rho_seconds() : 0.0;
-    const bool lobe = is_albedo() ? request_.scene.surface.has_value()
-                                  : wants_lobe(request_.scene, request_.parts);
+    const bool lobe = is_albedo() ? scene_.surface.has_value() : wants_lobe(scene_, parts_);
     if (!lobe) {
         leave_out("no surface", "no lobe in what was asked for: neither it nor its rho",
                   values + rho);
-    } else if (is_symmetric(reduced_.directions) && !is_albedo()) {
+    } else if (is_symmetric(request_.directions) && !is_albedo()) {
         leave_out("reciprocity", "mu_in and mu_out are the same list: half of the lobe's table",
                   values / 2);
     }
@@ -143,7 +123,7 @@ void Planner::surface() {
         const char* what = is_albedo() ? "rho at every cosine, at the nodes and for its mean"
                            : whole     ? "lobe at every direction, and rho"
                                        : "lobe at every direction";
-        plan_.steps.push_back({"surface", what, request_.wavelength_nm.size(), values + rho});
+        plan_.steps.push_back({"surface", what, scene_.wavelength_nm.size(), values + rho});
     }
     if (!is_albedo()) leave_out("no colour", "a table of a BRDF has no XYZ, Lab or RGB", 0.0);
 }

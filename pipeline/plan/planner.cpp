@@ -4,36 +4,65 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
+#include "pipeline/cache/result_cache.h"
 #include "pipeline/plan/cost_model.h"
-#include "pipeline/plan/rules.h"
-#include "pipeline/solve/tolerance.h"
-#include "pipeline/solve/visible_layers.h"
+#include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/rules.h"
+#include "pipeline/solve/scene_optics.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf {
 
-Planner::Planner(const Request& request, LayerQuantity quantity, ResultCache* cache,
-                 EarlierWork& earlier)
-    : request_(request),
-      quantity_(quantity),
-      cache_(cache),
-      earlier_(earlier),
-      media_(request),
-      distinct_(request.directions),
-      reduced_(request) {
-    reduced_.directions = distinct_.directions();
-    reduced_.scene = media_.scene();
-    whole_phase_ = demand_of(reduced_, phase_demand(quantity)).whole_phase_function;
-    streams_ = expected_streams(reduced_);
-    needs_layers_ = is_albedo() || wants_layers(request.parts);
+std::string counted(std::size_t count, const std::string& thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
+
+double Plan::seconds() const {
+    double sum = 0.0;
+    for (const PlannedStep& step : steps) sum += step.seconds;
+    return sum;
+}
+
+bool Plan::leaves_out(const std::string& rule) const {
+    return std::any_of(omissions.begin(), omissions.end(),
+                       [&](const Omission& omission) { return omission.rule == rule; });
+}
+
+Plan plan_evaluate(const Brdf& brdf, const Directions& directions, const BrdfParts& parts,
+                   EarlierWork* earlier) {
+    EarlierWork none;
+    return Planner(brdf, directions, parts, LayerQuantity::reflection,
+                   earlier != nullptr ? *earlier : none)
+        .plan();
+}
+
+Plan plan_albedo(const Brdf& brdf, const std::vector<double>& mu_in, EarlierWork* earlier) {
+    EarlierWork none;
+    return Planner(brdf, {mu_in, {}, {}}, {}, albedo_quantity(brdf.state().resolved),
+                   earlier != nullptr ? *earlier : none)
+        .plan();
+}
+
+Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts& parts,
+                 LayerQuantity quantity, EarlierWork& earlier)
+    : scene_(brdf.state().resolved),
+      solver_(brdf.state().solver),
+      parts_(parts),
+      cache_(brdf.state().control.cache),
+      earlier_(earlier),
+      distinct_(directions),
+      request_{scene_, distinct_.directions(), solver_, quantity},
+      demand_(demand_of(solver_, scene_.particles.tolerance, phase_demand(quantity))),
+      needs_layers_(is_albedo() || wants_layers(parts)),
+      streams_(expected_streams(scene_, solver_)) {}
 
 Plan Planner::plan() {
     list_jobs();
-    for (const CoatMedium& coat : request_.scene.coats) {
-        if (has_no_depth(coat)) leave_out_coat(coat);
-    }
+    for (const Layer& layer : scene_.empty_layers) leave_out_layer(layer);
     hide_layers();
     single_scattering();
     radiative_transfer();
@@ -42,30 +71,28 @@ Plan Planner::plan() {
 }
 
 std::size_t Planner::cosines() const {
-    return reduced_.directions.mu_in.size() + reduced_.directions.mu_out.size();
+    return request_.directions.mu_in.size() + request_.directions.mu_out.size();
 }
 
-double Planner::mie_cost(const Medium& medium, double wavelength_nm) const {
-    if (!needs_mie(medium)) return 0.0;
-    return mie_seconds(particles_of(medium, request_.scene.particles), wavelength_nm, whole_phase_);
+double Planner::mie_cost(std::size_t medium, std::size_t w) const {
+    const ResolvedMedium& of = scene_.media[medium];
+    if (!of.needs_mie()) return 0.0;
+    return mie_seconds(of.sizes, scene_.particles.host_index, scene_.wavelength_nm[w],
+                       demand_.whole_phase_function);
 }
 
-double Planner::mie_cost(const Medium& medium) const {
+double Planner::mie_cost(std::size_t medium) const {
     double sum = 0.0;
-    for (const double wavelength_nm : jobs_nm_) sum += mie_cost(medium, wavelength_nm);
+    for (const LayerJob& job : jobs_) sum += mie_cost(medium, job.wavelength);
     return sum;
 }
 
 double Planner::scene_mie_cost() const {
     std::set<std::string> names;
     double sum = 0.0;
-    const auto add = [&](const Medium& medium) {
-        if (names.insert(describe(medium)).second) {
-            sum += mie_cost(medium, request_.wavelength_nm.front());
-        }
-    };
-    add(visible_.base);
-    for (const CoatMedium& coat : visible_.coats) add(coat.medium);
+    for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
+        if (names.insert(describe(scene_.media[m].medium)).second) sum += mie_cost(m, 0);
+    }
     return sum;
 }
 
@@ -74,8 +101,7 @@ void Planner::leave_out(const std::string& rule, const std::string& reason, doub
 }
 
 void Planner::list_jobs() {
-    const LayerJobs list =
-        needs_layers_ ? list_layer_jobs(reduced_, media_, quantity_) : LayerJobs{};
+    const LayerJobs list = needs_layers_ ? list_layer_jobs(request_) : LayerJobs{};
     const std::size_t repeated = list.serving.size() - list.jobs.size();
     std::size_t closed = 0, cached = 0;
     for (const LayerJob& job : list.jobs) {
@@ -85,16 +111,14 @@ void Planner::list_jobs() {
             ++cached;
         } else {
             jobs_.push_back(job);
-            jobs_nm_.push_back(job.wavelength_nm);
         }
     }
-    visible_ = reduced_.scene;
     const double each = transfer_cost(orders(), layers()) + scene_mie_cost();
+    const std::size_t wavelengths = scene_.wavelength_nm.size();
     const auto several = [&](const char* rule, const char* reason, std::size_t count) {
         if (count == 0) return;
         leave_out(rule,
-                  fmt::format("{} of {}: {}", count,
-                              counted(request_.wavelength_nm.size(), "wavelength"), reason),
+                  fmt::format("{} of {}: {}", count, counted(wavelengths, "wavelength"), reason),
                   static_cast<double>(count) * each);
     };
     several("same wavelength", "same layers as at another wavelength", repeated);
@@ -102,52 +126,125 @@ void Planner::list_jobs() {
     several("in the cache", "reflection from the cache", cached);
     if (!needs_layers_) {
         leave_out("surface alone", "only the surface lobe was asked for: no layers",
-                  static_cast<double>(request_.wavelength_nm.size()) * each);
+                  static_cast<double>(wavelengths) * each);
     }
 }
 
-void Planner::leave_out_coat(const CoatMedium& coat) {
-    leave_out(
-        "no depth",
-        fmt::format("coat {} has optical depth 0: no optics, no modes", describe(coat.medium)),
-        mie_cost(coat.medium) + jobs() * orders() * order_seconds(streams_, 1, cosines()));
+void Planner::leave_out_layer(const Layer& layer) {
+    double saved = jobs() * orders() * order_seconds(streams_, 1, cosines());
+    if (needs_mie(layer.medium)) {
+        for (const LayerJob& job : jobs_) {
+            saved +=
+                mie_seconds(scene_.particles.sizes, scene_.particles.host_index,
+                            scene_.wavelength_nm[job.wavelength], demand_.whole_phase_function);
+        }
+    }
+    leave_out("no depth",
+              fmt::format("coat {} has optical depth 0: no optics, no Fourier modes",
+                          describe(layer.medium)),
+              saved);
 }
 
 void Planner::hide_layers() {
-    const double tolerance = request_.solver.tolerance;
-    for (std::size_t c = visible_.coats.size(); c-- > 0 && !jobs_nm_.empty();) {
-        const CoatMedium coat = visible_.coats[c];
-        if (!may_hide(coat.optical_depth, reduced_.directions, tolerance)) continue;
-        if (needs_mie(coat.medium) && !std::isinf(coat.optical_depth)) {
+    if (jobs_.empty()) return;
+    for (std::size_t m = scene_.media.size(); m-- > 1;) {
+        const Medium& medium = scene_.media[m].medium;
+        const double depth = scene_.optical_depth[m - 1];
+        if (!rte::may_hide(depth, request_.directions, solver_.tolerance)) continue;
+        if (scene_.media[m].needs_mie() && !std::isinf(depth)) {
             leave_out(
                 "hidden layers",
-                fmt::format("perhaps: known when the optics of coat {} are", describe(coat.medium)),
+                fmt::format("perhaps: known when the optics of coat {} are", describe(medium)),
                 0.0);
             return;
         }
-        const auto optics =
-            medium_optics(media_.media()[c + 1], jobs_nm_.front(), request_.scene.particles, {});
-        if (!hides_what_is_below(optics.optics, coat.optical_depth, reduced_.directions,
-                                 tolerance)) {
+        const auto optics = compute_optics(scene_, m, jobs_.front().wavelength, {});
+        if (!rte::hides_what_is_below(optics.optics, depth, request_.directions, solver_.tolerance))
             continue;
-        }
-        double saved = mie_cost(visible_.base);
-        for (std::size_t below = 0; below < c; ++below) {
-            saved += mie_cost(visible_.coats[below].medium);
-        }
-        saved += jobs() * orders() * order_seconds(streams_, c + 1, cosines());
+        double saved = jobs() * orders() * order_seconds(streams_, m, cosines());
+        for (std::size_t below = 0; below < m; ++below) saved += mie_cost(below);
         leave_out(
             "hidden layers",
             fmt::format("coat {} of optical depth {} shows nothing of the {} below within {} of "
                         "the tolerance",
-                        describe(coat.medium), coat.optical_depth, counted(c + 1, "layer"),
-                        kToleranceShares.hidden_layers),
+                        describe(medium), depth, counted(m, "layer"), kHiddenLayersShare),
             saved);
-        visible_.base = coat.medium;
-        visible_.coats.erase(visible_.coats.begin(),
-                             visible_.coats.begin() + static_cast<std::ptrdiff_t>(c) + 1);
+        lowest_ = m;
         return;
     }
+}
+
+void Planner::single_scattering() {
+    if (jobs_.empty()) return;
+    std::set<std::string> given;
+    std::map<std::string, std::pair<std::size_t, std::size_t>> count;  // medium, jobs
+    double repeated_s = 0.0, cached_s = 0.0;
+    std::size_t repeated = 0, cached = 0;
+    for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
+        const ResolvedMedium& medium = scene_.media[m];
+        if (!medium.needs_mie()) {
+            given.insert(describe(medium.medium));
+            continue;
+        }
+        for (const LayerJob& job : jobs_) {
+            const std::string hash = optics_hash(medium, job.wavelength, demand_);
+            if (!earlier_.optics.insert(hash).second) {
+                ++repeated;
+                repeated_s += mie_cost(m, job.wavelength);
+            } else if (cache_ != nullptr && cache_->find(hash)) {
+                ++cached;
+                cached_s += mie_cost(m, job.wavelength);
+            } else {
+                auto& [of, jobs] = count[describe(medium.medium)];
+                of = m;
+                ++jobs;
+            }
+        }
+    }
+    std::vector<std::size_t> computed;
+    for (const auto& [name, of] : count) {
+        plan_.steps.push_back(
+            {"single scattering",
+             fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand_.tolerance,
+                         demand_.whole_phase_function ? ", every angle" : ", moments only"),
+             of.second, mie_cost(of.first)});
+        computed.push_back(of.first);
+    }
+    for (const std::string& name : given) {
+        leave_out("analytic medium", fmt::format("{} is given: no Mie theory", name),
+                  jobs() * mie_seconds(scene_.particles.sizes, scene_.particles.host_index,
+                                       scene_.wavelength_nm[jobs_.front().wavelength],
+                                       demand_.whole_phase_function));
+    }
+    if (repeated > 0) {
+        leave_out("same spheres",
+                  fmt::format("{} with index, wavelength and sizes of others before",
+                              counted(repeated, "Mie run")),
+                  repeated_s);
+    }
+    if (cached > 0) {
+        leave_out("in the cache", fmt::format("{} from the cache", counted(cached, "Mie run")),
+                  cached_s);
+    }
+    if (!demand_.whole_phase_function && !computed.empty()) leave_out_phase_functions(computed);
+}
+
+void Planner::leave_out_phase_functions(const std::vector<std::size_t>& media) {
+    double saved = 0.0;
+    for (const std::size_t m : media) {
+        for (const LayerJob& job : jobs_) {
+            const auto cost = [&](bool whole) {
+                return mie_seconds(scene_.media[m].sizes, scene_.particles.host_index,
+                                   scene_.wavelength_nm[job.wavelength], whole);
+            };
+            saved += cost(true) - cost(false);
+        }
+    }
+    leave_out(
+        "few moments",
+        fmt::format("no phase function at every angle; {} moments, no more than {} streams use",
+                    demand_.highest_moment, demand_.highest_moment / 2),
+        saved);
 }
 
 }  // namespace miebrdf

@@ -5,27 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/plot/axis.h"
-#include "pipeline/plot/legend.h"
+#include "pipeline/plot/panel.h"
 #include "pipeline/plot/picture.h"
 
 namespace miebrdf::plot {
-
-struct Curve {
-    std::string label;         ///< in the legend; empty: not listed
-    std::vector<double> x, y;  ///< same length; values that are not finite break the line
-    Mark mark = Mark::line;
-    std::optional<int> colour = {};         ///< index into the palette; empty: next in order
-    std::optional<LinearSrgb> swatch = {};  ///< a patch of this colour in the legend
-};
-
-struct Panel {
-    AxisOptions x, y;
-    std::vector<Curve> curves;
-    double height = 230.0;  ///< of the plot area
-    std::string note = {};  ///< in the upper left corner of the plot area
-};
 
 /// Draws panels under each other with their plot areas aligned; curves of the same label share a
 /// colour and one legend entry at the top.

@@ -7,8 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/plot/cell_map.h"
-#include "pipeline/plot/colour_bar.h"
+#include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/svg.h"
 
 namespace miebrdf::plot {

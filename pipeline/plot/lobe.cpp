@@ -7,12 +7,12 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/plot/legend.h"
-#include "pipeline/plot/palette.h"
-#include "pipeline/plot/polar.h"
+#include "pipeline/plot/colour_map.h"
+#include "pipeline/plot/panel.h"
 #include "pipeline/plot/svg.h"
 
 namespace miebrdf::plot {
+
 namespace {
 
 constexpr double kWidth = 460.0;

@@ -1,11 +1,51 @@
-// One plot area of a chart: its axes and what is drawn between them.
+// One plot area of a chart: its axes, what is drawn between them, and the legend of its curves.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <miebrdf/colour.h>
 #include "pipeline/plot/axis.h"
-#include "pipeline/plot/chart.h"
 #include "pipeline/plot/svg.h"
 
 namespace miebrdf::plot {
+
+enum class Mark { line, points, line_and_points };
+
+/// One entry of a legend and how it was marked in the chart.
+struct LegendEntry {
+    std::string label;
+    int colour = 0;
+    Mark mark = Mark::line;
+    std::optional<LinearSrgb> swatch = {};
+};
+
+/// Lays entries out in lines between `left` and `right`; draws them unless `drawing` is null.
+/// @return  height used
+double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries, double left,
+                   double right, double top);
+
+/// A line in the colour and dash of the palette's i-th curve.
+Stroke curve_stroke(int index, double width = 1.8);
+
+/// The colour as "#rrggbb", encoded and clipped.
+std::string css_colour(const LinearSrgb& colour);
+
+struct Curve {
+    std::string label;         ///< in the legend; empty: not listed
+    std::vector<double> x, y;  ///< same length; values that are not finite break the line
+    Mark mark = Mark::line;
+    std::optional<int> colour = {};         ///< index into the palette; empty: next in order
+    std::optional<LinearSrgb> swatch = {};  ///< a patch of this colour in the legend
+};
+
+struct Panel {
+    AxisOptions x, y;
+    std::vector<Curve> curves;
+    double height = 230.0;  ///< of the plot area
+    std::string note = {};  ///< in the upper left corner of the plot area
+};
 
 inline constexpr double kTickSize = 12.0;  ///< of the numbers at an axis
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/plot/polar.h"
+#include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/plot/svg.h"
 

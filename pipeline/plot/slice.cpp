@@ -5,11 +5,22 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "pipeline/plot/cell_map.h"
-#include "pipeline/plot/colour_bar.h"
+#include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/svg.h"
+#include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf::plot {
+
+std::optional<Direction> slice_direction(double theta_h_deg, double theta_d_deg, double phi_d_deg) {
+    const double cos_h = std::cos(theta_h_deg * kDegree), sin_h = std::sin(theta_h_deg * kDegree);
+    const Eigen::Vector3d d = spherical(theta_d_deg * kDegree, phi_d_deg * kDegree);
+    const Eigen::Vector3d in(cos_h * d.x() + sin_h * d.z(), d.y(), cos_h * d.z() - sin_h * d.x());
+    const Eigen::Vector3d out = mirrored(in, {sin_h, 0.0, cos_h});
+    // Less than rounding above the horizon is on it.
+    if (!(in.z() > 1e-14 && out.z() > 1e-14)) return std::nullopt;
+    return direction_of(in, out);
+}
+
 namespace {
 
 constexpr double kWidth = 460.0;

@@ -1,5 +1,7 @@
-// A BRDF as an image over half and difference angle (Rusinkiewicz 1998).
+// Rusinkiewicz's half and difference angles as pairs of directions.
 #pragma once
+
+#include <miebrdf/brdf_source.h>
 
 #include <optional>
 #include <string>
@@ -9,6 +11,15 @@
 #include "pipeline/plot/picture.h"
 
 namespace miebrdf::plot {
+
+/// The half vector between light and view is tilted by theta_h from the normal; the light is tilted
+/// by theta_d from the half vector, at azimuth phi_d about it (0: away from the normal, so that the
+/// light is the lower of the two). At phi_d = 90 both cosines are cos(theta_h) cos(theta_d).
+/// Rusinkiewicz 1998, "A new change of variables for efficient BRDF representation".
+/// @return  nothing where light or view is not above the horizon
+std::optional<Direction> slice_direction(double theta_h_deg, double theta_d_deg, double phi_d_deg);
+
+// A BRDF as an image over half and difference angle (Rusinkiewicz 1998).
 
 /// Values at the centres of equal cells of theta_h (0 to 90, along x) and theta_d (0 to 90, along
 /// y) for one phi_d: the left edge is the mirror direction, the bottom edge retro-reflection, the

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "pipeline/render/table_nodes.h"
+#include "rte/first_order/narrow_features.h"
 #include "rte/math/legendre.h"
-#include "rte/phase/narrow_features.h"
 
 namespace miebrdf::render {
 namespace {
@@ -38,7 +38,7 @@ void FirstOrderTable::add_layers(const std::vector<std::vector<rte::ScaledMedium
     for (std::size_t w = 0; w < stacks.size(); ++w) {
         for (std::size_t layer = 0; layer < stacks[w].size(); ++layer) {
             const rte::ScaledMedium& medium = stacks[w][stacks[w].size() - 1 - layer];
-            depth_[layer * stride_ + w] = float(medium.optical_depth);
+            depth_[layer * stride_ + w] = float(medium.scaled_optical_depth);
             for (std::size_t a = 0; a < kAngles; ++a) {
                 phase_[(layer * kAngles + a) * stride_ + w] =
                     float(rte::first_order_strength(medium, exact, std::cos(angles[a])));

@@ -3,9 +3,8 @@
 
 #include <vector>
 
-#include "pipeline/render/cubic_taps.h"
-#include "pipeline/render/lanes.h"
-#include "rte/first_order/single_scattering.h"
+#include "pipeline/render/table_nodes.h"
+#include "rte/first_order/first_order.h"
 
 namespace miebrdf::render {
 

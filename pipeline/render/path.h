@@ -3,7 +3,6 @@
 
 #include <span>
 
-#include "pipeline/render/direction_sampling.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/render/sampler.h"
 

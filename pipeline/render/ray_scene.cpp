@@ -2,14 +2,15 @@
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-
 #include <Eigen/Geometry>
+
 #include <limits>
 #include <stdexcept>
 
-#include "pipeline/render/sphere_object.h"
+#include "pipeline/render/mesh.h"
 
 namespace miebrdf::render {
+
 namespace {
 
 /// Embree works in single precision: 24 bits of coordinates as large as the object. Rays leave

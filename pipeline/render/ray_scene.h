@@ -2,12 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "pipeline/render/mesh.h"
-#include "pipeline/render/ray.h"
 
 namespace miebrdf::render {
 

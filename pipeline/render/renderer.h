@@ -1,17 +1,42 @@
-// Spectral path tracing of one object: light transport between lights, object and camera.
+// Where a picture is taken from.
 #pragma once
+
+#include <miebrdf/control.h>
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "pipeline/render/camera.h"
 #include "pipeline/render/lighting.h"
 #include "pipeline/render/material_map.h"
+#include "pipeline/render/ray_scene.h"
 #include "pipeline/render/render_brdf.h"
-#include "pipeline/solve/run_control.h"
 
 namespace miebrdf::render {
+
+class Camera {
+  public:
+    /// Looks at the middle of an object from a direction, y up, so that its bounding sphere fits
+    /// the shorter side of the picture.
+    /// @param towards_camera     unit vector from the object, not along y
+    /// @param field_of_view_deg  of the shorter side, in (0, 120]; 0: parallel rays (orthographic)
+    /// @param zoom               > 1: closer than the bounding sphere needs
+    /// @param aspect             width / height of the picture
+    Camera(const Bounds& object, const Eigen::Vector3d& towards_camera, double field_of_view_deg,
+           double zoom, double aspect);
+
+    /// @param x, y  position in the picture, both in [0, 1], from the upper left corner
+    Ray ray(double x, double y) const;
+
+  private:
+    Eigen::Vector3d eye_;
+    Eigen::Vector3d forward_;
+    Eigen::Vector3d right_;  ///< half the picture's width at distance 1 (or anywhere, orthographic)
+    Eigen::Vector3d up_;
+    bool orthographic_;
+};
+
+// Spectral path tracing of one object: light transport between lights, object and camera.
 
 /// What is in the picture. All spectra have one value for each wavelength of the materials.
 struct RenderScene {
@@ -47,6 +72,6 @@ struct SpectralPicture {
 /// @throws std::invalid_argument  for options out of range or spectra of different lengths
 /// @throws Cancelled
 SpectralPicture render_picture(const RenderScene& scene, const Camera& camera,
-                               const RenderOptions& options, const RunControl& control = {});
+                               const RenderOptions& options, const Control& control = {});
 
 }  // namespace miebrdf::render

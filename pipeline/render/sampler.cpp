@@ -1,8 +1,14 @@
 #include "pipeline/render/sampler.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace miebrdf::render {
+
 namespace {
 
 /// Mixes all bits; constants of C. Wellons' search for low-bias 32-bit hashes.
@@ -102,6 +108,74 @@ std::array<double, 2> Sampler::next() {
     ++pair_;
     return {to_unit(owen_scramble(sobol(first, index), combine(seed, first + 1))),
             to_unit(owen_scramble(sobol(first + 1, index), combine(seed, first + 2)))};
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLobeShare = 0.5;
+
+}  // namespace
+
+DirectionSampler::DirectionSampler(const Eigen::Vector3d& normal,
+                                   const Eigen::Vector3d& towards_viewer, double lobe_alpha)
+    : normal_(normal),
+      viewer_(towards_viewer),
+      alpha_(lobe_alpha),
+      lobe_share_(lobe_alpha > 0.0 ? kLobeShare : 0.0) {
+    // The axis least aligned with the normal gives a well-conditioned tangent.
+    Eigen::Index axis = 0;
+    normal.cwiseAbs().minCoeff(&axis);
+    tangent_ = Eigen::Vector3d::Unit(axis).cross(normal).normalized();
+    bitangent_ = normal.cross(tangent_);
+}
+
+Eigen::Vector3d DirectionSampler::to_world(double cos_polar, double azimuth) const {
+    const double sin_polar = std::sqrt(std::max(0.0, (1 - cos_polar) * (1 + cos_polar)));
+    return (sin_polar * std::cos(azimuth) * tangent_ + sin_polar * std::sin(azimuth) * bitangent_ +
+            cos_polar * normal_)
+        .normalized();
+}
+
+Eigen::Vector3d DirectionSampler::sample(std::array<double, 2> u) const {
+    const double azimuth = 2 * kPi * u[1];
+    // The first number chooses the way; what remains of it is as evenly spread as it was.
+    if (u[0] >= lobe_share_) {
+        return to_world(std::sqrt((1 - u[0]) / (1 - lobe_share_)), azimuth);
+    }
+    const double tan2 = -alpha_ * alpha_ * std::log1p(-u[0] / lobe_share_);
+    const Eigen::Vector3d half = to_world(1 / std::sqrt(1 + tan2), azimuth);
+    return (2 * viewer_.dot(half) * half - viewer_).normalized();
+}
+
+double DirectionSampler::density(const Eigen::Vector3d& direction) const {
+    const double cosine = std::max(0.0, direction.dot(normal_));
+    double density = (1 - lobe_share_) * cosine / kPi;
+    if (lobe_share_ > 0.0) {
+        const Eigen::Vector3d half = (direction + viewer_).normalized();
+        const double cos_normal = half.dot(normal_), cos_light = half.dot(viewer_);
+        if (cos_normal > 0.0 && cos_light > 0.0) {
+            density +=
+                lobe_share_ * beckmann_density(cos_normal, alpha_) * cos_normal / (4 * cos_light);
+        }
+    }
+    return density;
+}
+
+HalfVector half_vector(double mu_in, double mu_out, double cos_azimuth) {
+    const double sin_in = std::sqrt(std::max(0.0, (1.0 - mu_in) * (1.0 + mu_in)));
+    const double sin_out = std::sqrt(std::max(0.0, (1.0 - mu_out) * (1.0 + mu_out)));
+    const double cos_between = mu_in * mu_out - sin_in * sin_out * cos_azimuth;
+    const double cos_light = std::sqrt(std::max(0.0, 0.5 * (1.0 + cos_between)));
+    // |light + view| = 2 cos_light; never 0 for two directions above the horizon.
+    return {std::min(1.0, (mu_in + mu_out) / (2.0 * cos_light)), cos_light};
+}
+
+double beckmann_density(double cos_normal, double alpha) {
+    const double cos2 = cos_normal * cos_normal;
+    const double tan2 = (1.0 - cos_normal) * (1.0 + cos_normal) / cos2;
+    const double alpha2 = alpha * alpha;
+    return std::exp(-tan2 / alpha2) / (std::numbers::pi * alpha2 * cos2 * cos2);
 }
 
 }  // namespace miebrdf::render

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/render/half_vector.h"
+#include "pipeline/render/sampler.h"
 #include "pipeline/render/table_nodes.h"
 
 namespace miebrdf::render {

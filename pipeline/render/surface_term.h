@@ -6,10 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/render/cubic_taps.h"
-#include "pipeline/render/lanes.h"
+#include <miebrdf/surface.h>
+#include "pipeline/render/table_nodes.h"
 #include "rte/boundary/fresnel.h"
-#include "rte/surface/layered_brdf.h"
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::render {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 namespace miebrdf::render {
+
 namespace {
 
 /// Stands for the horizon, where (mu_in + mu_out) R has a limit but 0 is no direction.

@@ -1,28 +1,56 @@
-#include "pipeline/solve/brdf.h"
+// The BRDF of a scene: one solver for everyone who wants values, albedos or tables of it.
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
-#include "pipeline/plan/rules.h"
-#include "pipeline/solve/distinct_directions.h"
+#include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/checks.h"
 #include "pipeline/solve/layers.h"
-#include "pipeline/solve/slice_report.h"
+#include "pipeline/solve/parallel.h"
+#include "pipeline/solve/rules.h"
 #include "pipeline/solve/surface_part.h"
+#include "pipeline/solve/wavelength_table.h"
 
 namespace miebrdf {
 namespace {
 
-/// The surface at all the requested directions.
-SurfacePart surface_at(std::complex<double> index, const Request& request,
-                       const RunControl& control) {
-    const DistinctDirections distinct(request.directions);
-    const auto demand = request.parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
-    SurfacePart part = surface_part(index, request.scene, distinct.directions(), demand, control);
-    part.lobe = distinct.spread(part.lobe);
-    if (demand == SurfaceDemand::lobe) return part;
-    part.in = distinct.spread_incident(part.in);
-    part.out = distinct.spread_outgoing(part.out);
-    return part;
+void require_cosines(const std::vector<double>& cosines, const char* field) {
+    for (const double mu : cosines) {
+        if (!(mu > 0.0 && mu <= 1.0)) throw UsageError(field, mu, "(0, 1]");
+    }
+}
+
+void validate(const Directions& directions) {
+    require_cosines(directions.mu_in, "mu_in");
+    require_cosines(directions.mu_out, "mu_out");
+    for (const double azimuth : directions.azimuth_deg) {
+        if (!(azimuth >= -360.0 && azimuth <= 360.0))
+            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
+    }
+}
+
+void validate(const SolverOptions& solver) {
+    if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
+        throw UsageError("tolerance", solver.tolerance, "(0, 1)");
+    const int streams = solver.streams;
+    if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
+        throw UsageError("streams", streams,
+                         std::to_string(rte::kFewestNodes) + " to " +
+                             std::to_string(rte::kMostNodes) + ", or 0: from the tolerance");
+    }
+    if (!(solver.coat_substeps >= 1 && solver.coat_substeps <= 1'000'000))
+        throw UsageError("coat_substeps", solver.coat_substeps, "1 to 1000000");
+}
+
+void validate_wavelengths(const std::vector<double>& wavelength_nm) {
+    if (wavelength_nm.empty()) throw UsageError("no wavelengths; write e.g. 400:700:10");
+    for (const double nm : wavelength_nm) {
+        if (!(nm > 0.0 && std::isfinite(nm)))
+            throw UsageError("wavelength_nm", nm, "finite and > 0");
+    }
 }
 
 /// The lobe and what it lets through of the layers: eq. 5.
@@ -46,7 +74,7 @@ void raise(std::optional<double>& largest, double value) {
 
 /// The largest share of light that comes back: of the layers A, of the whole rho + (1 - rho) A
 /// (eq. 5; the reciprocal coupling gives that in the mean over incidences only, so it is left out).
-void add_energy(SpectralSlice& slice, const std::vector<double>& plane_albedo,
+void add_energy(BrdfValues::Slice& slice, const std::vector<double>& plane_albedo,
                 const SurfacePart* surface, rte::SurfaceCoupling coupling) {
     for (std::size_t i = 0; i < plane_albedo.size(); ++i) {
         raise(slice.layers_physics.largest_albedo, plane_albedo[i]);
@@ -58,7 +86,7 @@ void add_energy(SpectralSlice& slice, const std::vector<double>& plane_albedo,
     if (surface == nullptr) slice.physics.largest_albedo = slice.layers_physics.largest_albedo;
 }
 
-void add_physics(SpectralSlice& slice, const rte::Directions& directions) {
+void add_physics(BrdfValues::Slice& slice, const Directions& directions) {
     const auto& whole = !slice.total.empty()     ? slice.total
                         : !slice.surface.empty() ? slice.surface
                                                  : slice.subsurface;
@@ -66,33 +94,102 @@ void add_physics(SpectralSlice& slice, const rte::Directions& directions) {
     if (!whole.empty()) slice.physics = physics_of(whole, directions);
 }
 
+/// The parts of a BRDF at one wavelength from its layers.
+BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::size_t w,
+                           const Directions& directions, const BrdfParts& parts,
+                           const Control& control) {
+    BrdfValues::Slice slice;
+    slice.subsurface = std::move(layer.values);
+    for (double& value : slice.subsurface) value /= std::numbers::pi;
+    std::optional<SurfacePart> surface;
+    if (wants_lobe(scene, parts)) {
+        const auto demand = parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
+        surface = surface_part(scene, w, directions, demand, control);
+        slice.surface = surface->lobe;
+        if (parts.total) slice.total = total_of(*surface, slice.subsurface);
+    } else if (!scene.surface) {
+        slice.total = slice.subsurface;
+    }
+    add_physics(slice, directions);
+    add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr, scene.coupling);
+    return slice;
+}
+
 }  // namespace
 
-BrdfResult compute_brdf(const Request& request, const RunControl& control) {
-    validate(request);
-    const SceneMedia media(request);
-    std::vector<LayerSlice> layers(request.wavelength_nm.size());
-    if (wants_layers(request.parts)) {
-        layers = compute_layers(request, media, LayerQuantity::reflection, control);
-    } else {
-        for (LayerSlice& none : layers) none.converged = none.report.converged = true;
-    }
-    const auto finish = [&](SpectralSlice& slice, LayerSlice layer) {
-        slice.subsurface = std::move(layer.values);
-        for (double& value : slice.subsurface) value /= std::numbers::pi;
-        std::optional<SurfacePart> surface;
-        if (wants_lobe(request.scene, request.parts)) {
-            surface = surface_at(media.surface_index_at(slice.wavelength_nm), request, control);
-            slice.surface = surface->lobe;
-            if (request.parts.total) slice.total = total_of(*surface, slice.subsurface);
-        } else if (!request.scene.surface) {
-            slice.total = slice.subsurface;
-        }
-        add_physics(slice, request.directions);
-        add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr,
-                   request.scene.coupling);
-    };
-    return assemble<BrdfResult>(std::move(layers), request, media, control, finish);
+Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
+           const SolverOptions& options, const Control& control) {
+    validate(scene);
+    validate_wavelengths(wavelength_nm);
+    validate(options);
+    auto state = std::make_shared<Brdf::State>(
+        Brdf::State{scene, resolve(scene, wavelength_nm), options, control});
+    if (state->control.memo == nullptr) state->control.memo = make_optics_memo();
+    return Brdf(std::move(state));
 }
+
+BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {
+    validate(directions);
+    const ResolvedScene& scene = state_->resolved;
+    std::vector<LayerSlice> layers(scene.wavelength_nm.size());
+    if (wants_layers(parts)) {
+        layers = compute_layers({scene, directions, state_->solver, LayerQuantity::reflection},
+                                state_->control);
+    } else {
+        for (std::size_t w = 0; w < layers.size(); ++w) {
+            layers[w].report.wavelength_nm = scene.wavelength_nm[w];
+            layers[w].report.converged = layers[w].report.solver.converged = true;
+        }
+    }
+    BrdfValues values;
+    values.directions = directions;
+    values.tolerance = state_->solver.tolerance;
+    values.sources = scene.sources;
+    for (const LayerSlice& layer : layers) values.wavelengths.push_back(layer.report);
+    values.slices.resize(layers.size());
+    run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
+        values.slices[w] =
+            slice_of(std::move(layers[w]), scene, w, directions, parts, state_->control);
+    });
+    return values;
+}
+
+AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
+    validate(Directions{mu_in, {}, {}});
+    const ResolvedScene& scene = state_->resolved;
+    std::vector<LayerSlice> layers = compute_layers(
+        {scene, {mu_in, {}, {}}, state_->solver, albedo_quantity(scene)}, state_->control);
+    AlbedoValues values;
+    values.mu_in = mu_in;
+    values.tolerance = state_->solver.tolerance;
+    values.sources = scene.sources;
+    if (scene.surface) {
+        run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
+            add_surface_to_albedos(scene, w, mu_in, layers[w].values);
+        });
+    }
+    for (LayerSlice& layer : layers) {
+        values.wavelengths.push_back(layer.report);
+        values.spherical_albedo.push_back(layer.values.back());
+        layer.values.pop_back();
+        values.plane_albedo.push_back(std::move(layer.values));
+    }
+    return values;
+}
+
+BrdfTable Brdf::table(const TableOptions& options) const {
+    if (options.part == BrdfPart::surface && !state_->resolved.surface) {
+        throw UsageError("component 'surface' needs a surface; give a roughness, e.g. 0.3");
+    }
+    return BrdfTable(make_table(state_->resolved, describe(state_->scene), state_->solver, options,
+                                state_->control));
+}
+
+ResultReport Brdf::report() const { return evaluate(probe_directions(), {.surface = false}); }
+
+const Scene& Brdf::scene() const { return state_->scene; }
+const std::vector<double>& Brdf::wavelength_nm() const { return state_->resolved.wavelength_nm; }
+const SolverOptions& Brdf::options() const { return state_->solver; }
+const std::vector<std::string>& Brdf::sources() const { return state_->resolved.sources; }
 
 }  // namespace miebrdf

@@ -1,4 +1,4 @@
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/solve/parallel.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Directions of one job: enough to make starting it cheap, few enough to share out evenly.
@@ -57,7 +57,7 @@ std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm)
 }
 
 std::vector<double> evaluate_all(const BrdfSource& source, std::span<const Direction> directions,
-                                 const std::string& stage, const RunControl& control) {
+                                 const std::string& stage, const Control& control) {
     const std::size_t channels = source.channels().size();
     std::vector<double> values(directions.size() * channels);
     const std::size_t jobs = (directions.size() + kChunk - 1) / kChunk;
@@ -77,4 +77,4 @@ void require_wavelengths(const BrdfSource& source, const std::string& format) {
     }
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

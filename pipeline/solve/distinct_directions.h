@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "rte/stack/layered_reflection.h"
+#include <miebrdf/solver.h>
 
 namespace miebrdf {
 

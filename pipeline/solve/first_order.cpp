@@ -4,13 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace miebrdf::exports {
-namespace {
+#include "rte/math/tolerance_budget.h"
 
-/// Of the tolerance: so that steps between the pieces of a table stay below whatever is made of its
-/// values (azimuthal series, for instance).
-constexpr double kPhaseShare = 0.01;
-constexpr double kNarrowShare = 0.1;
+namespace miebrdf {
+namespace {
 
 /// Half of the shortest wave that a phase function of so many moments can have.
 double narrowest_panel(const std::vector<std::vector<rte::ScaledMedium>>& stacks) {
@@ -35,7 +32,7 @@ FirstOrder::FirstOrder(const std::vector<std::vector<rte::ScaledMedium>>& stacks
     for (std::size_t w = 0; w < wavelengths_; ++w) {
         for (std::size_t layer = 0; layer < stacks[w].size(); ++layer) {
             const rte::ScaledMedium& medium = stacks[w][stacks[w].size() - 1 - layer];
-            depth_(Eigen::Index(w), Eigen::Index(layer)) = medium.optical_depth;
+            depth_(Eigen::Index(w), Eigen::Index(layer)) = medium.scaled_optical_depth;
             media_of[layer * wavelengths_ + w] = &medium;
         }
     }
@@ -52,10 +49,10 @@ FirstOrder::FirstOrder(const std::vector<std::vector<rte::ScaledMedium>>& stacks
     };
     if (layers > 0) {
         phases_.emplace(phases, narrowest_panel(stacks),
-                        math::AngleTolerance{.relative = kPhaseShare * tolerance});
+                        math::AngleTolerance{.relative = kPhaseTableShare * tolerance});
     }
     if (exact) {
-        narrow_ = rte::NarrowFeatures(stacks, kLeastCosine, kNarrowShare * tolerance);
+        narrow_ = rte::NarrowFeatures(stacks, kLeastCosine, kNarrowFeaturesShare * tolerance);
         narrow_.tabulate();
     }
 }
@@ -97,4 +94,4 @@ void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> c
     }
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

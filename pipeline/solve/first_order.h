@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "rte/first_order/single_scattering.h"
-#include "rte/math/angle_table.h"
-#include "rte/phase/narrow_features.h"
+#include "rte/first_order/first_order.h"
+#include "rte/first_order/narrow_features.h"
+#include "rte/math/chebyshev.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// rte::single_scattering and rte::NarrowFeatures of some wavelengths side by side: what depends on
 /// directions alone (angle of scattering, place in the tables, slant) is found once for all of
@@ -45,4 +45,4 @@ class FirstOrder {
     rte::NarrowFeatures narrow_;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -4,87 +4,84 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 
+#include <miebrdf/surface.h>
+#include "pipeline/cache/job_key.h"
+#include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
-#include "pipeline/plan/rules.h"
+#include "pipeline/solve/checks.h"
 #include "pipeline/solve/distinct_directions.h"
-#include "pipeline/solve/layer_jobs.h"
-#include "pipeline/solve/packed_layers.h"
 #include "pipeline/solve/parallel.h"
-#include "pipeline/solve/phase_noise.h"
-#include "pipeline/solve/shared_work.h"
-#include "pipeline/solve/tolerance.h"
-#include "pipeline/solve/visible_layers.h"
-#include "rte/stack/stack_memory.h"
-#include "rte/surface/layered_brdf.h"
+#include "pipeline/solve/rules.h"
+#include "pipeline/solve/scene_optics.h"
+#include "pipeline/solve/surface_part.h"
+#include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
-
-LayerQuantity albedo_quantity(const Scene& scene) {
-    return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;
-}
-
-bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm) {
-    const double k_floor = media.scene().particles.k_floor;
-    // The reciprocal coupling weighs where light leaves: all of it may count more or less than 1.
-    const bool counts_all = quantity == LayerQuantity::albedo ||
-                            (quantity == LayerQuantity::albedo_through_surface &&
-                             media.scene().coupling == rte::SurfaceCoupling::paper);
-    return counts_all &&
-           std::all_of(media.media().begin(), media.media().end(), [&](const ResolvedMedium& m) {
-               return absorbs_nothing(m, wavelength_nm, k_floor);
-           });
-}
-
 namespace {
+
+bool has_closed_form(const LayerRequest& request, std::size_t w) {
+    // The reciprocal coupling weighs where light leaves: all of it may count more or less than 1.
+    const bool counts_all = request.quantity == LayerQuantity::albedo ||
+                            (request.quantity == LayerQuantity::albedo_through_surface &&
+                             request.scene.coupling == rte::SurfaceCoupling::paper);
+    return counts_all && absorbs_nothing(request.scene, w);
+}
+
+std::string layer_hash(const LayerRequest& request, std::size_t w) {
+    const ResolvedScene& scene = request.scene;
+    JobKey key("layers");
+    key.add(request.quantity);
+    if (request.quantity == LayerQuantity::albedo_through_surface) add_surface(key, scene, w);
+    scene.add_to(key, w);
+    key.add(scene.particles.tolerance).add(request.solver).add(request.directions);
+    return key.hash();
+}
+
+LayerSlice without_work(const char* method) {
+    LayerSlice slice;
+    slice.report.converged = slice.report.solver.converged = true;
+    slice.report.solver.method = method;
+    return slice;
+}
 
 /// What every direction of a half-space that absorbs nothing returns: everything.
 LayerSlice lossless(std::size_t incidences) {
-    LayerSlice slice;
+    LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
-    slice.converged = slice.report.converged = true;
-    slice.report.method = "closed form of layers that absorb nothing";
     return slice;
 }
 
 /// What layers return of which none scatters.
-LayerSlice black(const Request& request, LayerQuantity quantity) {
-    const rte::Directions& d = request.directions;
-    const bool albedo = quantity != LayerQuantity::reflection;
-    LayerSlice slice;
-    slice.values.assign(
-        albedo ? d.mu_in.size() + 1 : d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
-    if (!albedo) slice.plane_albedo.assign(d.mu_in.size(), 0.0);
-    slice.converged = slice.report.converged = true;
-    slice.report.method = "closed form of layers that scatter nothing";
+LayerSlice black(const LayerRequest& request) {
+    const Directions& d = request.directions;
+    LayerSlice slice = without_work("closed form of layers that scatter nothing");
+    if (request.quantity == LayerQuantity::reflection) {
+        slice.values.assign(d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
+        slice.plane_albedo.assign(d.mu_in.size(), 0.0);
+    } else {
+        slice.values.assign(d.mu_in.size() + 1, 0.0);
+    }
     return slice;
 }
 
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
-rte::AlbedoTable solve_albedo(const rte::Stack& stack, const Request& request,
-                              const rte::SolverOptions& solver, const SceneMedia& media,
-                              LayerQuantity quantity, double wavelength_nm) {
+rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& request,
+                              const SolverOptions& solver, std::size_t w,
+                              rte::StackMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
-    if (quantity == LayerQuantity::albedo) return rte::albedo(stack, mu_in, solver);
-    const rte::SurfaceLobe lobe(media.surface_index_at(wavelength_nm), *request.scene.surface);
-    const rte::SurfaceTransmission transmission(lobe, request.scene.coupling);
-    return rte::albedo(stack, mu_in, solver,
-                       [&transmission](double mu) { return transmission.weights(mu); });
+    if (request.quantity == LayerQuantity::albedo)
+        return rte::albedo(stack, mu_in, solver, {}, &memory);
+    const ResolvedScene& scene = request.scene;
+    const rte::SurfaceLobe lobe(scene.surface_index[w], *scene.surface);
+    const rte::SurfaceTransmission transmission(lobe, scene.coupling);
+    return rte::albedo(
+        stack, mu_in, solver, [&transmission](double mu) { return transmission.weights(mu); },
+        &memory);
 }
-
-/// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
-/// --mie-tolerance that leaves nothing was the user's choice: half is for the streams all the same.
-rte::SolverOptions with_rest_of_tolerance(rte::SolverOptions solver, double mie_error_estimate) {
-    solver.tolerance = std::max(solver.tolerance - mie_error_estimate, 0.5 * solver.tolerance);
-    return solver;
-}
-
-/// What wavelengths have in common.
-struct Common {
-    rte::SolvedHalfSpaces* half_spaces;
-    rte::StackMemory* memory;
-};
 
 /// Layers reflect no more than they get: an albedo above 1 by the rounding of its sum over nodes
 /// is 1.
@@ -95,37 +92,30 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-LayerSlice solve(const Request& request, const SceneMedia& media, const SceneOptics& optics,
-                 LayerQuantity quantity, double wavelength_nm, const Common& common) {
-    rte::SolverOptions solver = with_rest_of_tolerance(request.solver, optics.mie_error_estimate);
-    solver.half_space_tolerance = kToleranceShares.iteration * request.solver.tolerance;
-    solver.half_spaces = common.half_spaces;
-    solver.memory = common.memory;
-    const rte::Stack stack = with_black_ground(optics.stack);
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) {
-        return black(request, quantity);
-    }
+LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
+                 rte::StackMemory& memory) {
+    const rte::Stack& stack = optics.stack;
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return black(request);
+    const double tolerance = request.solver.tolerance;
+    SolverOptions solver = request.solver;
+    solver.tolerance = rest_of_tolerance(tolerance, optics.mie_error_estimate);
     LayerSlice slice;
-    if (quantity == LayerQuantity::reflection) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver);
+    if (request.quantity == LayerQuantity::reflection) {
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
-        slice.report = table.report;
-        slice.phase_noise =
+        slice.report.solver = table.report;
+        slice.report.phase_noise =
             largest_phase_noise(stack, request.directions, slice.values, table.report.moments);
         slice.plane_albedo = std::move(table.plane_albedo);
         remove_rounding(slice.plane_albedo);
     } else {
-        rte::AlbedoTable table =
-            solve_albedo(stack, request, solver, media, quantity, wavelength_nm);
+        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
-        slice.report = table.report;
+        slice.report.solver = table.report;
     }
-    slice.mie_error_estimate = optics.mie_error_estimate;
-    slice.error_estimate = slice.report.error_estimate + optics.mie_error_estimate;
-    slice.converged = slice.report.converged && optics.converged &&
-                      slice.error_estimate <= request.solver.tolerance;
+    judge(slice.report, optics.mie_error_estimate, optics.converged, tolerance);
     return slice;
 }
 
@@ -143,45 +133,76 @@ LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
     return all;
 }
 
+std::vector<double> packed(const LayerSlice& slice) {
+    const auto& [values, plane_albedo, report] = slice;
+    return NumberPacker().add(values).add(plane_albedo).add(report).numbers();
+}
+
+LayerSlice unpacked(const std::vector<double>& numbers) {
+    NumberUnpacker unpacker(numbers);
+    LayerSlice slice;
+    auto& [values, plane_albedo, report] = slice;
+    unpacker.read(values);
+    unpacker.read(plane_albedo);
+    unpacker.read(report);
+    return slice;
+}
+
 }  // namespace
 
-std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
-                                       LayerQuantity quantity, const RunControl& control) {
+LayerQuantity albedo_quantity(const ResolvedScene& scene) {
+    return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;
+}
+
+PhaseDemand phase_demand(LayerQuantity quantity) {
+    return quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
+}
+
+LayerJobs list_layer_jobs(const LayerRequest& request) {
+    LayerJobs list;
+    std::map<std::string, std::size_t> known;
+    for (std::size_t w = 0; w < request.scene.wavelength_nm.size(); ++w) {
+        std::string hash = layer_hash(request, w);
+        const auto [found, is_new] = known.try_emplace(hash, list.jobs.size());
+        list.serving.push_back(found->second);
+        if (is_new) list.jobs.push_back({w, std::move(hash), has_closed_form(request, w)});
+    }
+    return list;
+}
+
+std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control) {
     const DistinctDirections distinct(request.directions);
-    Request reduced = request;
+    LayerRequest reduced = request;
     reduced.directions = distinct.directions();
-    const LayerJobs list = list_layer_jobs(reduced, media, quantity);
-    const std::vector<LayerJob>& jobs = list.jobs;
+    const auto [jobs, serving] = list_layer_jobs(reduced);
     std::vector<LayerSlice> solved(jobs.size());
-    std::vector<std::size_t> missing;
-    std::vector<double> missing_nm;
+    std::vector<std::size_t> missing, missing_wavelengths;
     for (std::size_t j = 0; j < solved.size(); ++j) {
         std::optional<std::vector<double>> known;
         if (jobs[j].closed_form) {
             solved[j] = lossless(reduced.directions.mu_in.size());
         } else if (control.cache != nullptr && (known = control.cache->find(jobs[j].hash))) {
-            solved[j] = unpacked_layers(*known);
+            solved[j] = unpacked(*known);
         } else {
             missing.push_back(j);
-            missing_nm.push_back(jobs[j].wavelength_nm);
+            missing_wavelengths.push_back(jobs[j].wavelength);
         }
     }
-    const auto optics = visible_optics(media, reduced, missing_nm,
-                                       demand_of(reduced, phase_demand(quantity)), control);
-    SharedWork own;  // wavelengths may lie on the same half-space, too
-    if (control.shared == nullptr) own.expect(reduced, media, quantity, list);
-    SharedWork* shared = control.shared != nullptr ? control.shared : &own;
+    const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
+                                  phase_demand(request.quantity));
+    const auto optics = visible_optics(request.scene, reduced.directions, request.solver.tolerance,
+                                       missing_wavelengths, demand, control);
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
-        const std::size_t j = missing[i];
-        const SharedBase base(shared, jobs[j].base_hash);
-        solved[j] = solve(reduced, media, optics[i], quantity, missing_nm[i],
-                          {base.get(), &memories.local()});
-        if (control.cache != nullptr) control.cache->store(jobs[j].hash, packed(solved[j]));
+        const LayerJob& job = jobs[missing[i]];
+        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, memories.local());
+        if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
     });
     std::vector<LayerSlice> slices;
-    for (const std::size_t j : list.serving)
-        slices.push_back(spread(solved[j], distinct, quantity));
+    for (std::size_t w = 0; w < serving.size(); ++w) {
+        slices.push_back(spread(solved[serving[w]], distinct, request.quantity));
+        slices.back().report.wavelength_nm = request.scene.wavelength_nm[w];
+    }
     return slices;
 }
 

@@ -2,45 +2,60 @@
 // up, the rest goes through Mie theory and radiative transfer.
 #pragma once
 
+#include <miebrdf/brdf.h>
+
+#include <string>
 #include <vector>
 
-#include "pipeline/scene/request.h"
-#include "pipeline/solve/phase_noise.h"
-#include "pipeline/solve/run_control.h"
-#include "pipeline/solve/scene_optics.h"
-#include "rte/stack/layered_reflection.h"
+#include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf {
 
 enum class LayerQuantity {
-    reflection,  ///< R at all combinations of the request's directions
-    albedo,      ///< plane albedo at the request's mu_in, then the spherical albedo
-    /// The same of the light that the request's surface lets in, and of what it lets out again
+    reflection,  ///< R at all combinations of the directions
+    albedo,      ///< plane albedo at mu_in, then the spherical albedo
+    /// The same of the light that the scene's surface lets in, and of what it lets out again
     /// (rte::SurfaceTransmission).
     albedo_through_surface,
 };
 
-/// What an albedo request needs of the layers.
-LayerQuantity albedo_quantity(const Scene& scene);
+/// What an albedo needs of the layers.
+LayerQuantity albedo_quantity(const ResolvedScene& scene);
+/// Albedos need moments only.
+PhaseDemand phase_demand(LayerQuantity quantity);
 
-struct LayerSlice {
-    std::vector<double> values;        ///< laid out as in rte::ReflectionTable, or as said above
-    std::vector<double> plane_albedo;  ///< at the request's mu_in, with `reflection` too
-    double mie_error_estimate = 0.0;
-    PhaseNoise phase_noise;  ///< see largest_phase_noise; of `reflection` only
-    rte::SolverReport report;
-    double error_estimate = 0.0;  ///< of both steps together
-    bool converged = false;       ///< every step reached its tolerance
+/// A scene's layers, and what is wanted of them.
+struct LayerRequest {
+    const ResolvedScene& scene;
+    Directions directions;
+    SolverOptions solver;
+    LayerQuantity quantity = LayerQuantity::reflection;
 };
 
-/// One slice for each of Request::wavelength_nm; wavelengths whose layers are the same (repeated,
-/// or of media that do not change with it) are computed once. With control.cache, slices are stored
-/// as soon as they are known: a run that is stopped keeps what it has done.
-/// @throws UsageError, InputError, Cancelled
-std::vector<LayerSlice> compute_layers(const Request& request, const SceneMedia& media,
-                                       LayerQuantity quantity, const RunControl& control);
+/// Wavelengths that need solving, each once.
+struct LayerJob {
+    std::size_t wavelength = 0;  ///< index of the first one that it serves
+    std::string hash;            ///< names everything its result depends on
+    bool closed_form = false;    ///< albedos of layers that absorb nothing: nothing to solve
+};
+struct LayerJobs {
+    std::vector<LayerJob> jobs;
+    std::vector<std::size_t> serving;  ///< [wavelength of the scene]: its job
+};
+/// @param request  its directions as the solver gets them (distinct_directions.h)
+LayerJobs list_layer_jobs(const LayerRequest& request);
 
-/// Whether the answer is known without solving anything: albedos of layers that absorb nothing.
-bool has_closed_form(const SceneMedia& media, LayerQuantity quantity, double wavelength_nm);
+struct LayerSlice {
+    /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
+    std::vector<double> values;
+    std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` too
+    WavelengthReport report;
+};
+
+/// One slice for each wavelength; wavelengths whose layers are the same (repeated, or of media that
+/// do not change with it) are computed once. With control.cache, slices are stored as soon as they
+/// are known: a run that is stopped keeps what it has done.
+/// @throws UsageError, Cancelled
+std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control);
 
 }  // namespace miebrdf

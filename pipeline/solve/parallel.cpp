@@ -1,5 +1,6 @@
 #include "pipeline/solve/parallel.h"
 
+#include <miebrdf/error.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -13,12 +14,12 @@ namespace {
 /// Wraps a job so that each call can be refused before and is counted after.
 class WatchedJob {
   public:
-    WatchedJob(const std::string& stage, std::size_t count, const RunControl& control,
+    WatchedJob(const std::string& stage, std::size_t count, const Control& control,
                const std::function<void(std::size_t)>& job)
         : stage_(stage), count_(count), control_(control), job_(job) {}
 
     void operator()(std::size_t index) {
-        if (control_.cancelled != nullptr && *control_.cancelled) throw Cancelled();
+        if (control_.is_cancelled && control_.is_cancelled()) throw Cancelled();
         job_(index);
         if (!control_.progress) return;
         const std::lock_guard lock(mutex_);
@@ -28,7 +29,7 @@ class WatchedJob {
   private:
     const std::string& stage_;
     std::size_t count_;
-    const RunControl& control_;
+    const Control& control_;
     const std::function<void(std::size_t)>& job_;
     std::mutex mutex_;
     std::size_t done_ = 0;
@@ -36,7 +37,7 @@ class WatchedJob {
 
 }  // namespace
 
-void run_parallel(const std::string& stage, std::size_t count, const RunControl& control,
+void run_parallel(const std::string& stage, std::size_t count, const Control& control,
                   const std::function<void(std::size_t)>& job) {
     WatchedJob watched(stage, count, control, job);
     if (control.threads == 1) {
@@ -57,7 +58,7 @@ void run_parallel(const std::string& stage, std::size_t count, const RunControl&
     });
 }
 
-mie::Executor pieces_of_job(const RunControl& control) {
+mie::Executor pieces_of_job(const Control& control) {
     if (control.threads == 1) return mie::run_in_order;
     return [](int count, const std::function<void(int)>& piece) {
         // Isolated: while it waits for its last piece, a thread must not begin another job, which

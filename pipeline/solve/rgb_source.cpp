@@ -7,7 +7,7 @@
 
 #include <miebrdf/error.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 RgbWeights nearest_wavelengths(const std::vector<double>& wavelength_nm) {
     constexpr std::array<double, 3> kWanted_nm = {620.0, 535.0, 480.0};
@@ -38,4 +38,4 @@ void RgbSource::evaluate(std::span<const Direction> directions, std::span<double
     mix_->evaluate(directions, values);
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

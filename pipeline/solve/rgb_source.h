@@ -1,9 +1,9 @@
 // A spectral BRDF seen as three colours: each a fixed linear combination of the wavelengths.
 #pragma once
 
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// rgb[c] = sum_w weight[w][c] f(wavelength w). A conversion from CIE colour matching functions,
 /// illuminant and primaries is of this form; so are three single wavelengths.
@@ -37,4 +37,4 @@ class RgbSource : public BrdfSource {
     std::vector<double> no_wavelengths_;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

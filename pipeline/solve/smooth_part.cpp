@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -110,4 +110,4 @@ double cosine_sum(const std::vector<double>& a, double cos_azimuth) {
     return a[0] + cos_azimuth * next - after;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

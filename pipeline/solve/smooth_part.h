@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// (mu_in + mu_out) R^m on the cosines sin^2(pi x / 2), x = 0, 1/48, ..., 1, interpolated between
 /// them in x by sixth-order Lagrange polynomials; at these cosines nothing is interpolated.
@@ -40,4 +40,4 @@ double at_cosine(const std::vector<double>& at_nodes, double mu);
 /// a_0 + sum a_m cos(m azimuth) by Clenshaw's recurrence.
 double cosine_sum(const std::vector<double>& a, double cos_azimuth);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -1,23 +1,22 @@
 // The surface's share of a BRDF at one wavelength: its lobe, and what it lets in and out.
 #pragma once
 
-#include <complex>
+#include <miebrdf/brdf.h>
+
 #include <vector>
 
-#include "pipeline/cache/job_key.h"
-#include "pipeline/scene/request.h"
-#include "pipeline/solve/run_control.h"
+#include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf {
 
 struct SurfacePart {
-    std::vector<double> lobe;  ///< R_s, laid out as in rte::ReflectionTable
+    std::vector<double> lobe;  ///< R_s, laid out as BrdfValues::Slice
     std::vector<double> in;    ///< share let in at each mu_in, 1 - rho
     std::vector<double> out;   ///< share let out at each mu_out
 };
 
-/// Adds everything that a scene's surface depends on; `index` is that of its medium.
-void add_surface(JobKey& key, std::complex<double> index, const Scene& scene);
+/// Adds everything that a scene's surface depends on at a wavelength.
+void add_surface(JobKey& key, const ResolvedScene& scene, std::size_t w);
 
 /// What of a surface part is needed.
 enum class SurfaceDemand {
@@ -25,11 +24,15 @@ enum class SurfaceDemand {
     whole,  ///< and what the surface lets in and out, an integral for each cosine
 };
 
-/// Looked up in control.cache, else computed and stored there; the lobe at half of the pairs where
-/// mu_in and mu_out are the same list.
-/// @param directions  distinct ones (distinct_directions.h)
-SurfacePart surface_part(std::complex<double> index, const Scene& scene,
-                         const rte::Directions& directions, SurfaceDemand demand,
-                         const RunControl& control);
+/// Looked up in control.cache, else computed and stored there; repeated directions are computed
+/// once, and the lobe at half of the pairs where mu_in and mu_out are the same list.
+SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Directions& directions,
+                         SurfaceDemand demand, const Control& control);
+
+/// Albedos of the layers as those of the whole, as eq. (5) adds them: rho + (1 - rho) A.
+/// @param albedos  plane albedos at mu_in, then the spherical albedo, of the light that the surface
+///                 lets in, counting what gets out again (LayerQuantity::albedo_through_surface)
+void add_surface_to_albedos(const ResolvedScene& scene, std::size_t w,
+                            const std::vector<double>& mu_in, std::vector<double>& albedos);
 
 }  // namespace miebrdf

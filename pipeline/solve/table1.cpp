@@ -1,11 +1,79 @@
-#include "pipeline/solve/table1.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/error.h>
+#include <miebrdf/table1.h>
 
 #include <algorithm>
+#include <numbers>
 
+#include <miebrdf/surface.h>
 #include "pipeline/solve/parallel.h"
-#include "rte/surface/surface_lobe.h"
+#include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf {
+
+const std::vector<Table1Convention>& table1_conventions() {
+    using enum rte::MicrofacetDistribution;
+    using enum rte::Shadowing;
+    using enum rte::FresnelKind;
+    static const std::vector<Table1Convention> conventions = {
+        {"beckmann-smith-schlick",
+         "Beckmann D, height-correlated Smith G, Schlick F with F0 of n + ik",
+         {.beckmann_alpha = 0.3,
+          .distribution = beckmann,
+          .shadowing = smith_correlated,
+          .fresnel = schlick},
+         {620, 535, 480},
+         0.0027},
+        {"beckmann-smith-exact",
+         "Beckmann D, height-correlated Smith G, exact Fresnel F",
+         {.beckmann_alpha = 0.3,
+          .distribution = beckmann,
+          .shadowing = smith_correlated,
+          .fresnel = exact},
+         {620, 535, 480},
+         0.0305},
+        {"ggx-smith-exact",
+         "GGX D, separable Smith G with Beckmann's Lambda, exact Fresnel F",
+         {.beckmann_alpha = 0.3,
+          .distribution = ggx,
+          .shadowing = smith_separable,
+          .fresnel = exact,
+          .shadowing_distribution = beckmann},
+         {612, 530, 468},
+         0.0018},
+        {"beckmann-v-cavity-schlick",
+         "Beckmann D with alpha = 0.3 sqrt(2), V-cavity G, Schlick F with F0 of n + ik",
+         {.beckmann_alpha = 0.3 * std::numbers::sqrt2,
+          .distribution = beckmann,
+          .shadowing = v_cavity,
+          .fresnel = schlick},
+         {585, 512, 465},
+         0.0033},
+    };
+    return conventions;
+}
+
+const Table1Convention& table1_convention(const std::string& name) {
+    std::vector<std::string> names;
+    for (const Table1Convention& convention : table1_conventions()) {
+        if (convention.name == name) return convention;
+        names.push_back(convention.name);
+    }
+    throw UsageError(
+        fmt::format("unknown Table 1 convention '{}'; allowed: {}", name, fmt::join(names, ", ")));
+}
+
+const std::vector<Table1Row>& table1_printed() {
+    static const std::vector<Table1Row> rows = {
+        {"GaP", {0.68224, 0.66708, 0.64471}},
+        {"SiO2", {0.90465, 0.90404, 0.90343}},
+        {"TiO2", {0.72505, 0.71400, 0.70362}},
+        {"AlGaAs7", {0.67603, 0.65280, 0.63531}},
+    };
+    return rows;
+}
+
 namespace {
 
 constexpr const char* kChannels[] = {"R", "G", "B"};
@@ -15,12 +83,13 @@ struct Cell {
     std::size_t medium;
     rte::SurfaceOptions surface;
     Table1Entry entry;
+    std::size_t place = 0;  ///< of its wavelength among those of its medium
 };
 
 std::optional<double> printed_value(const std::string& material, std::size_t channel,
                                     const Table1Request& request) {
     if (!request.wavelength_nm.empty() || request.beckmann_alpha) return std::nullopt;
-    for (const rte::Table1Row& row : rte::table1_printed()) {
+    for (const Table1Row& row : table1_printed()) {
         if (row.material == material) return row.factor[channel];
     }
     return std::nullopt;
@@ -29,14 +98,14 @@ std::optional<double> printed_value(const std::string& material, std::size_t cha
 std::vector<std::string> materials_of(const Table1Request& request) {
     if (!request.materials.empty()) return request.materials;
     std::vector<std::string> names;
-    for (const rte::Table1Row& row : rte::table1_printed()) names.push_back(row.material);
+    for (const Table1Row& row : table1_printed()) names.push_back(row.material);
     return names;
 }
 
 std::vector<Cell> list_cells(const std::vector<std::string>& materials,
                              const Table1Request& request) {
     std::vector<Cell> cells;
-    for (const rte::Table1Convention& convention : request.conventions) {
+    for (const Table1Convention& convention : request.conventions) {
         rte::SurfaceOptions surface = convention.surface;
         if (request.beckmann_alpha) surface.beckmann_alpha = *request.beckmann_alpha;
         const bool rgb = request.wavelength_nm.empty();
@@ -48,7 +117,8 @@ std::vector<Cell> list_cells(const std::vector<std::string>& materials,
                 cells.push_back({m,
                                  surface,
                                  {convention.name, materials[m], rgb ? kChannels[w] : "",
-                                  wavelengths[w], 0.0, printed_value(materials[m], w, request)}});
+                                  wavelengths[w], 0.0, printed_value(materials[m], w, request)},
+                                 0});
             }
         }
     }
@@ -57,21 +127,25 @@ std::vector<Cell> list_cells(const std::vector<std::string>& materials,
 
 }  // namespace
 
-Table1Result compute_table1(const Table1Request& request, const RunControl& control) {
+Table1Result compute_table1(const Table1Request& request, const Control& control) {
     const std::vector<std::string> materials = materials_of(request);
-    MediumResolver resolver(request.database);
-    std::vector<ResolvedMedium> media;
     Table1Result result;
-    for (const std::string& name : materials) {
-        media.push_back(resolver.resolve(DatabaseMedium{name}));
+    std::vector<Cell> cells = list_cells(materials, request);
+    std::vector<std::vector<double>> wavelengths(materials.size());
+    for (Cell& cell : cells) {
+        cell.place = wavelengths[cell.medium].size();
+        wavelengths[cell.medium].push_back(cell.entry.wavelength_nm);
+    }
+    std::vector<ResolvedIndex> media;
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+        const Medium medium{.kind = "material", .name = materials[m]};
+        media.push_back(resolve_index(medium, wavelengths[m], request.database));
         result.sources.push_back(media.back().source);
     }
-    std::vector<Cell> cells = list_cells(materials, request);
     run_parallel("diffuse reflectance", cells.size(), control, [&](std::size_t i) {
         Cell& cell = cells[i];
-        const auto index = media[cell.medium].index_at(cell.entry.wavelength_nm, 0.0);
-        cell.entry.factor =
-            rte::SurfaceLobe(*index, cell.surface).averaged_diffuse_reflectance_factor();
+        cell.entry.factor = rte::SurfaceLobe(media[cell.medium].index[cell.place], cell.surface)
+                                .averaged_diffuse_reflectance_factor();
     });
     for (Cell& cell : cells) result.entries.push_back(std::move(cell.entry));
     return result;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -44,4 +44,4 @@ inline Direction direction_of(const Eigen::Vector3d& in, const Eigen::Vector3d& 
     return {std::min(in.z(), 1.0), std::min(out.z(), 1.0), std::atan2(cross, -dot) / kDegree};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

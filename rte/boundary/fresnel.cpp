@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::rte {
 
@@ -50,8 +51,8 @@ FresnelReflectance::FresnelReflectance(std::complex<double> refractive_index, Fr
     const double n = refractive_index.real();
     const double k = refractive_index.imag();
     if (!(n > 0 && k >= 0 && std::isfinite(n) && std::isfinite(k))) {
-        throw std::invalid_argument(fmt::format(
-            "refractive index {} + {}i of a surface; allowed: finite, n > 0, k >= 0", n, k));
+        throw UsageError("refractive_index", fmt::format("{} + {}i", n, k),
+                         "finite, n > 0, k >= 0");
     }
 }
 

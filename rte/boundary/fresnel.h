@@ -28,7 +28,7 @@ double schlick_reflectance(double normal_reflectance, double cos_incidence);
 /// computed once.
 class FresnelReflectance {
   public:
-    /// @throws std::invalid_argument  unless n > 0, k >= 0 and both are finite
+    /// @throws UsageError  unless n > 0, k >= 0 and both are finite
     FresnelReflectance(std::complex<double> refractive_index, FresnelKind kind);
     double operator()(double cos_incidence) const;
 

@@ -1,14 +1,28 @@
 #include "rte/grid/discretisation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <string>
+
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
 namespace {
 
 // chi_n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
-constexpr double slow_above = 1e-3;
+constexpr double kSlowAbove = 1e-3;
+// Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
+// never claims less.
+constexpr double kRounding = 1e-13;
+// Requests of at most so many values, or of fewer pairs of cosines, get probes.
+constexpr std::size_t kFew = 16;
+constexpr int kTypicalStreams = 24;  // where the tolerance decides
+constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
+constexpr double kProbeCosines[] = {0.1, 0.35, 0.9};
 
 std::size_t most_moments(const Stack& stack) {
     std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
@@ -40,11 +54,117 @@ double largest_moment(const Stack& stack, int degree) {
     return largest;
 }
 
-}  // namespace
-
+// A phase function with so much beyond degree n that the error does not yet fall geometrically with
+// the number of nodes.
 bool converges_slowly(const Stack& stack, int streams) {
-    return largest_moment(stack, streams) > slow_above;
+    return largest_moment(stack, streams) > kSlowAbove;
 }
+
+// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
+std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
+    const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+    const bool simple = most_moments(stack) <= 8;
+    const int start = simple ? 8 : options.tolerance >= 1e-3 ? 16 : 24;
+    std::vector<int> ladder;
+    for (const int n : steps) {
+        if (n >= start) ladder.push_back(n);
+    }
+    return ladder;
+}
+
+// Fewer nodes, to estimate the error of `streams` nodes by comparison.
+int coarser_streams(int streams) {
+    return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
+}
+
+std::string method_name(const SolverOptions& options, GridKind grid) {
+    const char* const half_space[] = {"closed form", "fixed point", "doubling"};
+    const char* const coat[] = {"impedance", "first order", "first order, patched", "exponential"};
+    const char* const grids[] = {"automatic", "Gauss", "mapped Gauss", "paper"};
+    return fmt::format("{}, {}, {} grid", half_space[int(options.half_space_method)],
+                       coat[int(options.coat_method)], grids[int(grid)]);
+}
+
+// With too many moments for the nodes the discrete equations have no physical solution: fewer then.
+Attempt with_fewer_moments_if_needed(Discretisation discretisation, const Solve& solve) {
+    Attempt attempt = solve(discretisation);
+    while (!attempt.physical && discretisation.moments > 1) {
+        discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
+        attempt = solve(discretisation);
+    }
+    attempt.report.streams = discretisation.streams;
+    attempt.report.moments = discretisation.moments;
+    return attempt;
+}
+
+// What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
+// with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
+// unresolved peaks fall more slowly and keep the difference itself (docs/numerics.md).
+double claimed_power(bool slow) { return slow ? 1.0 : 1.25; }
+
+double remaining_error(double difference, double power) {
+    return difference >= 1.0 ? difference : std::pow(difference, power);
+}
+
+// Compares two tables, relative to the largest value in each block (one incidence). The claimed
+// error rises with the difference, so that differences can be compared in its place.
+void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, bool slow,
+                    double tolerance) {
+    SolverReport& report = fine.report;
+    const double power = claimed_power(slow);
+    const double allowed = std::pow(tolerance, 1.0 / power);
+    double largest = 0.0;
+    std::size_t within = 0;
+    const std::size_t count = fine.values.size();
+    for (std::size_t start = 0; start < count; start += block) {
+        const std::size_t end = std::min(count, start + block);
+        double scale = 0.0;
+        for (std::size_t k = start; k < end; ++k) scale = std::max(scale, std::abs(fine.values[k]));
+        for (std::size_t k = start; k < end; ++k) {
+            const double change = std::abs(fine.values[k] - coarse.values[k]);
+            const double difference = change > 0.0 ? change / scale : 0.0;
+            if (difference <= allowed) ++within;
+            if (difference > largest) {
+                largest = difference;
+                report.worst_value = k;
+            }
+        }
+    }
+    report.share_within_tolerance = count > 0 ? double(within) / double(count) : 1.0;
+    report.error_estimate =
+        std::max({report.error_estimate, kRounding, remaining_error(largest, power)});
+}
+
+void require_physical(Attempt& attempt, std::size_t count) {
+    if (attempt.physical) return;
+    attempt.values.assign(count, std::numeric_limits<double>::quiet_NaN());
+    attempt.report.converged = false;
+    attempt.report.error_estimate = std::numeric_limits<double>::infinity();
+    attempt.report.share_within_tolerance = 0.0;
+}
+
+// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
+// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on would
+// cost n^3 and gain nothing.
+class Progress {
+  public:
+    /// True once the estimate has grown to twice the best before it, or two steps (twice the nodes)
+    /// have not halved it.
+    bool has_stalled_at(double estimate) {
+        const bool grown = estimate > 2.0 * best_;
+        const bool idle = estimate > 0.5 * best_before_;
+        best_before_ = best_;
+        best_ = std::min(best_, estimate);
+        return grown || idle;
+    }
+
+  private:
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+    double best_ = infinity;
+    double best_before_ = infinity;  ///< without the last estimate
+};
+
+}  // namespace
 
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
                                      int streams) {
@@ -57,51 +177,84 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     return choice;
 }
 
-std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
-    const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-    const bool simple = most_moments(stack) <= 8;
-    const int start = simple ? 8 : options.tolerance >= 1e-3 ? 16 : 24;
-    std::vector<int> ladder;
-    for (const int n : steps) {
-        if (n >= start) ladder.push_back(n);
-    }
-    return ladder;
-}
-
-int coarser_streams(int streams) {
-    return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
-}
-
-// What is below a coat as deep as this does not show in double precision, absorbing or not.
-constexpr double deepest_coat = 1e100;
-
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
-    ScaledStack scaled;
-    scaled.moments = moments;
-    scaled.base = stack.base_kind;
-    scaled.ground_albedo = stack.ground_albedo;
-    constexpr double infinite = std::numeric_limits<double>::infinity();
-    const auto add = [&](const Optics& optics, double optical_depth) {
-        ScaledOptics medium = scale_optics(optics, moments, delta_m);
-        // The light through a lossless coat falls with its depth, whose square must not overflow.
-        const double most = std::isinf(optical_depth) ? infinite : deepest_coat;
-        const double depth = std::min(optical_depth * medium.depth_factor, most);
-        ForwardPeak narrow;
-        if (medium.truncated > 0.0) {
-            narrow = split_forward_peak(optics.chi, medium.first_cutoff);
-        }
-        scaled.media.push_back({optics, std::move(medium), depth, std::move(narrow)});
+Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
+                            std::size_t block, const Solve& solve) {
+    const auto attempt_at = [&](int streams) {
+        Attempt attempt =
+            with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve);
+        require_physical(attempt, count);
+        return attempt;
     };
-    if (stack.base_kind == BaseKind::half_space) add(stack.base, infinite);
-    for (const Coat& coat : stack.coats) {
-        if (coat.optical_depth == 0.0) continue;
-        if (std::isinf(coat.optical_depth)) {
-            scaled.media.clear();
-            scaled.base = BaseKind::half_space;
+    std::vector<int> ladder{options.streams};
+    if (options.streams == 0) ladder = stream_ladder(stack, options);
+    Attempt coarse = attempt_at(coarser_streams(ladder.front()));
+    Attempt fine;
+    Progress progress;
+    for (const int streams : ladder) {
+        fine = attempt_at(streams);
+        if (fine.physical && coarse.physical) {
+            estimate_error(coarse, fine, block, converges_slowly(stack, streams),
+                           options.tolerance);
+        } else if (fine.physical) {
+            fine.report.error_estimate = std::numeric_limits<double>::infinity();
+            fine.report.share_within_tolerance = 0.0;
         }
-        add(coat.optics, coat.optical_depth);
+        fine.report.converged =
+            has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
+        if (fine.report.converged) break;
+        if (fine.physical && progress.has_stalled_at(fine.report.error_estimate)) break;
+        coarse = fine;
     }
-    return scaled;
+    fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
+    return fine;
+}
+
+AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
+                             const SolverOptions& options)
+    : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
+    const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
+    const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
+    // Across the plane of incidence the odd orders vanish; probes would bring them back.
+    if (!are_few || fourier_order_vanishes(1, asked.azimuth_deg) ||
+        !converges_slowly(stack, streams)) {
+        return;
+    }
+    for (const double azimuth : asked.azimuth_deg) {
+        for (const double offset : kProbeOffsets_deg) {
+            directions_.azimuth_deg.push_back(azimuth + offset);
+        }
+    }
+}
+
+std::vector<double> AzimuthProbes::without(std::vector<double> values) const {
+    const std::size_t stride = directions_.azimuth_deg.size();
+    if (stride == azimuths_) return values;
+    std::vector<double> asked;
+    for (std::size_t first = 0; first < values.size(); first += stride) {
+        for (std::size_t a = 0; a < azimuths_; ++a) asked.push_back(values[first + a]);
+    }
+    return asked;
+}
+
+std::size_t AzimuthProbes::asked_for(std::size_t index) const {
+    const std::size_t stride = directions_.azimuth_deg.size();
+    if (stride == 0) return 0;
+    std::size_t azimuth = index % stride;
+    if (azimuth >= azimuths_) azimuth = (azimuth - azimuths_) / std::size(kProbeOffsets_deg);
+    return index / stride * azimuths_ + azimuth;
+}
+
+RequestedDirections collect_with_probes(const Directions& directions) {
+    RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
+    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < kFew;
+    if (!are_few || only_fourier_order_zero(requested)) return requested;
+    std::vector<double> mu_in = directions.mu_in;
+    std::vector<double> mu_out = directions.mu_out;
+    mu_in.insert(mu_in.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
+    mu_out.insert(mu_out.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
+    requested = collect(mu_in, mu_out);
+    requested.probes = std::size(kProbeCosines);
+    return requested;
 }
 
 }  // namespace miebrdf::rte

@@ -1,10 +1,14 @@
-// How finely a stack is sampled: nodes, grid and moments, from the phase functions and tolerance.
+// How finely a stack is sampled: nodes, grid and moments, from the phase functions and tolerance;
+// and how far off the result may be.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
-#include "rte/fourier/fourier_reflection.h"
-#include "rte/stack/stack.h"
+#include <miebrdf/optics.h>
+#include <miebrdf/solver.h>
+#include "rte/grid/directions.h"
 
 namespace miebrdf::rte {
 
@@ -17,18 +21,47 @@ struct Discretisation {
 /// Grid and moments for a given number of nodes.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
-/// A phase function with so much beyond degree n (chi_n > 1e-3) that the error does not yet fall
-/// geometrically with the number of nodes.
-bool converges_slowly(const Stack& stack, int streams);
+/// One solution with one discretisation.
+struct Attempt {
+    std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
+    std::vector<double> plane_albedo;  ///< beside a reflection
+    SolverReport report;
+    bool physical = false;
+};
 
-/// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
-std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options);
+using Solve = std::function<Attempt(const Discretisation&)>;
 
-/// Fewer nodes, to estimate the error of `streams` nodes by comparison.
-int coarser_streams(int streams);
+/// Two numbers of nodes give the result and what its error may be; without a given number of nodes
+/// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
+/// is `count` times NaN.
+///
+/// @param block  values of one incidence: errors are relative to the largest of them
+Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
+                            std::size_t block, const Solve& solve);
 
-/// The stack as the discrete equations see it: delta-M, layers without depth left out, everything
-/// below an infinitely deep coat left out.
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
+/// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
+/// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.9 at
+/// (0.05, 0.2, 0), 16 and 24 nodes: 1e-5 apart, and both 6e-4 off). Their difference at azimuths
+/// beside those tells: 6e-4 at 6 degrees.
+class AzimuthProbes {
+  public:
+    /// Up to 16 values of a stack with slowly falling moments get probes; all others none.
+    AzimuthProbes(const Stack& stack, const Directions& asked, const SolverOptions& options);
+
+    /// The directions asked for, with the probes behind the azimuths.
+    const Directions& directions() const { return directions_; }
+    /// Of values at directions(), those that were asked for.
+    std::vector<double> without(std::vector<double> values) const;
+    /// Where in those the value at `index` of directions() is, or the one that it is a probe of.
+    std::size_t asked_for(std::size_t index) const;
+
+  private:
+    Directions directions_;
+    std::size_t azimuths_;  ///< asked for
+};
+
+/// The cosines of a request; a small one gets others beside them, where two solutions are compared
+/// as well.
+RequestedDirections collect_with_probes(const Directions& directions);
 
 }  // namespace miebrdf::rte

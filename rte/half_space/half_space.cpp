@@ -2,14 +2,65 @@
 
 #include <Eigen/LU>
 
-#include "rte/math/positive_definite.h"
+#include "rte/fourier/eigenmodes.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
+
+Eigen::VectorXd flux_weights(const ZenithGrid& grid) {
+    return (grid.weights.array() * grid.mu.array()).sqrt();
+}
+
+void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                       const Eigen::Ref<const Eigen::MatrixXd>& rows, const FourierMode& mode,
+                       math::ScratchMatrix& moments) {
+    // 2 R W Y = (2 R D) (W/M)^(1/2) Y.
+    moments.resize(rows.rows(), mode.scaled_nodes.cols());
+    moments.noalias() = rows * mode.scaled_nodes;
+    for (Eigen::Index c = 0; c < moments.cols(); ++c) {
+        if (c % 2 == 0) {
+            moments.col(c).array() *= mu.array();
+        } else {
+            moments.col(c).array() *= -mu.array();
+        }
+    }
+}
+
+math::ScratchMatrix reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                                      const FourierMode& mode) {
+    math::ScratchMatrix moments;
+    reflected_moments(mu, rows, mode, moments);
+    return moments;
+}
+
+void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested, Reflector& none) {
+    none.nodes.setZero(grid.size(), grid.size());
+    none.rows.setZero(requested.mu.size(), grid.size());
+    none.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    none.iterations = 0;
+    none.residual = 0.0;
+    none.converged = none.physical = true;
+}
+
+void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
+                       const RequestedDirections& requested, Reflector& ground) {
+    no_reflection(grid, requested, ground);
+    if (mode.fourier_order > 0) return;
+    const Eigen::VectorXd D = flux_weights(grid);
+    // A rule that does not integrate mu exactly must still return the fraction `albedo` of the
+    // flux.
+    const double reflection = albedo * 0.5 / D.squaredNorm();
+    ground.nodes = 2.0 * reflection * D * D.transpose();
+    ground.rows = 2.0 * reflection * Eigen::VectorXd::Ones(requested.mu.size()) * D.transpose();
+    ground.multiple.setConstant(albedo);
+}
+
 namespace {
 
 // R(mu_p, mu_q) = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q) / (4 (mu_p + mu_q)) at the nodes: the
 // right side of eq. (3), factorised.
-void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, OrderWork& work,
+void apply_equation_at_nodes(const FourierMode& mode, const ZenithGrid& grid, FourierWork& work,
                              Eigen::MatrixXd& X) {
     const Eigen::VectorXd& D = work.flux_weights;
     reflected_moments(work.mu_over_flux_weights, X, mode, work.phi);
@@ -25,7 +76,7 @@ void apply_equation_at_nodes(const PhaseMode& mode, const ZenithGrid& grid, Orde
 }
 
 // The same without its first term (Y Y), at the requested pairs.
-void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+void fill_multiple(const FourierMode& mode, const RequestedDirections& requested, FourierWork& work,
                    Reflector& result) {
     reflected_moments(requested.mu, result.rows, mode, work.moments);
     result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
@@ -36,43 +87,43 @@ void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, 
 
 // Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
 // decays as exp(-k tau), so its integral is 1 / (1 + mu k).
-void fill_rows_from_modes(const ScatteringMode& medium, const PhaseMode& mode,
-                          const RequestedDirections& requested, OrderWork& work,
-                          Reflector& result) {
-    const TransferModes& modes = work.decomposition.modes();
-    work.sources.find(medium, mode, modes);
+void fill_rows_from_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
+                               const RequestedDirections& requested, FourierWork& work,
+                               Reflector& result) {
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
+    work.sources.find(medium, mode, eigenmodes);
     Eigen::MatrixXd& weights = work.sources.even;
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-        const double k = modes.rates[j];
+        const double k = eigenmodes.rates[j];
         weights.col(j).array() = 0.5 *
                                  (weights.col(j).array() - k * work.sources.odd.col(j).array()) /
                                  (1.0 + k * requested.mu.array());
     }
-    work.rows.resize(weights.rows(), modes.vectors.rows());
-    work.rows.noalias() = weights * modes.vectors.transpose();
+    work.rows.resize(weights.rows(), eigenmodes.vectors.rows());
+    work.rows.noalias() = weights * eigenmodes.vectors.transpose();
     result.rows = work.rows;
     result.rows.noalias() += work.rows * result.nodes;  // s = (I + X) i_down at the surface
 }
 
 // In closed form. False if there is no physical solution.
-bool solve_by_modes(const ScatteringMode& medium, const PhaseMode& mode, const ZenithGrid& grid,
-                    const RequestedDirections& requested, double tolerance, OrderWork& work,
-                    Reflector& result) {
-    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
-    if (!modes.physical) return false;
-    work.decomposition.function(modes.rates.array(), work.square);
+bool solve_by_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
+                         const ZenithGrid& grid, const RequestedDirections& requested,
+                         double tolerance, FourierWork& work, Reflector& result) {
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.find(mode, medium, grid, tolerance);
+    if (!eigenmodes.physical) return false;
+    work.eigenmode_solver.function(eigenmodes.rates.array(), work.square);
     work.square.diagonal().array() += 1.0;
     if (!math::invert_positive_definite(work.square, result.nodes)) return false;
     result.nodes *= 2.0;
     result.nodes.diagonal().array() -= 1.0;
     apply_equation_at_nodes(mode, grid, work, result.nodes);
-    fill_rows_from_modes(medium, mode, requested, work, result);
+    fill_rows_from_eigenmodes(medium, mode, requested, work, result);
     return true;
 }
 
 // The row of Ambartsumian's equation at each cosine, for any X that satisfies it at the nodes:
 // r (I + mu (P - Q X)) = [(E - O) + (E + O) X] / 2, P = (U + V) / 2, Q = (V - U) / 2.
-void fill_rows_by_solving(const ScatteringMode& medium, const PhaseMode& mode,
+void fill_rows_by_solving(const FourierMedium& medium, const FourierMode& mode,
                           const ZenithGrid& grid, const RequestedDirections& requested,
                           Reflector& result) {
     const Eigen::Index n = grid.size();
@@ -95,9 +146,9 @@ void fill_rows_by_solving(const ScatteringMode& medium, const PhaseMode& mode,
 
 }  // namespace
 
-void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
+void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const FourierMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,
-                      double tolerance, OrderWork& work, Reflector& result) {
+                      double tolerance, FourierWork& work, Reflector& result) {
     work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
     work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
     alternating(medium.strengths, work.alternating);
@@ -110,7 +161,7 @@ void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, cons
             result.iterations = 0;
         } else {
             result.physical =
-                solve_by_modes(medium, mode, grid, requested, tolerance, work, result);
+                solve_by_eigenmodes(medium, mode, grid, requested, tolerance, work, result);
         }
     } else {
         result = method == HalfSpaceMethod::fixed_point
@@ -121,10 +172,10 @@ void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, cons
     if (result.physical) fill_multiple(mode, requested, work, result);
 }
 
-Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
-                           const PhaseMode& mode, const ZenithGrid& grid,
+Reflector solve_half_space(HalfSpaceMethod method, const FourierMedium& medium,
+                           const FourierMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance) {
-    OrderWork work;
+    FourierWork work;
     Reflector result;
     solve_half_space(method, medium, mode, grid, requested, tolerance, work, result);
     return result;

@@ -1,23 +1,73 @@
-// Reflection by a semi-infinite homogeneous medium: the base of a BRDF.
+// What lies below the layers: anything that reflects, in the forms that layers above it need, and
+// the reflection by a semi-infinite homogeneous medium, a Lambertian ground or nothing.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <Eigen/Core>
+
 #include <miebrdf/solver.h>
-#include "rte/fourier/order_work.h"
-#include "rte/grid/zenith_grid.h"
-#include "rte/half_space/reflector.h"
-#include "rte/phase/phase_mode.h"
-#include "rte/phase/scattering_mode.h"
+#include "rte/fourier/fourier_mode.h"
 
 namespace miebrdf::rte {
 
-/// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one azimuthal order.
+/// How much of a reflector its user needs besides `multiple`, the BRDF.
+enum class ReflectorParts {
+    pairs,  ///< nothing more
+    sky,    ///< `sky_at_requested`, `sky_at_nodes`: plane and spherical albedos
+    nodes,  ///< `rows` and `nodes`: anything that lies under a coat
+};
+
+/// Reflection R^m(mu_out, mu_in) of one Fourier order on a grid of n nodes and r requested
+/// cosines. Every form is exact for the discrete equation; requested cosines act like nodes of
+/// weight zero.
+struct Reflector {
+    /// X = 2 D R D with D = (W M)^(1/2), n x n, symmetric: takes downward to upward radiance in
+    /// the normalisation where the flux is the square of the Euclidean norm. ||X|| <= 1.
+    Eigen::MatrixXd nodes;
+    /// 2 R(mu, mu_q) D_q, r x n: upward radiance at a requested cosine from downward ones at nodes.
+    Eigen::MatrixXd rows;
+    /// R(mu_out, mu_in) of light scattered more than once in the media, out x in. The first order
+    /// of scattering is known in closed form (first_order.h) and never summed over Fourier orders.
+    Eigen::MatrixXd multiple;
+    /// Upward radiance under a given sky, a vector of downward radiance at the nodes: rows * sky
+    /// and nodes * sky.
+    Eigen::VectorXd sky_at_requested;
+    Eigen::VectorXd sky_at_nodes;
+    int iterations = 0;     ///< of an iterative method, else 0
+    double residual = 0.0;  ///< largest (mu + mu') |change of R| in the last step, relative
+    bool converged = true;  ///< of the iteration
+    bool physical = false;  ///< positive definite equations: a physical solution exists
+};
+
+/// (W M)^(1/2) of a grid.
+Eigen::VectorXd flux_weights(const ZenithGrid& grid);
+
+/// What one more order of scattering adds to incident light: 2 (-1)^(l-m) mu sum R W Y, so that
+/// Y + this is Ambartsumian's function phi_l. From rows (2 R D) at cosines mu: rows x (L - m).
+void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                       const Eigen::Ref<const Eigen::MatrixXd>& rows, const FourierMode& mode,
+                       math::ScratchMatrix& moments);
+math::ScratchMatrix reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                                      const FourierMode& mode);
+
+/// Reflection by a ground that is the same in all directions (Lambert), albedo in [0, 1]: Fourier
+/// order 0 only, zero for any other.
+void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
+                       const RequestedDirections& requested, Reflector& ground);
+
+/// Nothing below: black.
+void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested, Reflector& none);
+
+struct FourierWork;
+
+/// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one Fourier order.
 ///
 /// `automatic`: in closed form. The equation is a symmetric algebraic Riccati equation whose
-/// physical solution is a matrix geometric mean: with the matrices of transfer_modes.h,
+/// physical solution is a matrix geometric mean: with the matrices of eigenmodes.h,
 /// Z = F k F^T solves Z V Z = U, and X = 2 (I + Z)^-1 - I; then one application of eq. (3) removes
-/// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1. High orders, where a
-/// few sweeps of the fixed point reach the tolerance, are solved by these instead.
+/// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1. High Fourier orders,
+/// where a few sweeps of the fixed point reach the tolerance, are solved by these instead.
 /// `fixed_point`: the paper's iteration from single scattering; the number of steps grows without
 /// bound as the albedo tends to 1.
 /// `doubling`: structured doubling from a thin layer, quadratically convergent; independent of any
@@ -25,32 +75,33 @@ namespace miebrdf::rte {
 ///
 /// @param tolerance  of the iterative methods: remaining error of (mu + mu') R, relative
 /// Not converging is an outcome: read `converged` and `physical`.
-/// @param work  matrices that one order after the other can use: nothing is allocated but for the
-///              first (`fixed_point` and `doubling` do)
+/// @param work  matrices that one Fourier order after the other can use: only the first allocates
+///              (`fixed_point` and `doubling` always do)
 /// @param result  overwritten
-void solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium, const PhaseMode& mode,
+void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const FourierMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,
-                      double tolerance, OrderWork& work, Reflector& result);
-Reflector solve_half_space(HalfSpaceMethod method, const ScatteringMode& medium,
-                           const PhaseMode& mode, const ZenithGrid& grid,
+                      double tolerance, FourierWork& work, Reflector& result);
+Reflector solve_half_space(HalfSpaceMethod method, const FourierMedium& medium,
+                           const FourierMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance = 1e-12);
 
 /// True where the fixed point converges in so few steps that it is cheaper than an eigenproblem:
-/// high azimuthal orders, whose remaining moments are small.
-bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance);
+/// high Fourier orders, whose remaining moments are small.
+bool few_sweeps_suffice(const FourierMedium& medium, double tolerance);
 
-/// The fixed point at nodes and requested cosines at once, without any linear system; for orders
-/// of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged, physical.
-void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, OrderWork& work,
+/// The fixed point at nodes and requested cosines at once, without any linear system; for media and
+/// orders of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged,
+/// physical.
+void sweep_half_space(const FourierMode& mode, const ZenithGrid& grid,
+                      const RequestedDirections& requested, double tolerance, FourierWork& work,
                       Reflector& result);
 
 /// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.
-Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+Reflector iterate_half_space(const FourierMedium& medium, const FourierMode& mode,
                              const ZenithGrid& grid, double tolerance);
 
 /// X by structured doubling; fills the same.
-Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+Reflector double_to_half_space(const FourierMedium& medium, const FourierMode& mode,
                                const ZenithGrid& grid, double tolerance);
 
 }  // namespace miebrdf::rte

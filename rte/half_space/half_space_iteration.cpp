@@ -1,20 +1,22 @@
-// The two iterative half-space methods: the paper's, and one that shares nothing with the closed
-// form but the equation.
+// The iterative half-space methods: the paper's, doubling, which shares nothing with the closed
+// form but the equation, and the few sweeps that high Fourier orders take.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 
+#include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
 namespace {
 
-constexpr int most_fixed_point_steps = 20000;
-constexpr int most_doublings = 60;  // a conservative medium halves its error with each
+constexpr int kMostFixedPointSteps = 20000;
+constexpr int kMostDoublings = 60;  // a conservative medium halves its error with each
 
 }  // namespace
 
-Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+Reflector iterate_half_space(const FourierMedium& medium, const FourierMode& mode,
                              const ZenithGrid& grid, double tolerance) {
     // Eq. (3) factorises: (mu_p + mu_q) R_pq = 1/4 sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q),
     // phi_l = Y_l + 2 (-1)^(l-m) mu R W Y_l. Starting from phi = Y is single scattering.
@@ -28,7 +30,7 @@ Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode
     result.nodes.resize(grid.size(), grid.size());
     result.converged = false;
     double last_change = 0.0;
-    while (result.iterations < most_fixed_point_steps) {
+    while (result.iterations < kMostFixedPointSteps) {
         ++result.iterations;
         next.noalias() = phi * strengths.asDiagonal() * phi.transpose();
         // Judged on (mu + mu') R, which stays bounded: R grows like 1/mu at grazing angles and
@@ -39,7 +41,8 @@ Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode
             result.nodes.col(q) =
                 0.5 * D[q] * next.col(q).array() * D.array() / (grid.mu.array() + grid.mu[q]);
         }
-        // Steps that shrink by the factor `ratio` still have change * ratio / (1 - ratio) to go.
+        // Steps that shrink by the factor `ratio` still have change * ratio / (1 - ratio) to go:
+        // when it is close to 1, a small step proves nothing.
         const double ratio = last_change > 0.0 ? change / last_change : 0.0;
         result.residual = change;
         if (change == 0.0 ||
@@ -56,7 +59,7 @@ Reflector iterate_half_space(const ScatteringMode& medium, const PhaseMode& mode
     return result;
 }
 
-Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mode,
+Reflector double_to_half_space(const FourierMedium& medium, const FourierMode& mode,
                                const ZenithGrid& grid, double tolerance) {
     const Eigen::Index n = grid.size();
     const auto even = even_columns(mode.scaled_nodes);
@@ -83,7 +86,7 @@ Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mo
 
     const Eigen::VectorXd to_bounded =  // X to (mu + mu') R, apart from the sum
         flux_weights(grid).cwiseInverse();
-    while (result.iterations < most_doublings) {
+    while (result.iterations < kMostDoublings) {
         ++result.iterations;
         const Eigen::PartialPivLU<Eigen::MatrixXd> bounces(identity - X * X);
         const Eigen::MatrixXd once = bounces.solve(T);
@@ -100,25 +103,23 @@ Reflector double_to_half_space(const ScatteringMode& medium, const PhaseMode& mo
             }
         }
         result.residual = scale > 0.0 ? largest / scale : 0.0;
-        if (result.residual <= tolerance) {
-            result.converged = true;
-            break;
-        }
+        result.converged = has_converged(result.residual, tolerance);
+        if (result.converged) break;
     }
     result.nodes = 0.5 * (X + X.transpose());
     result.physical = result.nodes.allFinite();
     return result;
 }
 
-bool few_sweeps_suffice(const ScatteringMode& medium, double tolerance) {
+bool few_sweeps_suffice(const FourierMedium& medium, double tolerance) {
     // At most half of what a scattering returns goes to the other side. A sweep costs about a fifth
     // of an eigenproblem.
     const double returned = 0.5 * medium.strongest();
     return returned < 0.3 && std::log(tolerance) / std::log(std::max(returned, 1e-30)) < 5.0;
 }
 
-void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, OrderWork& work,
+void sweep_half_space(const FourierMode& mode, const ZenithGrid& grid,
+                      const RequestedDirections& requested, double tolerance, FourierWork& work,
                       Reflector& result) {
     constexpr int most_sweeps = 40;
     const Eigen::VectorXd& D = work.flux_weights;
@@ -141,7 +142,7 @@ void sweep_half_space(const PhaseMode& mode, const ZenithGrid& grid,
                 0.5 * D[q] * next.col(q).array() * D.array() / (grid.mu.array() + grid.mu[q]);
         }
         result.residual = change;
-        result.converged = sweep > 0 && change <= tolerance;
+        result.converged = has_converged(change, tolerance, sweep > 0);
         if (result.converged) break;
         previous.swap(next);
         reflected_moments(work.mu_over_flux_weights, result.nodes, mode, work.phi);

@@ -1,6 +1,7 @@
-#include "rte/layer/coat_steps.h"
-
+// The stepwise coat methods: the paper's, and a uniform replacement at the same cost.
 #include <cmath>
+
+#include "rte/layer/layer.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -28,7 +29,7 @@ struct Sides {
     Side in;
 };
 
-Sides make_sides(const Blocks& R, const PhaseMode& mode, const ZenithGrid& grid,
+Sides make_sides(const Blocks& R, const FourierMode& mode, const ZenithGrid& grid,
                  const RequestedDirections& requested) {
     const VectorXd twice_D = 2.0 * flux_weights(grid);
     Sides sides;
@@ -90,11 +91,11 @@ Blocks all_sources(const VectorXd& strengths, const Sides& sides) {
             sources(strengths, sides.out, sides.in)};
 }
 
-MatrixXd first_order_matrix(const ScaledMedium& medium, const PhaseMode& mode,
+MatrixXd first_order_matrix(const ScaledMedium& medium, const FourierMode& mode,
                             const RequestedDirections& requested) {
     VectorXd strengths = VectorXd::Zero(mode.at_nodes.cols());
     const VectorXd all = medium.scaled.strengths();
-    const Eigen::Index count = std::max<Eigen::Index>(0, all.size() - mode.order);
+    const Eigen::Index count = std::max<Eigen::Index>(0, all.size() - mode.fourier_order);
     strengths.head(count) = all.tail(count);
     return mode.at_requested(requested.out, Eigen::all) * alternating(strengths).asDiagonal() *
            mode.at_requested(requested.in, Eigen::all).transpose();
@@ -102,7 +103,7 @@ MatrixXd first_order_matrix(const ScaledMedium& medium, const PhaseMode& mode,
 
 }  // namespace
 
-MatrixXd first_order_of(const std::vector<ScaledMedium>& media, const PhaseMode& mode,
+MatrixXd first_order_of(const std::vector<ScaledMedium>& media, const FourierMode& mode,
                         const RequestedDirections& requested) {
     const VectorXd mu_out = requested.mu(requested.out);
     const VectorXd mu_in = requested.mu(requested.in);
@@ -111,7 +112,8 @@ MatrixXd first_order_of(const std::vector<ScaledMedium>& media, const PhaseMode&
         const MatrixXd here = first_order_matrix(medium, mode, requested);
         for (Eigen::Index i = 0; i < sum.cols(); ++i) {
             for (Eigen::Index o = 0; o < sum.rows(); ++o) {
-                const double slant = medium.optical_depth * (1.0 / mu_out[o] + 1.0 / mu_in[i]);
+                const double slant =
+                    medium.scaled_optical_depth * (1.0 / mu_out[o] + 1.0 / mu_in[i]);
                 sum(o, i) = std::exp(-slant) * sum(o, i) -
                             std::expm1(-slant) * here(o, i) / (4.0 * (mu_out[o] + mu_in[i]));
             }
@@ -120,14 +122,14 @@ MatrixXd first_order_of(const std::vector<ScaledMedium>& media, const PhaseMode&
     return sum;
 }
 
-Reflector step_through_coat(CoatMethod method, int substeps, double optical_depth,
-                            const ScatteringMode& medium, const MatrixXd& first_order_below,
-                            const PhaseMode& mode, const ZenithGrid& grid,
+Reflector step_through_coat(CoatMethod method, int substeps, double scaled_optical_depth,
+                            const FourierMedium& medium, const MatrixXd& first_order_below,
+                            const FourierMode& mode, const ZenithGrid& grid,
                             const RequestedDirections& requested, Reflector base) {
     const VectorXd D = flux_weights(grid);
     const VectorXd per_two_D = 0.5 * D.cwiseInverse();
     const VectorXd strengths = alternating(medium.strengths);
-    const double h = optical_depth / substeps;
+    const double h = scaled_optical_depth / substeps;
     Blocks R{2.0 * per_two_D.asDiagonal() * base.nodes * per_two_D.asDiagonal(),
              base.rows * per_two_D.asDiagonal(), base.multiple + first_order_below};
 
@@ -176,7 +178,7 @@ Reflector step_through_coat(CoatMethod method, int substeps, double optical_dept
         for (Eigen::Index o = 0; o < R.pairs.rows(); ++o) {
             const double a = requested.mu[requested.out[o]];
             const double b = requested.mu[requested.in[i]];
-            const double slant = optical_depth * (1.0 / a + 1.0 / b);
+            const double slant = scaled_optical_depth * (1.0 / a + 1.0 / b);
             R.pairs(o, i) -= std::exp(-slant) * first_order_below(o, i) -
                              std::expm1(-slant) * coat_alone(o, i) / (4.0 * (a + b));
         }

@@ -2,7 +2,8 @@
 
 #include <cmath>
 
-#include "rte/math/positive_definite.h"
+#include "rte/fourier/eigenmodes.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -20,9 +21,9 @@ double sinh_rate(double k, double tau) {
 
 // Light from both sides alike, and from both with opposite signs, part: `alike` = (I + Z_p)^-1 and
 // `opposite` = (I + Z_m)^-1. False if they have no physical solution.
-bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
-    work.decomposition.function(work.tanh_rates.array(), layer.thin_impedance);
-    work.decomposition.function(work.sinh_rates.array(), layer.coupling);
+bool fill_nodes(ReflectorParts parts, FourierWork& work, LayerOperator& layer) {
+    work.eigenmode_solver.function(work.tanh_rates.array(), layer.thin_impedance);
+    work.eigenmode_solver.function(work.sinh_rates.array(), layer.coupling);
     work.square = layer.thin_impedance;
     work.square.diagonal().array() += 1.0;
     work.other_square = work.square + 2.0 * layer.coupling;
@@ -42,19 +43,21 @@ bool fill_nodes(ReflectorParts parts, OrderWork& work, LayerOperator& layer) {
 // incident at each node on the top. Inside the layer s = i_up + i_down and a = i_down - i_up
 // follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
 // value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
-void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
-               const RequestedDirections& requested, OrderWork& work, LayerOperator& layer) {
-    const TransferModes& modes = work.decomposition.modes();
-    work.sources.find(medium, mode, modes);
+void fill_rows(double tau, const FourierMedium& medium, const FourierMode& mode,
+               const RequestedDirections& requested, FourierWork& work, LayerOperator& layer) {
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
+    work.sources.find(medium, mode, eigenmodes);
     work.decays.set(tau, requested.mu);
     const Eigen::Index cosines = requested.mu.size();
     work.near.resize(cosines);
     work.far.resize(cosines);
-    for (Eigen::Index j = 0; j < modes.rates.size(); ++j) {
-        work.decays.integrate(tau * modes.rates[j], work.near, work.far);
+    for (Eigen::Index j = 0; j < eigenmodes.rates.size(); ++j) {
+        work.decays.integrate(tau * eigenmodes.rates[j], work.near, work.far);
         const double tanh = work.tanh_rates[j];
         const double coth = tanh + 2.0 * work.sinh_rates[j];
-        for (Eigen::Index r = 0; r < cosines; ++r) {  // becomes: of light alike, of opposite
+        // The sources of s and a become those of light from both sides alike and with opposite
+        // signs.
+        for (Eigen::Index r = 0; r < cosines; ++r) {
             const double sum = work.near[r] + work.far[r];
             const double difference = work.near[r] - work.far[r];
             double& even = work.sources.even(r, j);
@@ -65,13 +68,13 @@ void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
             odd = opposite;
         }
     }
-    const Eigen::Index n = modes.vectors.rows();
+    const Eigen::Index n = eigenmodes.vectors.rows();
     work.rows.resize(cosines, n);
     layer.reflection_rows.resize(cosines, n);
     layer.transmission_rows.resize(cosines, n);
-    work.rows.noalias() = 0.5 * work.sources.even * modes.vectors.transpose();
+    work.rows.noalias() = 0.5 * work.sources.even * eigenmodes.vectors.transpose();
     layer.reflection_rows.noalias() = work.rows * layer.alike;
-    work.rows.noalias() = 0.5 * work.sources.odd * modes.vectors.transpose();
+    work.rows.noalias() = 0.5 * work.sources.odd * eigenmodes.vectors.transpose();
     layer.transmission_rows.noalias() = work.rows * layer.opposite;
     work.rows = layer.transmission_rows;
     layer.transmission_rows = layer.reflection_rows - work.rows;
@@ -80,7 +83,7 @@ void fill_rows(double tau, const ScatteringMode& medium, const PhaseMode& mode,
 
 // Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
 // (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
-void fill_multiple(const PhaseMode& mode, const RequestedDirections& requested, OrderWork& work,
+void fill_multiple(const FourierMode& mode, const RequestedDirections& requested, FourierWork& work,
                    LayerOperator& layer) {
     layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
@@ -101,15 +104,15 @@ Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) cons
     return 2.0 * (alike * (coupling * (opposite * incident)));
 }
 
-void solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
+void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const FourierMode& mode,
                  const ZenithGrid& grid, const RequestedDirections& requested, ReflectorParts parts,
-                 double tolerance, OrderWork& work, LayerOperator& layer) {
-    const double tau = optical_depth;
+                 double tolerance, FourierWork& work, LayerOperator& layer) {
+    const double tau = scaled_optical_depth;
     layer.physical = false;
-    const TransferModes& modes = work.decomposition.find(mode, medium, grid, tolerance);
-    if (!modes.physical) return;
-    work.tanh_rates = modes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
-    work.sinh_rates = modes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
+    const Eigenmodes& eigenmodes = work.eigenmode_solver.find(mode, medium, grid, tolerance);
+    if (!eigenmodes.physical) return;
+    work.tanh_rates = eigenmodes.rates.unaryExpr([=](double k) { return tanh_rate(k, tau); });
+    work.sinh_rates = eigenmodes.rates.unaryExpr([=](double k) { return sinh_rate(k, tau); });
     if (!fill_nodes(parts, work, layer)) return;
     alternating(medium.strengths, work.alternating);
     layer.direct = (-tau / requested.mu.array()).exp();
@@ -118,13 +121,129 @@ void solve_layer(double optical_depth, const ScatteringMode& medium, const Phase
     layer.physical = true;
 }
 
-LayerOperator solve_layer(double optical_depth, const ScatteringMode& medium, const PhaseMode& mode,
-                          const ZenithGrid& grid, const RequestedDirections& requested) {
-    OrderWork work;
+LayerOperator solve_layer(double scaled_optical_depth, const FourierMedium& medium,
+                          const FourierMode& mode, const ZenithGrid& grid,
+                          const RequestedDirections& requested) {
+    FourierWork work;
     LayerOperator layer;
-    solve_layer(optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0, work,
-                layer);
+    solve_layer(scaled_optical_depth, medium, mode, grid, requested, ReflectorParts::nodes, 0.0,
+                work, layer);
     return layer;
+}
+
+// A layer on something that reflects: adding.
+namespace {
+
+// X of both from the impedances. False if they have no physical solution.
+bool join_impedances(const LayerOperator& layer, const MatrixXd& base, FourierWork& work,
+                     MatrixXd& X) {
+    // Z_base = 2 (I + X_base)^-1 - I, Y = Z_p + Z_base.
+    work.square = base;
+    work.square.diagonal().array() += 1.0;
+    MatrixXd& below = work.below;
+    if (!math::invert_positive_definite(work.square, below)) return false;
+    below = layer.thin_impedance + 2.0 * below;
+    below.diagonal().array() -= 1.0;
+    work.square = layer.coupling + below;
+    if (!math::invert_positive_definite(work.square, work.joint)) return false;
+    work.square.noalias() = work.joint * below;
+    work.other_square = layer.thin_impedance;
+    work.other_square.diagonal().array() += 1.0;
+    work.other_square.noalias() += layer.coupling * work.square;
+    work.square = 0.5 * (work.other_square + work.other_square.transpose());
+    if (!math::invert_positive_definite(work.square, X)) return false;
+    X *= 2.0;
+    X.diagonal().array() -= 1.0;
+    return true;
+}
+
+// Radiance between layer and base for light incident at some of the requested cosines, columns:
+// down = t + X_c up, up = X_base down + exp(-tau / mu) rho_base.
+void fill_interface(const LayerOperator& layer, const Reflector& base, FourierWork& work) {
+    work.incoming = work.through;
+    work.incoming.noalias() += layer.reflection * work.beam;
+    work.down.resize(work.incoming.rows(), work.incoming.cols());
+    work.down = work.bounces.solve(work.incoming);
+    work.up = work.beam;
+    work.up.noalias() += base.nodes * work.down;
+}
+
+void gather_columns(const MatrixXd& rows, const std::vector<int>& which,
+                    math::ScratchMatrix& columns) {
+    columns.resize(rows.cols(), Eigen::Index(which.size()));
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        columns.col(Eigen::Index(k)) = rows.row(which[k]).transpose();
+    }
+}
+
+// R between requested cosines: of the layer, of the base seen through it, and of light that
+// passes the interface. Reciprocity: the side with fewer cosines is the one that is lit.
+void fill_pairs(const LayerOperator& layer, const Reflector& base,
+                const RequestedDirections& requested, FourierWork& work, Reflector& result) {
+    const bool out_is_lit = requested.out.size() < requested.in.size();
+    const std::vector<int>& lit = out_is_lit ? requested.out : requested.in;
+    const std::vector<int>& other = out_is_lit ? requested.in : requested.out;
+    gather_columns(work.seen, lit, work.beam);
+    gather_columns(layer.transmission_rows, lit, work.through);
+    fill_interface(layer, base, work);
+    gather_columns(work.seen, other, work.beam);
+    gather_columns(layer.transmission_rows, other, work.through);
+    work.pairs.resize(Eigen::Index(other.size()), Eigen::Index(lit.size()));
+    work.pairs.noalias() = 0.5 * work.beam.transpose() * work.down;
+    work.pairs.noalias() += 0.5 * work.through.transpose() * work.up;
+
+    result.multiple = layer.multiple;
+    if (out_is_lit) {
+        result.multiple += work.pairs.transpose();
+    } else {
+        result.multiple += work.pairs;
+    }
+    for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
+        const double direct_in = layer.direct[requested.in[std::size_t(i)]];
+        for (Eigen::Index o = 0; o < result.multiple.rows(); ++o) {
+            result.multiple(o, i) +=
+                layer.direct[requested.out[std::size_t(o)]] * base.multiple(o, i) * direct_in;
+        }
+    }
+}
+
+// The answer to a sky: down = T sky + X_c up, up = X_base down.
+void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::VectorXd& sky,
+              const FourierWork& work, Reflector& result) {
+    const Eigen::VectorXd down = work.bounces.solve(layer.transmitted(sky));
+    const Eigen::VectorXd up = base.nodes * down;
+    result.sky_at_requested =
+        layer.reflection_rows * sky + layer.transmission_rows * up + work.seen * down;
+    result.sky_at_nodes = layer.reflection * sky + layer.transmitted(up);
+}
+
+}  // namespace
+
+void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
+            ReflectorParts parts, const Eigen::VectorXd& sky, FourierWork& work,
+            Reflector& result) {
+    const Eigen::Index n = base.nodes.rows();
+    result.iterations = base.iterations;
+    result.residual = base.residual;
+    result.converged = base.converged;
+    result.physical =
+        parts != ReflectorParts::nodes || join_impedances(layer, base.nodes, work, result.nodes);
+    if (!result.physical) return;
+
+    work.seen = layer.direct.asDiagonal() * base.rows;
+    work.square.resize(n, n);
+    work.square.noalias() = -layer.reflection * base.nodes;
+    work.square.diagonal().array() += 1.0;
+    work.bounces.compute(work.square);
+    if (parts == ReflectorParts::sky) fill_sky(layer, base, sky, work, result);
+    if (parts == ReflectorParts::nodes) {
+        work.beam = work.seen.transpose();
+        work.through = layer.transmission_rows.transpose();
+        fill_interface(layer, base, work);
+        result.rows = layer.reflection_rows;
+        result.rows.noalias() += work.up.transpose() * layer.transmission;  // T = T^T
+    }
+    fill_pairs(layer, base, requested, work, result);
 }
 
 }  // namespace miebrdf::rte

@@ -8,19 +8,19 @@ namespace miebrdf::math {
 namespace {
 
 using NodeArray = DecayIntegrator::NodeArray;
-constexpr int node_count = NodeArray::RowsAtCompileTime;
+constexpr int kNodeCount = NodeArray::RowsAtCompileTime;
 
 // Smooth integrands: 15 Gauss nodes integrate exp and sinh of arguments below 1 to rounding.
 struct UnitInterval {
     NodeArray nodes, weights;
 
     UnitInterval() {
-        using rule = boost::math::quadrature::gauss<double, node_count>;
-        for (int k = 0; k <= node_count / 2; ++k) {
+        using rule = boost::math::quadrature::gauss<double, kNodeCount>;
+        for (int k = 0; k <= kNodeCount / 2; ++k) {
             const auto at = std::size_t(k);
-            nodes[node_count / 2 + k] = 0.5 + 0.5 * rule::abscissa()[at];
-            nodes[node_count / 2 - k] = 0.5 - 0.5 * rule::abscissa()[at];
-            weights[node_count / 2 + k] = weights[node_count / 2 - k] = 0.5 * rule::weights()[at];
+            nodes[kNodeCount / 2 + k] = 0.5 + 0.5 * rule::abscissa()[at];
+            nodes[kNodeCount / 2 - k] = 0.5 - 0.5 * rule::abscissa()[at];
+            weights[kNodeCount / 2 + k] = weights[kNodeCount / 2 - k] = 0.5 * rule::weights()[at];
         }
     }
 };

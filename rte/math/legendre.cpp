@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::math {
 namespace {
@@ -11,11 +12,8 @@ namespace {
 template <typename Table>
 void fill(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu, Table& table) {
     if (!(order >= 0 && degrees > order)) {
-        throw std::invalid_argument(
-            fmt::format("Legendre functions of order {} and degrees below {}: the order must not "
-                        "be negative and "
-                        "smaller than the number of degrees",
-                        order, degrees));
+        throw UsageError("order", fmt::format("{} of {} degrees", order, degrees),
+                         "0 or more, and below the number of degrees");
     }
     const int m = order;
     table.resize(mu.size(), degrees - m);

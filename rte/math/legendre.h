@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "rte/math/scratch.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::math {
 
@@ -19,7 +19,7 @@ namespace miebrdf::math {
 /// @param degrees  L > m: columns are l = m ... L - 1
 /// @param mu       cosines in [-1, 1]
 /// @param table    resized to mu.size() x (L - m), row = cosine, column = l - m
-/// @throws std::invalid_argument  for an order or a number of degrees out of range
+/// @throws UsageError  for an order or a number of degrees out of range
 void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
                         Eigen::MatrixXd& table);
 void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,

@@ -4,17 +4,17 @@
 
 #include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::math {
 
 Quadrature gauss_legendre(int count, double lower, double upper) {
     if (!(count >= 1 && count <= 4096)) {
-        throw std::invalid_argument(fmt::format("{} quadrature nodes; allowed: 1 to 4096", count));
+        throw UsageError("count", count, "1 to 4096");
     }
     if (!(lower < upper && std::isfinite(upper - lower))) {
-        throw std::invalid_argument(fmt::format(
-            "quadrature on ({}, {}): the interval must be finite and not empty", lower, upper));
+        throw UsageError("interval", fmt::format("({}, {})", lower, upper), "finite, not empty");
     }
     const double centre = 0.5 * (lower + upper);
     const double half_width = 0.5 * (upper - lower);

@@ -1,4 +1,4 @@
-// Quadrature rules: nodes and weights, nothing else.
+// Quadrature rules.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct Quadrature {
 /// 2 count - 1. Zeros from Boost.Math's Newton iteration, weights 2 / ((1 - x^2) P'_n(x)^2).
 ///
 /// @param count  1 to 4096
-/// @throws std::invalid_argument  count out of range, or an interval that is empty or not finite
+/// @throws UsageError  for a count out of range, or an interval that is empty or not finite
 Quadrature gauss_legendre(int count, double lower = -1.0, double upper = 1.0);
 
 }  // namespace miebrdf::math

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include <miebrdf/error.h>
 #include "rte/math/legendre.h"
 
 namespace miebrdf::rte {
@@ -13,8 +13,7 @@ namespace {
 
 void require_albedo(double albedo) {
     if (!(albedo >= 0.0 && albedo <= 1.0)) {
-        throw std::invalid_argument(
-            fmt::format("single-scattering albedo {}; allowed: [0, 1]", albedo));
+        throw UsageError("single_scattering_albedo", albedo, "[0, 1]");
     }
 }
 
@@ -33,19 +32,17 @@ void validate(const Optics& optics) {
     const double sum = optics.single_scattering_albedo + optics.one_minus_albedo;
     // Two roundings of numbers up to 1; what a file prints with 12 digits passes as well.
     if (!(optics.one_minus_albedo >= 0.0 && std::abs(sum - 1.0) <= 1e-11)) {
-        throw std::invalid_argument(
-            fmt::format("one_minus_albedo {} with albedo {}: allowed is 1 - albedo within 1e-11",
-                        optics.one_minus_albedo, optics.single_scattering_albedo));
+        throw UsageError("one_minus_albedo", optics.one_minus_albedo,
+                         fmt::format("1 - single_scattering_albedo within 1e-11, here {}",
+                                     1.0 - optics.single_scattering_albedo));
     }
     if (optics.chi.empty() || !(std::abs(optics.chi[0] - 1.0) <= 1e-9)) {
-        throw std::invalid_argument(
-            fmt::format("chi_0 = {}; allowed: 1 within 1e-9 (the mean of P over the sphere)",
-                        optics.chi.empty() ? std::nan("") : optics.chi[0]));
+        throw UsageError("chi[0]", optics.chi.empty() ? std::nan("") : optics.chi[0],
+                         "1 within 1e-9 (the mean of P over the sphere)");
     }
     for (std::size_t l = 1; l < optics.chi.size(); ++l) {
         if (!(std::abs(optics.chi[l]) <= 1.0 + 1e-9)) {
-            throw std::invalid_argument(
-                fmt::format("chi_{} = {}; allowed: [-1, 1]", l, optics.chi[l]));
+            throw UsageError(fmt::format("chi[{}]", l), optics.chi[l], "[-1, 1]");
         }
     }
 }
@@ -64,7 +61,7 @@ Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetr
     Optics optics = with_albedo(single_scattering_albedo);
     const double g = asymmetry;
     if (!(g > -1.0 && g < 1.0)) {
-        throw std::invalid_argument(fmt::format("asymmetry {}; allowed: (-1, 1)", g));
+        throw UsageError("asymmetry", g, "(-1, 1)");
     }
     // Up to (2l+1) g^l below rounding, and never more than a peak of 1e-5 needs.
     constexpr std::size_t most_moments = 1 << 20;
@@ -87,14 +84,12 @@ Optics mix(const std::vector<MixtureComponent>& components) {
     for (const MixtureComponent& component : components) {
         validate(component.optics);
         if (!(component.extinction >= 0.0 && std::isfinite(component.extinction))) {
-            throw std::invalid_argument(
-                fmt::format("extinction {} of a mixture's component; allowed: 0 or more",
-                            component.extinction));
+            throw UsageError("extinction", component.extinction, "0 or more, finite");
         }
         extinction += component.extinction;
     }
     if (!(extinction > 0.0)) {
-        throw std::invalid_argument("a mixture needs a component with extinction above 0");
+        throw UsageError("a mixture needs a component with extinction above 0");
     }
 
     Optics mixture;
@@ -139,6 +134,19 @@ Optics mix(const std::vector<MixtureComponent>& components) {
         };
     }
     return mixture;
+}
+
+void validate(const Stack& stack) {
+    if (stack.base_kind == BaseKind::half_space) validate(stack.base);
+    if (!(stack.ground_albedo >= 0.0 && stack.ground_albedo <= 1.0)) {
+        throw UsageError("ground_albedo", stack.ground_albedo, "[0, 1]");
+    }
+    for (const Coat& coat : stack.coats) {
+        validate(coat.optics);
+        if (!(coat.optical_depth >= 0.0)) {
+            throw UsageError("optical_depth", coat.optical_depth, "0 or more");
+        }
+    }
 }
 
 }  // namespace miebrdf::rte

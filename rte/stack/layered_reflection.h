@@ -2,20 +2,23 @@
 // functions. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
-#include "rte/boundary/boundary.h"
-#include "rte/stack/stack.h"
+#include <miebrdf/surface.h>
 
 namespace miebrdf::rte {
+
+struct StackMemory;
 
 /// reflection[(i * mu_out.size() + o) * azimuth_deg.size() + a] = R(mu_in[i], mu_out[o],
 /// azimuth_deg[a]); BRDF = R / pi.
 struct ReflectionTable {
     std::vector<double> reflection;
-    std::vector<double>
-        plane_albedo;  ///< at each mu_in, from the same solution; NaN if not physical
+    /// At each mu_in, from the same solution; NaN if it is not physical.
+    std::vector<double> plane_albedo;
     SolverReport report;
 };
 
@@ -26,17 +29,22 @@ struct AlbedoTable {
 };
 
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
-/// @throws std::invalid_argument  for optics, optical depths, cosines, azimuths or options out of
-///         range, with the value and what is allowed. Not converging is an outcome.
+/// @param memory  for its matrices, where stacks are solved one after the other (stack_solver.h);
+///                null: of its own
+/// @throws UsageError  for optics, optical depths, cosines, azimuths or options out of range. Not
+///         converging is an outcome.
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options = {});
+                        const SolverOptions& options = {}, StackMemory* memory = nullptr);
 
-/// Plane albedo at each mu_in and spherical albedo: azimuthal order 0 alone.
-/// @param boundary  above the layers; both albedos are of the light that it lets in, and count what
-///                  it lets out:
-///                      A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
-///                      spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
+/// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
+/// @param surface  the weights of a surface above the layers at a cosine in (0, 1], smooth in it;
+///                 empty: no surface, all weights are 1. Both albedos are of the light that it lets
+///                 in, and count what it lets out:
+///                     A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
+///                     spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
-                   const SolverOptions& options = {}, const Boundary& boundary = {});
+                   const SolverOptions& options = {},
+                   const std::function<SurfaceWeights(double mu)>& surface = {},
+                   StackMemory* memory = nullptr);
 
 }  // namespace miebrdf::rte

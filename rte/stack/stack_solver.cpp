@@ -1,18 +1,41 @@
 #include "rte/stack/stack_solver.h"
 
-#include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
-#include "rte/half_space/solved_half_spaces.h"
-#include "rte/layer/coat_steps.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf::rte {
-namespace {
 
-// What the equations of one order are solved to, of the tolerance of the whole.
-constexpr double share_of_equations = 0.01;
-
-}  // namespace
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
+    ScaledStack scaled;
+    scaled.moments = moments;
+    scaled.base = stack.base_kind;
+    scaled.ground_albedo = stack.ground_albedo;
+    const auto add = [&](const Optics& optics, double optical_depth) {
+        ScaledOptics medium = scale_optics(optics, moments, delta_m);
+        const double scaled_depth = bounded_depth(optical_depth * medium.depth_factor);
+        ForwardPeak narrow;
+        if (medium.truncated > 0.0) {
+            narrow = split_forward_peak(optics.chi, medium.first_cutoff);
+        }
+        scaled.media.push_back({optics, std::move(medium), scaled_depth, std::move(narrow)});
+    };
+    if (stack.base_kind == BaseKind::half_space) {
+        add(stack.base, std::numeric_limits<double>::infinity());
+    }
+    for (const Coat& coat : stack.coats) {
+        if (coat.optical_depth == 0.0) continue;
+        if (is_bottomless(coat.optical_depth)) {
+            scaled.media.clear();
+            scaled.base = BaseKind::half_space;
+        }
+        add(coat.optics, coat.optical_depth);
+    }
+    return scaled;
+}
 
 StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
                          const RequestedDirections& requested, const SolverOptions& options,
@@ -21,11 +44,12 @@ StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
       grid_(grid),
       requested_(requested),
       options_(options),
-      tolerance_(share_of_equations * options.tolerance),
+      tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {}
 
-const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen::VectorXd& sky) {
-    mode_ = &memory_.tables.mode(order, stack_.moments, grid_, requested_);
+const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
+                                    const Eigen::VectorXd& sky) {
+    make_fourier_mode(fourier_order, stack_.moments, grid_, requested_, memory_.mode);
     const std::size_t first_coat = solve_lowest();
     bool has_sky = false;
     for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
@@ -43,34 +67,30 @@ const Reflector& StackSolver::solve(int order, ReflectorParts parts, const Eigen
 void StackSolver::set_medium(const ScaledMedium& medium) {
     const ScaledOptics& scaled = medium.scaled;
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
-    memory_.medium.lowest_degree = mode_->order;
-    memory_.medium.strengths.resize(mode_->at_nodes.cols());
+    memory_.medium.lowest_degree = memory_.mode.fourier_order;
+    memory_.medium.strengths.resize(memory_.mode.at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
-        const Eigen::Index l = mode_->order + c;
+        const Eigen::Index l = memory_.mode.fourier_order + c;
         memory_.medium.strengths[c] =
             l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
     }
 }
 
-bool StackSolver::hides_what_is_below(const ScaledMedium& coat) {
-    if (options_.coat_method != CoatMethod::automatic ||
-        options_.half_space_method != HalfSpaceMethod::automatic) {
-        return false;
-    }
-    // With q = strongest(): U and V are at least (1 - q) M^-1, so that nothing decays more slowly
-    // than exp(-(1 - q) tau). Down and up, with some room for what the coat reflects itself.
-    constexpr double room = 4.0;
-    set_medium(coat);
-    const double slowest = 1.0 - memory_.medium.strongest();
-    return slowest > 0.0 && room * std::exp(-2.0 * slowest * coat.optical_depth) <= tolerance_;
+bool StackSolver::may_leave_out_layers() const {
+    return options_.coat_method == CoatMethod::automatic &&
+           options_.half_space_method == HalfSpaceMethod::automatic;
 }
 
 std::size_t StackSolver::solve_lowest() {
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
-    for (std::size_t c = stack_.media.size(); c-- > first_coat;) {
-        if (!hides_what_is_below(stack_.media[c])) continue;
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, *mode_, grid_, requested_,
-                         tolerance_, memory_.work, memory_.reflector);
+    for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
+        set_medium(stack_.media[c]);
+        if (!hides_in_fourier_order(memory_.medium, stack_.media[c].scaled_optical_depth,
+                                    tolerance_)) {
+            continue;
+        }
+        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_,
+                         requested_, tolerance_, memory_.work, memory_.reflector);
         return c + 1;
     }
     solve_base();
@@ -80,7 +100,8 @@ std::size_t StackSolver::solve_lowest() {
 void StackSolver::solve_base() {
     switch (stack_.base) {
         case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, *mode_, grid_, requested_, memory_.reflector);
+            lambertian_ground(stack_.ground_albedo, memory_.mode, grid_, requested_,
+                              memory_.reflector);
             return;
         case BaseKind::none:
             no_reflection(grid_, requested_, memory_.reflector);
@@ -89,16 +110,8 @@ void StackSolver::solve_base() {
             break;
     }
     set_medium(stack_.media.front());
-    const double tolerance =
-        options_.half_space_tolerance > 0.0 ? options_.half_space_tolerance : tolerance_;
-    if (options_.half_spaces != nullptr) {
-        options_.half_spaces->solve(
-            {options_.half_space_method, memory_.medium, *mode_, grid_, requested_, tolerance},
-            memory_.work, memory_.reflector);
-        return;
-    }
-    solve_half_space(options_.half_space_method, memory_.medium, *mode_, grid_, requested_,
-                     tolerance, memory_.work, memory_.reflector);
+    solve_half_space(options_.half_space_method, memory_.medium, memory_.mode, grid_, requested_,
+                     tolerance_, memory_.work, memory_.reflector);
 }
 
 void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky) {
@@ -107,21 +120,20 @@ void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eig
     if (options_.coat_method != CoatMethod::automatic) {
         const std::vector<ScaledMedium> below(stack_.media.begin(),
                                               stack_.media.begin() + std::ptrdiff_t(index));
-        memory_.reflector =
-            step_through_coat(options_.coat_method, options_.coat_substeps, coat.optical_depth,
-                              memory_.medium, first_order_of(below, *mode_, requested_), *mode_,
-                              grid_, requested_, std::move(memory_.reflector));
+        memory_.reflector = step_through_coat(
+            options_.coat_method, options_.coat_substeps, coat.scaled_optical_depth, memory_.medium,
+            first_order_of(below, memory_.mode, requested_), memory_.mode, grid_, requested_,
+            std::move(memory_.reflector));
         return;
     }
-    OrderWork& work = memory_.work;
-    solve_layer(coat.optical_depth, memory_.medium, *mode_, grid_, requested_, parts, tolerance_,
-                work, memory_.layer);
+    solve_layer(coat.scaled_optical_depth, memory_.medium, memory_.mode, grid_, requested_, parts,
+                tolerance_, memory_.work, memory_.layer);
     if (!memory_.layer.physical) {
         memory_.reflector.physical = false;
         return;
     }
     std::swap(memory_.below, memory_.reflector);
-    put_on(memory_.layer, memory_.below, requested_, parts, sky, work, memory_.reflector);
+    put_on(memory_.layer, memory_.below, requested_, parts, sky, memory_.work, memory_.reflector);
 }
 
 }  // namespace miebrdf::rte

@@ -1,17 +1,15 @@
-#include "rte/surface/directional_reflectance.h"
-
-#include <fmt/format.h>
-
+// How much of the light from one direction a rough surface reflects, and means of it.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include <miebrdf/error.h>
+#include <miebrdf/surface.h>
 #include "rte/boundary/fresnel.h"
 #include "rte/math/quadrature.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/surface/microfacet.h"
-#include "rte/surface/slope_plane.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -160,10 +158,22 @@ IntegralResult refine(const ReflectanceIntegral<Slopes>& integral, double tolera
         result.nodes = static_cast<int>(rule.nodes.size());
         change = std::abs(result.value - before);
         result.error_estimate = std::max(change, kTrustedGain * previous_change);
-        result.converged = result.error_estimate <= tolerance;
+        result.converged = has_converged(result.error_estimate, tolerance);
         if (result.converged && result.nodes > kFewestNodes) break;
     }
     return result;
+}
+
+double mean_with(const std::function<double(double)>& rho, HemisphereMean mean, int nodes) {
+    const math::Quadrature rule = math::gauss_legendre(nodes, 0.0, 1.0);
+    double sum = 0;
+    for (int i = 0; i < nodes; ++i) {
+        const double t = rule.nodes[i];
+        const double mu = t * t;
+        const double weight = 2.0 * t * rule.weights[i];
+        sum += weight * (mean == HemisphereMean::cosine ? 2.0 * mu : 1.0) * (1.0 - rho(mu));
+    }
+    return sum;
 }
 
 }  // namespace
@@ -174,15 +184,34 @@ IntegralResult directional_reflectance(std::complex<double> refractive_index,
     validate(options);
     const FresnelReflectance fresnel(refractive_index, options.fresnel);
     if (!(mu_in > 0 && mu_in <= 1)) {
-        throw std::invalid_argument(fmt::format("cosine of incidence {}; allowed: (0, 1]", mu_in));
+        throw UsageError("mu_in", mu_in, "(0, 1]");
     }
     if (!(tolerance > 0)) {
-        throw std::invalid_argument(fmt::format("tolerance {}; allowed: > 0", tolerance));
+        throw UsageError("tolerance", tolerance, "above 0");
     }
     if (options.distribution == MicrofacetDistribution::ggx) {
         return refine(ReflectanceIntegral<GgxSlopes>(fresnel, options, mu_in), tolerance);
     }
     return refine(ReflectanceIntegral<BeckmannSlopes>(fresnel, options, mu_in), tolerance);
+}
+
+IntegralResult mean_transmittance(const std::function<double(double mu)>& rho, HemisphereMean mean,
+                                  double tolerance) {
+    if (!(tolerance > 0)) {
+        throw UsageError("tolerance", tolerance, "above 0");
+    }
+    constexpr int kFewest = 8;
+    constexpr int kMost = 256;
+    IntegralResult result;
+    result.value = mean_with(rho, mean, kFewest);
+    for (int nodes = 2 * kFewest; nodes <= kMost && !result.converged; nodes *= 2) {
+        const double before = result.value;
+        result.value = mean_with(rho, mean, nodes);
+        result.nodes = nodes;
+        result.error_estimate = std::abs(result.value - before);
+        result.converged = has_converged(result.error_estimate, tolerance);
+    }
+    return result;
 }
 
 }  // namespace miebrdf::rte

@@ -1,6 +1,8 @@
-// The statistics of a rough surface made of small mirrors: which normals there are (D) and which
-// of them are lit and seen (G).
+// The statistics of a rough surface made of small mirrors: which normals there are (D), which of
+// them are lit and seen (G), and in which slopes both are integrated.
 #pragma once
+
+#include <vector>
 
 #include <miebrdf/surface.h>
 
@@ -30,7 +32,7 @@ struct FacetGeometry {
 /// G / (mu_in mu_out): kept together because at grazing both go to zero.
 class ShadowingOverCosines {
   public:
-    /// @throws std::invalid_argument  for options out of range
+    /// @throws UsageError  for options out of range
     explicit ShadowingOverCosines(const SurfaceOptions& options);
 
     /// mu / G1(mu) of the chosen Lambda, to be computed once for a ray used often.
@@ -44,6 +46,33 @@ class ShadowingOverCosines {
     Shadowing shadowing_;
     MicrofacetDistribution distribution_;
     double alpha_;
+};
+
+/// One direction of incidence; mu in (0, 1].
+class SlopePlane {
+  public:
+    explicit SlopePlane(double mu_in);
+
+    double mu() const { return mu_; }
+    double sine() const { return sine_; }
+
+    /// Slopes that reflect above the horizon: the disk (x - tan)^2 + y^2 < 1 / mu^2.
+    double largest_y() const { return 1.0 / mu_; }
+    double lowest_x(double y) const;
+    double highest_x(double y) const;
+
+    /// Where the V-cavity's min(1, 2 cos_half min(mu_in, mu_out) / cos_facet) changes branch along
+    /// a line of constant y, ascending.
+    std::vector<double> v_cavity_kinks(double y) const;
+    /// Where y > 0 those kinks begin, end or meet, ascending: between these the integral over a
+    /// line is a smooth function of y.
+    std::vector<double> v_cavity_corners() const;
+
+  private:
+    double root(double y) const;
+
+    double mu_;
+    double sine_;
 };
 
 }  // namespace miebrdf::rte

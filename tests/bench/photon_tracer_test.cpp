@@ -1,12 +1,103 @@
-// The tracer against tables that owe nothing to it (tests/reference/rte).
-#include "tools/bench/photon_tracer.h"
+// Photons: their random numbers, their scattering angles, and where they go.
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
+#include "tools/bench/photon_tracer.h"
 
 using namespace miebrdf;
+
+TEST_CASE("Philox4x32-10 gives the known answers of its authors", "[bench][random]") {
+    // kat_vectors of the Random123 distribution (Salmon et al. 2011).
+    CHECK(bench::philox({0, 0, 0, 0}, {0, 0}) ==
+          bench::PhiloxCounter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
+    CHECK(
+        bench::philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}) ==
+        bench::PhiloxCounter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
+    CHECK(
+        bench::philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
+        bench::PhiloxCounter{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+}
+
+TEST_CASE("streams are reproducible, different and uniform", "[bench][random]") {
+    bench::RandomStream a(7, 1), again(7, 1), other(7, 2);
+    double sum = 0, squares = 0, product = 0;
+    const int n = 100000;
+    for (int i = 0; i < n; ++i) {
+        const double u = a.uniform(), v = other.uniform();
+        REQUIRE(u == again.uniform());
+        REQUIRE((u > 0 && u < 1));
+        sum += u;
+        squares += u * u;
+        product += u * v;
+    }
+    // Five standard errors: sqrt(1/12), sqrt(4/45) and sqrt(7/144) over sqrt(n).
+    CHECK(std::abs(sum / n - 0.5) <= 5 * std::sqrt(1.0 / 12 / n));
+    CHECK(std::abs(squares / n - 1.0 / 3) <= 5 * std::sqrt(4.0 / 45 / n));
+    CHECK(std::abs(product / n - 0.25) <= 5 * std::sqrt(7.0 / 144 / n));
+}
+
+using bench::ScatteringLaw;
+
+namespace {
+
+ScatteringLaw some_law(int which) {
+    switch (which) {
+        case 0:
+            return ScatteringLaw::isotropic();
+        case 1:
+            return ScatteringLaw::rayleigh();
+        case 2:
+            return ScatteringLaw::henyey_greenstein(0.75);
+        case 3:
+            return ScatteringLaw::henyey_greenstein(-0.4);
+        default:
+            return ScatteringLaw::tabulated({-1, -0.5, 0.2, 0.9, 1}, {1, 0, 0.5, 2, 30});
+    }
+}
+
+}  // namespace
+
+TEST_CASE("sampling inverts the distribution of the phase function", "[bench][law]") {
+    const int which = GENERATE(0, 1, 2, 3, 4);
+    const auto law = some_law(which);
+    const auto fraction_below = [&](double x) {
+        double sum = 0;
+        // Piecewise, because a table has kinks.
+        const double kinks[] = {-1, -0.5, 0.2, 0.9, 1};
+        for (int i = 0; i < 4; ++i) {
+            const double from = kinks[i], to = std::min(x, kinks[i + 1]);
+            if (to <= from) break;
+            sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+                [&](double t) { return law.value(t) / 2; }, from, to, 10, 1e-13);
+        }
+        return sum;
+    };
+    CAPTURE(which);
+    CHECK(std::abs(fraction_below(1.0) - 1) <= 1e-12);
+    for (const double u : {1e-6, 0.01, 0.2, 0.5, 0.77, 0.99, 1 - 1e-6}) {
+        // Quadrature to 1e-13; the inverse of a steep distribution costs a digit or two.
+        CHECK(std::abs(fraction_below(law.sample(u)) - u) <= 1e-11);
+    }
+}
+
+TEST_CASE("the asymmetry of a law is the mean of its cosine", "[bench][law]") {
+    CHECK(some_law(2).asymmetry() == 0.75);
+    CHECK(some_law(1).asymmetry() == 0.0);
+    // A straight line P = 1 + x: g = 1/3.
+    CHECK(std::abs(ScatteringLaw::tabulated({-1, 0.3, 1}, {0, 1.3, 2}).asymmetry() - 1.0 / 3) <=
+          1e-15);
+}
+
+TEST_CASE("laws that no light could follow are refused", "[bench][law][errors]") {
+    CHECK_THROWS_WITH(ScatteringLaw::henyey_greenstein(1.0), Catch::Contains("(-1, 1)"));
+    CHECK_THROWS_AS(ScatteringLaw::tabulated({-1, 1}, {1, -1}), std::invalid_argument);
+    CHECK_THROWS_AS(ScatteringLaw::tabulated({-1, 0.5}, {1, 1}), std::invalid_argument);
+    CHECK_THROWS_AS(ScatteringLaw::tabulated({-1, 1}, {0, 0}), std::invalid_argument);
+}
+
 using bench::ScatteringLaw;
 
 namespace {

@@ -2,7 +2,7 @@
 #include <atomic>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/solve/run_control.h"
+#include <miebrdf/control.h>
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
@@ -49,8 +49,8 @@ TEST_CASE("an rgl export that is stopped leaves neither of its two files",
     const ExportOptions options{.resolution = 32};
     std::atomic<bool> cancelled = false;
     std::size_t calls = 0, last = 0;
-    RunControl control{.threads = 1};
-    control.cancelled = &cancelled;
+    Control control{.threads = 1};
+    control.is_cancelled = [&cancelled] { return cancelled.load(); };
     control.progress = [&](const std::string&, std::size_t, std::size_t) {
         if (++calls == last) cancelled = true;
     };

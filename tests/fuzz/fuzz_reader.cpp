@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <miebrdf/formats.h>
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace miebrdf;

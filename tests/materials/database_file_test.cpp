@@ -3,9 +3,11 @@
 #include <sqlite3.h>
 
 #include <filesystem>
+#include <functional>
 
 #include "materials/database/database.h"
 #include "materials/database/database_writer.h"
+#include "materials/database/schema.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -143,9 +145,23 @@ TEST_CASE("files that are no materials database are refused with the reason",
     run_sql(foreign, "CREATE TABLE t (x); PRAGMA user_version = 1");
     CHECK_THROWS_WITH(Database::open(foreign), Catch::Contains("another program"));
     CHECK_THROWS_WITH(DatabaseWriter(foreign), Catch::Contains("another program"));
-    const auto newer = good_file(folder);
-    run_sql(newer, "PRAGMA user_version = 99");
-    CHECK_THROWS_WITH(Database::open(newer), Catch::Contains("99") && Catch::Contains("newer"));
+}
+
+TEST_CASE("a database of another version is refused and left as it is", "[materials][errors]") {
+    const support::TemporaryFolder folder;
+    const auto file = good_file(folder);
+    const int version = GENERATE(0, 1, kDatabaseVersion + 1, 99);
+    run_sql(file, fmt::format("CREATE TABLE invention (x); PRAGMA user_version = {}", version));
+    const std::string bytes = support::read_file(file);
+    for (const auto& open : std::vector<std::function<void()>>{[&] { Database::open(file); },
+                                                               [&] { Database::layered(file); },
+                                                               [&] { DatabaseWriter{file}; }}) {
+        CHECK_THROWS_WITH(open(), Catch::Contains("good.sqlite") &&
+                                      Catch::Contains(fmt::format("version {}", version)) &&
+                                      Catch::Contains(fmt::format("the {}", kDatabaseVersion)) &&
+                                      Catch::Contains(version > 2 ? "newer" : "older"));
+    }
+    CHECK(support::read_file(file) == bytes);
 }
 
 TEST_CASE("a file cut short anywhere is noticed", "[materials][errors]") {

@@ -1,4 +1,4 @@
-#include "rte/math/angle_table.h"
+#include "rte/math/chebyshev.h"
 
 #include <cmath>
 #include <numbers>

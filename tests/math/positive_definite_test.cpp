@@ -1,9 +1,8 @@
-#include "rte/math/positive_definite.h"
+#include "rte/math/matrices.h"
 
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "rte/math/scratch.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,4 +1,4 @@
-#include "mie/sphere/amplitudes.h"
+#include <miebrdf/sphere.h>
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "mie/ensemble/ensemble.h"
+#include <miebrdf/ensemble.h>
 
 #include <atomic>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <thread>
 
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
@@ -316,11 +316,11 @@ TEST_CASE("an ensemble refuses nonsense with the value in the message", "[mie][e
     }
     SECTION("host") {
         request.host_index = 0;
-        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("host index 0"));
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("host_index: 0"));
     }
     SECTION("tolerance") {
         request.tolerance = 0;
-        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("tolerance 0"));
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("tolerance: 0"));
     }
     SECTION("sizes far beyond wave optics") {
         request.sizes.effective_radius_um = 1e6;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mie/ensemble/ensemble.h"
+#include <miebrdf/ensemble.h>
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
@@ -31,8 +31,7 @@ TEST_CASE("extinction off the real axis agrees with sizes on it", "[mie][extinct
     // Absorbing spheres, where sampling converges quickly: a second method.
     mie::EnsembleRequest request;
     request.sizes.kind =
-        GENERATE(mie::SizeDistributionKind::power_law, mie::SizeDistributionKind::gamma,
-                 mie::SizeDistributionKind::log_normal);
+        mie::parse_size_distribution(GENERATE("power-law", "gamma", "log-normal", "rosin-rammler"));
     request.sizes.effective_radius_um = GENERATE(1.0, 4.0);
     request.sizes.effective_variance = 0.1;
     request.refractive_index = {1.5, 0.2};

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

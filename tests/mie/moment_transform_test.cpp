@@ -5,8 +5,8 @@
 #include <complex>
 #include <vector>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/terms.h"
+#include <miebrdf/ensemble.h>
+#include "mie/sphere/radial_functions.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -6,8 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "mie/sphere/amplitudes.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

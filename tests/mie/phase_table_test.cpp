@@ -5,8 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/amplitudes.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -17,16 +17,16 @@ namespace {
 // A table of a known function on given panels.
 mie::PhaseTable table_of(const std::function<double(double)>& phase,
                          const std::vector<double>& edges) {
-    Eigen::MatrixXd values(mie::PhaseTable::panel_nodes,
+    Eigen::MatrixXd values(mie::PhaseTable::kPanelNodes,
                            static_cast<Eigen::Index>(edges.size()) - 1);
     for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
-        const auto nodes = mie::PhaseTable::nodes_of(edges[p], edges[p + 1]);
+        const auto nodes = mie::panel_nodes(edges[p], edges[p + 1]);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p)) =
                 phase(std::cos(nodes[i]));
         }
     }
-    return {edges, values, 0, 0};
+    return mie::make_phase_table({.edges = edges, .coefficients = {}, .noise = {}}, values);
 }
 
 }  // namespace
@@ -91,11 +91,14 @@ TEST_CASE("neighbouring panels of a phase table meet", "[mie][phase_table]") {
     request.with_phase_table = true;
     const auto optics = mie::average_over_sizes(request);
     const auto& parts = optics.phase_table->parts();
-    for (Eigen::Index p = 1; p < parts.coefficients.cols(); ++p) {
+    const Eigen::Map<const Eigen::MatrixXd> coefficients(
+        parts.coefficients.data(), mie::PhaseTable::kPanelNodes,
+        static_cast<Eigen::Index>(parts.edges.size()) - 1);
+    for (Eigen::Index p = 1; p < coefficients.cols(); ++p) {
         // T_k(1) = 1 and T_k(-1) = (-1)^k.
-        const double above = parts.coefficients.col(p)(Eigen::seqN(0, 4, 2)).sum() -
-                             parts.coefficients.col(p)(Eigen::seqN(1, 4, 2)).sum();
-        CHECK(std::abs(parts.coefficients.col(p - 1).sum() / above - 1) <= 1e-13);
+        const double above = coefficients.col(p)(Eigen::seqN(0, 4, 2)).sum() -
+                             coefficients.col(p)(Eigen::seqN(1, 4, 2)).sum();
+        CHECK(std::abs(coefficients.col(p - 1).sum() / above - 1) <= 1e-13);
     }
 }
 

@@ -1,8 +1,9 @@
 #include <miebrdf/sizes.h>
 
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <numbers>
 
-#include "mie/sizes/area_density.h"
 #include "mie/sizes/size_nodes.h"
 #include "tests/support/catch.h"
 
@@ -27,8 +28,8 @@ TEST_CASE("the ends of the power law meet both of its conditions", "[mie][sizes]
 TEST_CASE("both rules of nodes give back effective radius and variance", "[mie][sizes]") {
     // r_eff = <r>, v_eff r_eff^2 = <(r - r_eff)^2> with cross-section weights: Hansen & Travis,
     // eq. 2.53-54.
-    const auto kind = GENERATE(SizeDistributionKind::power_law, SizeDistributionKind::gamma,
-                               SizeDistributionKind::log_normal);
+    const auto kind =
+        mie::parse_size_distribution(GENERATE("power-law", "gamma", "log-normal", "rosin-rammler"));
     const double v = GENERATE(0.01, 0.2);
     const bool even = GENERATE(false, true);
     const double offset = even ? GENERATE(0.1, 0.5, 1.0) : 0.0;
@@ -42,13 +43,37 @@ TEST_CASE("both rules of nodes give back effective radius and variance", "[mie][
         radius += nodes.area_share[i] * nodes.radius_um[i];
         square += nodes.area_share[i] * std::pow(nodes.radius_um[i] - 7.0, 2);
     }
-    CAPTURE(static_cast<int>(kind), v, even, offset);
+    CAPTURE(name_of(kind), v, even, offset);
     // 1e-12 of the tails, times their large radii; the ramp of the even rule is three times
     // differentiable: (1 / (0.05 * 400))^5 of its share.
     const double bound = even ? 1e-7 : 1e-9;
     CHECK(std::abs(area - 1) <= bound);
     CHECK(std::abs(radius / 7 - 1) <= bound);
     CHECK(std::abs(square / (49 * v) - 1) <= 20 * bound);
+}
+
+TEST_CASE("of Rosin-Rammler powders exp(-(r / r_0)^s) of the volume is larger than r",
+          "[mie][sizes]") {
+    // r_0 = r_eff Gamma(1 - 1/s) and 1 + v_eff = (pi/s) / sin(pi/s).
+    const double s = GENERATE(1.1, 1.5, 3.0, 20.0, 1e4);
+    const double x = std::numbers::pi / s;
+    const mie::SizeDistribution d{mie::parse_size_distribution("rosin-rammler"), 7.0,
+                                  x / std::sin(x) - 1};
+    const double r_0 = 7.0 * std::tgamma(1 - 1 / s);
+    CAPTURE(s, d.effective_variance);
+    // v loses the digits that s gains: 1e-16 / v of s, times ln(r / r_0).
+    const double bound = 1e-13 + 1e-15 / d.effective_variance;
+    const auto area = mie::area_density(d);
+    for (const double t : {1e-3, 0.3, 1.0, 4.0}) {
+        // Share of the volume per radius: n r^3 over <n r^3> = r_eff <n r^2>.
+        const double r = r_0 * std::pow(t, 1 / s);
+        CHECK(area->at(r) * r / 7.0 == Approx(s * t / r * std::exp(-t)).epsilon(bound));
+        CHECK(std::abs(area->at(std::complex<double>(r)) / area->at(r) - 1.0) <= 100 * bound);
+    }
+    // Of the area, what lies below r has volume over r: an incomplete gamma function.
+    const mie::RadiusRange below{1e-300, r_0};
+    CHECK(mie::area_share_within(d, below) ==
+          Approx(boost::math::gamma_p(1 - 1 / s, 1.0)).epsilon(bound));
 }
 
 TEST_CASE("two shifted even grids make the finer one", "[mie][sizes]") {
@@ -67,9 +92,9 @@ TEST_CASE("a table of sizes integrates to its own effective radius", "[mie][size
     const mie::SizeDistribution d{SizeDistributionKind::tabulated, 0, 0, {1, 1.25, 2}, {0, 0.5, 2}};
     CHECK(mie::effective_radius_of(d) ==
           Approx((31.0 / 5 - 15.0 / 4) / (15.0 / 4 - 7.0 / 3)).epsilon(1e-14));
-    const mie::AreaDensity area(d);
-    CHECK(area(1.5) == Approx(0.5 * 2.25 / (15.0 / 4 - 7.0 / 3)).epsilon(1e-14));
-    CHECK(area(2.5) == 0);
+    const auto area = mie::area_density(d);
+    CHECK(area->at(1.5) == Approx(0.5 * 2.25 / (15.0 / 4 - 7.0 / 3)).epsilon(1e-14));
+    CHECK(area->at(2.5) == 0);
 }
 
 TEST_CASE("a size table refuses nonsense with the value in the message", "[mie][sizes][errors]") {
@@ -87,7 +112,7 @@ TEST_CASE("sizes refuse nonsense with the value in the message", "[mie][sizes][e
     CHECK_THROWS_WITH(mie::radius_range({SizeDistributionKind::power_law, -1, 0.2}),
                       Catch::Contains("-1"));
     CHECK_THROWS_WITH(mie::radius_range({SizeDistributionKind::gamma, 1, 0}),
-                      Catch::Contains("variance 0"));
+                      Catch::Contains("effective_variance: 0 "));
     CHECK_THROWS_WITH(mie::radius_range({SizeDistributionKind::gamma, NAN, 0.1}),
                       Catch::Contains("nan"));
     CHECK_NOTHROW(mie::radius_range({SizeDistributionKind::mono, 1, 0}));

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mie/sphere/coefficients.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,4 +1,4 @@
-#include "mie/sphere/sphere.h"
+#include <miebrdf/sphere.h>
 
 #include <cmath>
 

@@ -1,30 +1,128 @@
-#include "pipeline/scene/medium.h"
+// Media and layers: from words, from a file of moments, and made by hand.
+#include <miebrdf/error.h>
+#include <miebrdf/scene.h>
 
+#include <complex>
 #include <limits>
 
-#include <miebrdf/error.h>
+#include "pipeline/scene/moments_file.h"
 #include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
+using Kind = mie::SizeDistributionKind;
 
 TEST_CASE("every notation of a medium is read and written back", "[pipeline][medium]") {
-    const std::string text = GENERATE("TiO2", "titanium dioxide", "sopra:TIO2", "index:1.5,0.01",
-                                      "isotropic:0.9", "rayleigh:1", "hg:0.9,-0.5");
-    CHECK(describe(parse_medium(text)) == text);
+    const std::string text =
+        GENERATE("TiO2", "titanium dioxide", "sopra:TIO2", "index:1.5,0.01", "isotropic:0.9",
+                 "rayleigh:1", "hg:0.9,-0.5", "TiO2,radius=0.25", "sopra:TIO2,variance=0.1",
+                 "index:1.5,0.01,radius=2", "titanium dioxide,distribution=log-normal",
+                 "index:1.5,0,radius=1e-05,variance=0.3,distribution=gamma");
+    CHECK(describe(medium(text)) == text);
+}
+
+TEST_CASE("every kind of medium that is listed is read as its example says", "[pipeline][medium]") {
+    for (const MediumForm& form : medium_forms()) {
+        CAPTURE(form.form, form.example);
+        CHECK_FALSE(form.help.empty());
+        if (form.example.rfind("moments:", 0) == 0) continue;  // a file
+        CHECK(describe(medium(form.example)) == form.example);
+    }
+}
+
+TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("m.csv",
+                                          "# single_scattering_albedo: 0.9\n"
+                                          "l,chi\n0,1\n1,0.5\n2,0.25\n");
+    struct Case {
+        Medium by_hand;
+        std::string words;
+    };
+    const std::vector<Case> cases = {
+        {{.kind = "material", .name = "TiO2"}, "TiO2"},
+        {{.kind = "material",
+          .name = "sopra:TIO2",
+          .sizes = {.effective_radius_um = 0.25, .distribution = Kind::gamma}},
+         "sopra:TIO2,radius=0.25,distribution=gamma"},
+        {{.kind = "index", .parameters = {1.5, 0.01}, .sizes = {.effective_variance = 0.1}},
+         "index:1.5,0.01,variance=0.1"},
+        {{.kind = "isotropic", .parameters = {0.9}}, "isotropic:0.9"},
+        {{.kind = "rayleigh", .parameters = {1}}, "rayleigh:1"},
+        {{.kind = "hg", .parameters = {0.9, -0.5}}, "hg:0.9,-0.5"},
+        {{.kind = "moments", .name = file, .parameters = {0.9}, .chi = {1, 0.5, 0.25}},
+         "moments:" + file},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.words);
+        CHECK(c.by_hand == medium(c.words));
+        CHECK(describe(c.by_hand) == c.words);
+    }
+    // Also to the solver: the same bits.
+    for (const std::size_t i : {2, 5, 6}) {
+        Scene by_hand;
+        by_hand.base = cases[i].by_hand;
+        by_hand.layers = {{{.kind = "hg", .parameters = {0.5, 0.2}}, 0.3}};
+        const Scene from_words = support::scene_of(cases[i].words, {"hg:0.5,0.2@0.3"});
+        by_hand.particles.sizes.effective_radius_um = 1;
+        Scene other = from_words;
+        other.particles = by_hand.particles;
+        const auto total = [](const Scene& scene) {
+            return solve(scene, {550}).evaluate(support::few_directions()).slices[0].total;
+        };
+        CHECK(total(by_hand) == total(other));
+    }
+}
+
+TEST_CASE("a medium made by hand is held to what its kind allows", "[pipeline][medium][errors]") {
+    struct Case {
+        Medium medium;
+        const char* complaint;
+    };
+    const std::vector<Case> wrong = {
+        {{}, "unknown kind"},
+        {{.kind = "mystery", .parameters = {1}}, "'mystery'"},
+        {{.kind = "hg", .parameters = {0.9}}, "hg:ALBEDO,G"},
+        {{.kind = "hg", .parameters = {0.9, 0.1, 0.2}}, "hg:ALBEDO,G"},
+        {{.kind = "hg", .parameters = {1.9, 0.1}}, "1.9 is out of range; allowed: [0, 1]"},
+        {{.kind = "hg", .parameters = {0.9, 1}}, "(-1, 1)"},
+        {{.kind = "index", .parameters = {1.5}}, "index:N,K"},
+        {{.kind = "index", .parameters = {1.5, -1}}, ">= 0"},
+        {{.kind = "material"}, "material"},
+        {{.kind = "moments", .parameters = {0.9}}, "chi"},
+        {{.kind = "moments", .chi = {1, 0.5}}, "albedo"},
+        {{.kind = "moments", .parameters = {0.9}, .chi = {1, 1.5}}, "1.5"},
+        {{.kind = "moments", .parameters = {0.9}, .chi = {0.5}}, "0.5"},
+        {{.kind = "hg", .parameters = {0.9, 0.1}, .sizes = {.effective_radius_um = 1}}, "sizes"},
+    };
+    for (const Case& c : wrong) {
+        CAPTURE(c.medium.kind, c.complaint);
+        Scene scene = support::scene_of("hg:0.9,0.5");
+        scene.layers = {{c.medium, 0.1}};
+        CHECK_THROWS_AS(solve(scene, {550}), UsageError);
+        CHECK_THROWS_WITH(solve(scene, {550}), Catch::Contains(c.complaint));
+        scene.layers.clear();
+        scene.base = c.medium;
+        CHECK_THROWS_AS(solve(scene, {550}), UsageError);
+    }
 }
 
 TEST_CASE("only materials and indices go through Mie theory", "[pipeline][medium]") {
-    CHECK(needs_mie(parse_medium("TiO2")));
-    CHECK(needs_mie(parse_medium("index:1.5,0")));
-    CHECK_FALSE(needs_mie(parse_medium("hg:0.9,0.1")));
-    CHECK_FALSE(needs_mie(parse_medium("isotropic:0.9")));
+    CHECK(needs_mie(medium("TiO2")));
+    CHECK(needs_mie(medium("index:1.5,0")));
+    CHECK_FALSE(needs_mie(medium("hg:0.9,0.1")));
+    CHECK_FALSE(needs_mie(medium("isotropic:0.9")));
 }
 
-TEST_CASE("a coat's optical depth is what follows the last @", "[pipeline][medium]") {
-    const CoatMedium coat = parse_coat("hg:0.9,0.5@0.1");
+TEST_CASE("a layer's optical depth is what follows the last @", "[pipeline][medium]") {
+    const Layer coat = layer("hg:0.9,0.5@0.1");
     CHECK(coat.optical_depth == 0.1);
     CHECK(describe(coat.medium) == "hg:0.9,0.5");
-    CHECK(parse_coat("hg:0.9,0.5@inf").optical_depth == std::numeric_limits<double>::infinity());
+    CHECK(layer("hg:0.9,0.5@inf").optical_depth == std::numeric_limits<double>::infinity());
+    const Layer sized = layer("TiO2,radius=0.1,variance=0.3@1");
+    CHECK(sized.optical_depth == 1);
+    CHECK(describe(sized.medium) == "TiO2,radius=0.1,variance=0.3");
 }
 
 TEST_CASE("media out of range are refused with the value and the range",
@@ -37,21 +135,116 @@ TEST_CASE("media out of range are refused with the value and the range",
     const Case wrong =
         GENERATE(Case{"isotropic:1.2", "1.2", "[0, 1]"}, Case{"hg:0.9,1", "1", "(-1, 1)"},
                  Case{"hg:-0.1,0", "-0.1", "[0, 1]"}, Case{"hg:0.9", "hg:0.9", "hg:ALBEDO,G"},
-                 Case{"index:0,1", "0", "n > 0"}, Case{"index:1.5,-1", "-1", "k >= 0"},
+                 Case{"index:0,1", "n 0", "> 0"}, Case{"index:1.5,-1", "k -1", ">= 0"},
                  Case{"index:1.5", "index:1.5", "index:N,K"}, Case{"rayleigh:nan", "nan", "finite"},
                  Case{"isotropic:x", "x", "not a number"});
     CAPTURE(wrong.text);
-    CHECK_THROWS_AS(parse_medium(wrong.text), UsageError);
-    CHECK_THROWS_WITH(parse_medium(wrong.text),
+    CHECK_THROWS_AS(medium(wrong.text), UsageError);
+    CHECK_THROWS_WITH(medium(wrong.text),
                       Catch::Contains(wrong.value) && Catch::Contains(wrong.allowed));
 }
 
-TEST_CASE("coats without, with negative or with senseless optical depth are refused",
+TEST_CASE("layers without, with negative or with senseless optical depth are refused",
           "[pipeline][medium][errors]") {
-    CHECK_THROWS_WITH(parse_coat("TiO2"), Catch::Contains("MEDIUM@OPTICAL_DEPTH"));
-    CHECK_THROWS_WITH(parse_coat("TiO2@-1"), Catch::Contains("-1") && Catch::Contains(">= 0"));
-    CHECK_THROWS_AS(parse_coat("TiO2@nan"), UsageError);
-    CHECK_THROWS_AS(parse_coat("TiO2@-inf"), UsageError);
-    CHECK_THROWS_AS(parse_coat("TiO2@1e999"), UsageError);
-    CHECK_THROWS_AS(parse_coat("TiO2@"), UsageError);
+    CHECK_THROWS_WITH(layer("TiO2"), Catch::Contains("MEDIUM@OPTICAL_DEPTH"));
+    CHECK_THROWS_WITH(layer("TiO2@-1"), Catch::Contains("-1") && Catch::Contains(">= 0"));
+    CHECK_THROWS_AS(layer("TiO2@nan"), UsageError);
+    CHECK_THROWS_AS(layer("TiO2@-inf"), UsageError);
+    CHECK_THROWS_AS(layer("TiO2@1e999"), UsageError);
+    CHECK_THROWS_AS(layer("TiO2@"), UsageError);
+}
+
+TEST_CASE("sizes after a layer's optical depth are put right", "[pipeline][sizes][errors]") {
+    CHECK_THROWS_AS(layer("TiO2@1,radius=0.1"), UsageError);
+    CHECK_THROWS_WITH(layer("TiO2@1,radius=0.1"), Catch::Contains("before the optical depth") &&
+                                                      Catch::Contains("TiO2,radius=0.1@1"));
+}
+
+TEST_CASE("sizes follow a medium in any order", "[pipeline][sizes]") {
+    const Medium sized = medium("index:1.5,0.01, distribution = mono ,radius=2");
+    CHECK(describe(sized) == "index:1.5,0.01,radius=2,distribution=mono");
+    CHECK(sized.parameters == std::vector<double>{1.5, 0.01});
+    CHECK(sized.sizes.effective_radius_um == 2.0);
+    CHECK(sized.sizes.distribution == Kind::mono);
+    CHECK_FALSE(sized.sizes.effective_variance);
+}
+
+TEST_CASE("sizes that are wrong are refused with medium, key, value and what is allowed",
+          "[pipeline][sizes][errors]") {
+    struct Case {
+        const char* text;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"TiO2,radius=0", {"'TiO2,radius=0'", "radius 0", "> 0", "um"}},
+        {"TiO2,radius=-1", {"radius -1", "> 0"}},
+        {"TiO2,radius=nan", {"radius", "nan"}},
+        {"index:1.5,0,radius=x", {"'index:1.5,0,radius=x'", "radius", "'x'", "not a number"}},
+        {"TiO2,radius=", {"radius", "not a number"}},
+        {"TiO2,variance=0", {"variance 0", "up to 10"}},
+        {"TiO2,variance=10.5", {"variance 10.5", "up to 10"}},
+        {"TiO2,distribution=gama", {"TiO2", "distribution 'gama'", "gamma", "log-normal"}},
+        {"TiO2,radius=1,radius=2", {"radius", "twice"}},
+        {"TiO2,raduis=1", {"'raduis'", "radius, variance, distribution", "did you mean radius?"}},
+        {"TiO2,effective-variance=1", {"'effective-variance'", "did you mean variance?"}},
+        {"TiO2,host=1.3", {"'host'", "radius, variance, distribution"}},
+        {"index:1.5,radius=1", {"index:N,K"}},
+        {",radius=1", {"empty medium"}},
+        {"hg:0.9,0.5,radius=1", {"hg:", "',radius=1'", "Mie theory"}},
+        {"isotropic:0.9,variance=1", {"isotropic:", "Mie theory"}},
+        {"rayleigh:0.9,distribution=mono", {"rayleigh:", "Mie theory"}},
+        {"moments:no such file,radius=1", {"moments:", "Mie theory"}},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.text);
+        CHECK_THROWS_AS(medium(c.text), UsageError);
+        for (const std::string& word : c.words)
+            CHECK_THROWS_WITH(medium(c.text), Catch::Contains(word));
+    }
+}
+
+TEST_CASE("a moments file may have commas and equals signs in its name", "[pipeline][sizes]") {
+    const support::TemporaryFolder folder;
+    const std::string file =
+        folder.write("g=0,albedo=0.9.csv", "# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,0.1\n");
+    CHECK(describe(medium("moments:" + file)) == "moments:" + file);
+}
+
+TEST_CASE("a moments file gives albedo and moments in order", "[pipeline][moments_file]") {
+    const support::TemporaryFolder folder;
+    const auto path = folder.write("m.csv",
+                                   "# made by hand\n# single_scattering_albedo: 0.9\n"
+                                   "l,chi\n0,1\n1,0.5\n2,0.25\r\n");
+    const MomentsFile file = read_moments_file(path);
+    CHECK(file.single_scattering_albedo == 0.9);
+    CHECK(file.chi == std::vector<double>{1, 0.5, 0.25});
+}
+
+TEST_CASE("a wrong moments file is refused with its name and line",
+          "[pipeline][moments_file][errors]") {
+    struct Case {
+        const char* content;
+        const char* complaint;
+    };
+    const Case wrong =
+        GENERATE(Case{"# single_scattering_albedo: 0.9\nl,chi\n0,0.5\n", "chi_0 = 0.5"},
+                 Case{"# single_scattering_albedo: 1.5\nl,chi\n0,1\n", "1.5 is out of range"},
+                 Case{"# single_scattering_albedo: nan\nl,chi\n0,1\n", "nan"},
+                 Case{"l,chi\n0,1\n", "single_scattering_albedo"},
+                 Case{"# single_scattering_albedo: 0.9\n0,1\n", "header 'l,chi'"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n2,0.1\n", "expected l = 1"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,-1.5\n", "chi_1 = -1.5"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,abc\n", "'abc'"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n", "no rows"}, Case{"", "no rows"});
+    const support::TemporaryFolder folder;
+    const auto path = folder.write("wrong.csv", wrong.content);
+    CAPTURE(wrong.content);
+    CHECK_THROWS_AS(read_moments_file(path), InputError);
+    CHECK_THROWS_WITH(read_moments_file(path), Catch::Contains("wrong.csv") &&
+                                                   Catch::Contains("line ") &&
+                                                   Catch::Contains(wrong.complaint));
+}
+
+TEST_CASE("a moments file that does not exist is named", "[pipeline][moments_file][errors]") {
+    CHECK_THROWS_WITH(read_moments_file("/no/such/file.csv"), Catch::Contains("/no/such/file.csv"));
 }

@@ -19,7 +19,7 @@ TEST_CASE("every job runs exactly once on any number of threads", "[pipeline][pa
 
 TEST_CASE("every piece of every job runs exactly once on any number of threads",
           "[pipeline][parallel]") {
-    const RunControl control{.threads = GENERATE(0, 1, 2, 7)};
+    const Control control{.threads = GENERATE(0, 1, 2, 7)};
     const std::size_t jobs = GENERATE(1, 20);
     std::vector<std::atomic<int>> calls(jobs * 50);
     const auto pieces = pieces_of_job(control);
@@ -32,7 +32,7 @@ TEST_CASE("every piece of every job runs exactly once on any number of threads",
 TEST_CASE("progress counts every job of its stage in order", "[pipeline][parallel]") {
     const int threads = GENERATE(1, 2);
     std::vector<std::size_t> seen;
-    RunControl control{.threads = threads};
+    Control control{.threads = threads};
     control.progress = [&](const std::string& stage, std::size_t done, std::size_t total) {
         CHECK(stage == "count");
         CHECK(total == 50);
@@ -43,11 +43,11 @@ TEST_CASE("progress counts every job of its stage in order", "[pipeline][paralle
     for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == i + 1);
 }
 
-TEST_CASE("a raised flag stops the jobs that have not begun", "[pipeline][parallel]") {
+TEST_CASE("what asks to be cancelled stops the jobs that have not begun", "[pipeline][parallel]") {
     const int threads = GENERATE(1, 2);
     std::atomic<bool> cancelled = false;
     std::atomic<int> calls = 0;
-    const RunControl control{.threads = threads, .progress = {}, .cancelled = &cancelled};
+    const Control control{.threads = threads, .is_cancelled = [&] { return cancelled.load(); }};
     CHECK_THROWS_AS(run_parallel("count", 1000, control,
                                  [&](std::size_t) {
                                      ++calls;
@@ -64,7 +64,7 @@ TEST_CASE("when one job fails, no other goes on with pieces that were left out",
     const int threads = GENERATE(1, 2);
     std::atomic<int> incomplete = 0;
     for (int repeat = 0; repeat < 20; ++repeat) {
-        const RunControl control{.threads = threads};
+        const Control control{.threads = threads};
         const auto pieces = pieces_of_job(control);
         CHECK_THROWS_WITH(
             run_parallel("fail", 8, control,

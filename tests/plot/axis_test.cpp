@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/plot/palette.h"
+#include "pipeline/plot/colour_map.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf::plot;

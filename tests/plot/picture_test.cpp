@@ -5,7 +5,6 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
-#include "pipeline/plot/png_text.h"
 #include "tests/plot/svg_text.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -7,7 +7,6 @@
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/slice.h"
-#include "pipeline/plot/slice_directions.h"
 #include "pipeline/plot/spectra.h"
 #include "tests/plot/svg_text.h"
 #include "tests/support/catch.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "rte/grid/discretisation.h"
-#include "rte/phase/narrow_features.h"
+#include "rte/first_order/narrow_features.h"
+#include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

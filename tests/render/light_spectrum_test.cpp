@@ -1,9 +1,9 @@
-#include "pipeline/render/light_spectrum.h"
+#include "pipeline/render/lighting.h"
 
 #include <cmath>
 
 #include <miebrdf/error.h>
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 

@@ -6,7 +6,6 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/render/obj_file.h"
-#include "pipeline/render/procedural.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include "pipeline/render/environment.h"
 #include "pipeline/render/image.h"
 #include "pipeline/render/material_map.h"
-#include "pipeline/render/procedural.h"
+#include "pipeline/render/mesh.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/render/procedural.h"
+#include "pipeline/render/mesh.h"
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 
@@ -180,7 +180,7 @@ TEST_CASE("pictures do not depend on the number of threads", "[render][threads]"
                               {Spectrum{1, 2}, {1, 1}, {0, 0}}, "sky");
     scene.lighting.directional = {{direction_from_angles(40, 60), {3.0, 2.0}}};
     const auto at = [&](int threads) {
-        RunControl control;
+        Control control;
         control.threads = threads;
         return render_picture(scene, parallel_camera(scene),
                               {.width = 70, .height = 50, .samples = 8, .bounces = 3}, control);

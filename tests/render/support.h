@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/render/analytic_brdf.h"
 #include "pipeline/render/renderer.h"
+#include "tests/render/analytic_brdf.h"
 
 namespace miebrdf::render {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
@@ -13,8 +13,8 @@ namespace {
 
 struct Problem {
     rte::ZenithGrid grid;
-    rte::PhaseMode mode;
-    rte::ScatteringMode medium;
+    rte::FourierMode mode;
+    rte::FourierMedium medium;
     rte::RequestedDirections requested;
 };
 
@@ -27,7 +27,7 @@ Problem make_problem(const rte::Optics& optics, int order, rte::ZenithGrid grid,
         problem.requested.out.push_back(k);
     }
     const auto scaled = rte::scale_optics(optics, moments, true);
-    rte::make_phase_mode(order, moments, problem.grid, problem.requested, problem.mode);
+    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, problem.mode);
     problem.medium = {scaled.strengths().tail(moments - order), scaled.one_minus_albedo};
     return problem;
 }

@@ -6,7 +6,7 @@
 #include "rte/half_space/half_space.h"
 #include "rte/math/decay_integrals.h"
 #include "rte/math/quadrature.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -15,8 +15,8 @@ namespace {
 
 struct LayerProblem {
     rte::ZenithGrid grid;
-    rte::PhaseMode mode;
-    rte::ScatteringMode medium;
+    rte::FourierMode mode;
+    rte::FourierMedium medium;
     rte::RequestedDirections requested;
 };
 
@@ -29,7 +29,7 @@ LayerProblem make_problem(const rte::Optics& optics, int order, int moments,
         problem.requested.out.push_back(k);
     }
     const auto scaled = rte::scale_optics(optics, moments, true);
-    rte::make_phase_mode(order, moments, problem.grid, problem.requested, problem.mode);
+    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, problem.mode);
     problem.medium = {scaled.strengths().tail(moments - order), scaled.one_minus_albedo};
     return problem;
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rte/grid/zenith_grid.h"
+#include "rte/grid/directions.h"
 #include "rte/math/quadrature.h"
 #include "tests/rte/reference_cases.h"
 #include "tests/support/catch.h"
@@ -68,14 +68,14 @@ TEST_CASE("integrating the reflection over the hemisphere gives the plane albedo
 TEST_CASE("only order 0 is computed when it is all there is", "[rte][reflect]") {
     const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.9, 0.5)};
     const rte::SolverOptions options{.streams = 16};
-    CHECK(rte::reflect(stack, {{1.0}, {0.2, 0.5}, {0.0, 90.0}}, options).report.azimuthal_orders ==
+    CHECK(rte::reflect(stack, {{1.0}, {0.2, 0.5}, {0.0, 90.0}}, options).report.fourier_orders ==
           1);
-    CHECK(rte::reflect(stack, {{0.2, 0.5}, {1.0}, {0.0}}, options).report.azimuthal_orders == 1);
-    CHECK(rte::reflect(stack, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders > 3);
+    CHECK(rte::reflect(stack, {{0.2, 0.5}, {1.0}, {0.0}}, options).report.fourier_orders == 1);
+    CHECK(rte::reflect(stack, {{0.2}, {0.5}, {0.0}}, options).report.fourier_orders > 3);
     const rte::Stack isotropic{.base = rte::isotropic_optics(0.9)};
-    CHECK(rte::reflect(isotropic, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders == 1);
+    CHECK(rte::reflect(isotropic, {{0.2}, {0.5}, {0.0}}, options).report.fourier_orders == 1);
     const rte::Stack rayleigh{.base = rte::rayleigh_optics(0.9)};
-    CHECK(rte::reflect(rayleigh, {{0.2}, {0.5}, {0.0}}, options).report.azimuthal_orders == 3);
+    CHECK(rte::reflect(rayleigh, {{0.2}, {0.5}, {0.0}}, options).report.fourier_orders == 3);
 }
 
 TEST_CASE("automatic choices meet the tolerance they report", "[rte][reflect]") {
@@ -138,7 +138,7 @@ TEST_CASE("albedos through a boundary count what it lets in and out", "[rte][alb
     rte::Stack stack;
     stack.base = rte::henyey_greenstein_optics(0.95, 0.6);
     const auto boundary = [](double mu) {
-        return rte::BoundaryWeights{.in = 0.3 + 0.6 * mu, .out = 1.2 - 0.5 * mu * mu};
+        return rte::SurfaceWeights{.in = 0.3 + 0.6 * mu, .out = 1.2 - 0.5 * mu * mu};
     };
     const rte::SolverOptions options{.tolerance = 1e-8, .streams = 32};
     const auto rule = math::gauss_legendre(64, 0.0, 1.0);
@@ -170,7 +170,7 @@ TEST_CASE("albedos through a boundary count what it lets in and out", "[rte][alb
 TEST_CASE("a boundary that lets nothing in gives albedo 0, not 0 / 0", "[rte][albedo]") {
     rte::Stack stack;
     stack.base = rte::isotropic_optics(0.9);
-    const auto mirror = [](double) { return rte::BoundaryWeights{.in = 0, .out = 0}; };
+    const auto mirror = [](double) { return rte::SurfaceWeights{.in = 0, .out = 0}; };
     CHECK(rte::albedo(stack, {0.5}, {}, mirror).spherical_albedo == 0.0);
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("an incidence gets its orders whatever brighter ones it is asked for w
     const auto beside = rte::reflect(stack, {{mu, 1.0}, {mu, 1.0}, {0.0, 175.0, 180.0}}, options);
     const double scale = *std::max_element(alone.reflection.begin(), alone.reflection.end());
     for (std::size_t k = 0; k < alone.reflection.size(); ++k) {
-        CAPTURE(mu, k, alone.report.azimuthal_orders, beside.report.azimuthal_orders);
+        CAPTURE(mu, k, alone.report.fourier_orders, beside.report.fourier_orders);
         // Each may leave out a quarter of the tolerance.
         CHECK(std::abs(alone.reflection[k] - beside.reflection[k]) <=
               0.5 * options.tolerance * scale);

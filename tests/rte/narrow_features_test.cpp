@@ -1,10 +1,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/grid/discretisation.h"
-#include "rte/phase/forward_peak.h"
-#include "rte/phase/narrow_features.h"
+#include "rte/first_order/first_order.h"
+#include "rte/first_order/narrow_features.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -140,6 +140,6 @@ TEST_CASE("roughness out of range is refused with its value", "[rte][microfacet]
     using enum MicrofacetDistribution;
     for (const double alpha : {0.0, -0.3, 5.0, std::nan("")}) {
         CHECK_THROWS_WITH(rte::ShadowingOverCosines(with(beckmann, Shadowing::v_cavity, alpha)),
-                          Catch::Contains("roughness") && Catch::Contains("0.0001 to 4"));
+                          Catch::Contains("beckmann_alpha") && Catch::Contains("0.0001 to 4"));
     }
 }

@@ -2,9 +2,8 @@
 #include <complex>
 #include <numbers>
 
-#include "rte/surface/diffuse_reflectance.h"
-#include "rte/surface/directional_reflectance.h"
-#include "rte/surface/surface_lobe.h"
+#include <miebrdf/surface.h>
+#include "rte/boundary/fresnel.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -1,8 +1,8 @@
 #include <cmath>
 
+#include <miebrdf/surface.h>
+#include <miebrdf/table1.h>
 #include "materials/database/database.h"
-#include "rte/surface/surface_lobe.h"
-#include "rte/surface/table1.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

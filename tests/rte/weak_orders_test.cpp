@@ -1,6 +1,7 @@
 // Azimuthal orders in which little is scattered, and coats that nothing comes through.
+#include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
@@ -18,12 +19,12 @@ TEST_CASE("modes refined from the nodes give the layer that the eigenproblem giv
     const double tau = GENERATE(0.01, 1.0, 30.0);
     bool is_refined = false;
     for (int order = 14; order < 40; ++order) {
-        rte::PhaseMode mode;
-        rte::make_phase_mode(order, moments, grid, requested, mode);
-        const rte::ScatteringMode medium{scaled.strengths().tail(moments - order),
-                                         scaled.one_minus_albedo, order};
+        rte::FourierMode mode;
+        rte::make_fourier_mode(order, moments, grid, requested, mode);
+        const rte::FourierMedium medium{scaled.strengths().tail(moments - order),
+                                        scaled.one_minus_albedo, order};
         const auto exact = rte::solve_layer(tau, medium, mode, grid, requested);
-        rte::OrderWork work;
+        rte::FourierWork work;
         rte::LayerOperator layer;
         rte::solve_layer(tau, medium, mode, grid, requested, rte::ReflectorParts::nodes, tolerance,
                          work, layer);

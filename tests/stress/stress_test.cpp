@@ -1,5 +1,5 @@
 // The fast part of the stress battery; `miebrdf stress` runs all of it.
-#include "tools/bench/stress.h"
+#include "tools/stress/battery.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -10,11 +10,11 @@ using namespace miebrdf;
 
 namespace {
 
-using Suite = void (*)(const bench::StressOptions&, std::vector<bench::StressCheck>&);
+using Suite = void (*)(const stress::Options&, std::vector<stress::Check>&);
 
 // Every check of a suite must hold; the ones that do not are shown with their cause.
 void require_all(Suite suite, std::size_t at_least) {
-    std::vector<bench::StressCheck> checks;
+    std::vector<stress::Check> checks;
     suite({.fast = true}, checks);
     CHECK(checks.size() >= at_least);
     for (const auto& c : checks) {
@@ -26,24 +26,20 @@ void require_all(Suite suite, std::size_t at_least) {
 
 }  // namespace
 
-TEST_CASE("stress: spheres", "[stress]") { require_all(bench::stress_spheres, 200); }
-TEST_CASE("stress: ensembles", "[stress]") { require_all(bench::stress_ensembles, 100); }
-TEST_CASE("stress: half-spaces", "[stress]") { require_all(bench::stress_half_spaces, 200); }
-TEST_CASE("stress: coats", "[stress]") { require_all(bench::stress_coats, 80); }
-TEST_CASE("stress: surfaces", "[stress]") { require_all(bench::stress_surfaces, 80); }
-TEST_CASE("stress: materials", "[stress]") { require_all(bench::stress_materials, 30); }
-TEST_CASE("stress: refusals", "[stress]") { require_all(bench::stress_refusals, 60); }
-TEST_CASE("stress: sphere switches", "[stress]") {
-    require_all(bench::stress_sphere_switches, 150);
-}
-TEST_CASE("stress: transfer switches", "[stress]") {
-    require_all(bench::stress_transfer_switches, 20);
-}
-TEST_CASE("stress: photons", "[stress]") { require_all(bench::stress_photons, 30); }
+TEST_CASE("stress: spheres", "[stress]") { require_all(stress::spheres, 200); }
+TEST_CASE("stress: ensembles", "[stress]") { require_all(stress::ensembles, 100); }
+TEST_CASE("stress: half-spaces", "[stress]") { require_all(stress::half_spaces, 200); }
+TEST_CASE("stress: coats", "[stress]") { require_all(stress::coats, 80); }
+TEST_CASE("stress: surfaces", "[stress]") { require_all(stress::surfaces, 80); }
+TEST_CASE("stress: materials", "[stress]") { require_all(stress::materials, 30); }
+TEST_CASE("stress: refusals", "[stress]") { require_all(stress::refusals, 60); }
+TEST_CASE("stress: sphere switches", "[stress]") { require_all(stress::sphere_switches, 150); }
+TEST_CASE("stress: transfer switches", "[stress]") { require_all(stress::transfer_switches, 20); }
+TEST_CASE("stress: photons", "[stress]") { require_all(stress::photons, 30); }
 
 TEST_CASE("the battery notices what is broken", "[stress]") {
-    std::vector<bench::StressCheck> checks;
-    bench::StressLog log("test", checks);
+    std::vector<stress::Check> checks;
+    stress::Log log("test", checks);
     log.at_most("nan", "q", std::nan(""), 1, "");
     log.at_most("large", "q", 2, 1, "");
     log.refused("accepted", [] {});
@@ -54,5 +50,5 @@ TEST_CASE("the battery notices what is broken", "[stress]") {
     log.refused("refused", [] { throw std::invalid_argument("no"); });
     CHECK(checks[4].ok());
     CHECK(checks[5].ok());
-    CHECK_THAT(bench::stress_tally(checks), Catch::Contains("| test | 6 | 4 |"));
+    CHECK_THAT(stress::tally(checks), Catch::Contains("| test | 6 | 4 |"));
 }

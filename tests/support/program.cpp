@@ -25,6 +25,18 @@ ProgramRun run_program(const std::string& arguments, const std::string& environm
     return run;
 }
 
+std::vector<std::string> commands_in(const std::string& help) {
+    std::vector<std::string> names;
+    std::istringstream lines(help.substr(std::min(help.find("Subcommands:"), help.size())));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
+        // Long descriptions go on below, further to the right.
+        if (line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    }
+    return names;
+}
+
 CsvOutput::CsvOutput(const std::string& text) {
     std::istringstream lines(text);
     std::string line;

@@ -16,6 +16,9 @@ struct ProgramRun {
 /// @param environment  put before the program, e.g. "MIEBRDF_DATABASE=x.db"
 ProgramRun run_program(const std::string& arguments, const std::string& environment = {});
 
+/// Names of the subcommands in a help text.
+std::vector<std::string> commands_in(const std::string& help);
+
 /// The rows of a CSV output by column name, '#' lines left out.
 class CsvOutput {
   public:

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include <miebrdf/formats.h>
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 #include "tests/support/outside/outside_file.h"
 
 namespace miebrdf::support {
@@ -24,7 +24,7 @@ Sampling sampling_of(const exports::BrdfFile& file, double mu_fixed);
 std::vector<double> sampled_albedo(const Sampling& sampling, int samples);
 
 /// Directional albedo by 200 x 200 midpoints: within 1e-4 for smooth BRDFs at mu_in >= 0.1.
-std::vector<double> integrated_albedo(const exports::BrdfSource& source, double mu_in);
+std::vector<double> integrated_albedo(const BrdfSource& source, double mu_in);
 
 /// Pearson's chi-square of samples in 10 x 12 bins of cosine and azimuth against the density
 /// integrated over each bin; bins with fewer than five expected samples are pooled.
@@ -32,7 +32,7 @@ std::vector<double> integrated_albedo(const exports::BrdfSource& source, double 
 double chi_square_probability(const Sampling& sampling, int samples);
 
 /// The light in the x-z plane, the viewer where Direction has it.
-Vector to_light(const exports::Direction& direction);
-Vector to_viewer(const exports::Direction& direction);
+Vector to_light(const Direction& direction);
+Vector to_viewer(const Direction& direction);
 
 }  // namespace miebrdf::support

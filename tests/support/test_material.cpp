@@ -19,7 +19,7 @@ double sine(double mu) { return std::sqrt((1 - mu) * (1 + mu)); }
 
 TestMaterial::TestMaterial(std::vector<double> wavelength_nm, double asymmetry)
     : wavelength_nm_(std::move(wavelength_nm)),
-      channels_(exports::channel_names(wavelength_nm_)),
+      channels_(channel_names(wavelength_nm_)),
       asymmetry_(asymmetry) {
     provenance_.version = "miebrdf test";
     provenance_.command_line = "miebrdf export --base 'test \"material\"'";
@@ -27,7 +27,7 @@ TestMaterial::TestMaterial(std::vector<double> wavelength_nm, double asymmetry)
     provenance_.sources = {"a closed form"};
 }
 
-double TestMaterial::brdf(const exports::Direction& d, double albedo) const {
+double TestMaterial::brdf(const Direction& d, double albedo) const {
     const double cos_theta =
         -d.mu_in * d.mu_out + sine(d.mu_in) * sine(d.mu_out) * std::cos(d.azimuth_deg * kPi / 180);
     const double g = asymmetry_;
@@ -37,8 +37,7 @@ double TestMaterial::brdf(const exports::Direction& d, double albedo) const {
            lobe(d);
 }
 
-void TestMaterial::evaluate(std::span<const exports::Direction> directions,
-                            std::span<double> values) const {
+void TestMaterial::evaluate(std::span<const Direction> directions, std::span<double> values) const {
     const std::size_t count = wavelength_nm_.size();
     for (std::size_t d = 0; d < directions.size(); ++d) {
         for (std::size_t w = 0; w < count; ++w) {
@@ -52,7 +51,7 @@ void TestMaterial::evaluate(std::span<const exports::Direction> directions,
 SharpMaterial::SharpMaterial(std::vector<double> wavelength_nm, double beckmann_alpha)
     : TestMaterial(std::move(wavelength_nm), 0.4), alpha_(beckmann_alpha) {}
 
-double SharpMaterial::lobe(const exports::Direction& d) const {
+double SharpMaterial::lobe(const Direction& d) const {
     const double azimuth = d.azimuth_deg * kPi / 180;
     const double hx = sine(d.mu_in) - sine(d.mu_out) * std::cos(azimuth);
     const double hy = sine(d.mu_out) * std::sin(azimuth);
@@ -64,8 +63,7 @@ double SharpMaterial::lobe(const exports::Direction& d) const {
 }
 
 ColouredMaterial::ColouredMaterial()
-    : spectral(seven_wavelengths(), 0.4),
-      rgb(spectral, exports::nearest_wavelengths(seven_wavelengths())) {}
+    : spectral(seven_wavelengths(), 0.4), rgb(spectral, nearest_wavelengths(seven_wavelengths())) {}
 
 const TestMaterial& material() {
     static const TestMaterial instance(seven_wavelengths(), 0.4);

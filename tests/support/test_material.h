@@ -8,27 +8,26 @@ namespace miebrdf::support {
 /// A half-space of Henyey-Greenstein scatterers, f = w / (4 pi (mu_in + mu_out)) [P - 1 + H H],
 /// exact in its first order, H after Hapke 1981 (eq. 8.31 of his book): reciprocal, coloured,
 /// depends on azimuth, and does not vanish at the horizon.
-class TestMaterial : public exports::BrdfSource {
+class TestMaterial : public BrdfSource {
   public:
     /// Albedo rises evenly from 0.55 at the first to 0.95 at the last wavelength.
     TestMaterial(std::vector<double> wavelength_nm, double asymmetry);
 
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return wavelength_nm_; }
-    const exports::Provenance& provenance() const override { return provenance_; }
-    void evaluate(std::span<const exports::Direction> directions,
-                  std::span<double> values) const override;
+    const Provenance& provenance() const override { return provenance_; }
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
 
-    double brdf(const exports::Direction& direction, double albedo) const;
+    double brdf(const Direction& direction, double albedo) const;
 
   protected:
-    virtual double lobe(const exports::Direction&) const { return 0.0; }
+    virtual double lobe(const Direction&) const { return 0.0; }
 
   private:
     std::vector<double> wavelength_nm_;
     std::vector<std::string> channels_;
     double asymmetry_;
-    exports::Provenance provenance_;
+    Provenance provenance_;
 };
 
 /// The same with a Beckmann lobe of slope parameter alpha about the mirror direction on top.
@@ -37,7 +36,7 @@ class SharpMaterial : public TestMaterial {
     SharpMaterial(std::vector<double> wavelength_nm, double beckmann_alpha);
 
   protected:
-    double lobe(const exports::Direction& direction) const override;
+    double lobe(const Direction& direction) const override;
 
   private:
     double alpha_;
@@ -49,7 +48,7 @@ const TestMaterial& material();
 /// TestMaterial at seven wavelengths, and as the three colours nearest to those of the paper.
 struct ColouredMaterial {
     TestMaterial spectral;
-    exports::RgbSource rgb;
+    RgbSource rgb;
     ColouredMaterial();
 };
 

@@ -1,4 +1,7 @@
 // miebrdf bench: files of results that are read back, compared, and put into pages.
+#include <sys/wait.h>
+
+#include <cstdlib>
 #include <filesystem>
 
 #include "tests/support/temporary_folder.h"
@@ -105,4 +108,38 @@ TEST_CASE("bench refuses what it cannot do before it measures anything",
     const std::string other = folder.write("other.csv", "a,b\n1,2\n");
     refused(" --read " + other + to, support::kBadInput, {"other.csv"});
     CHECK_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_CASE("bench and stress are commands of miebrdf, done by a program that lies beside it",
+          "[program][bench]") {
+    const auto help = support::run_program("--help");
+    for (const char* command : {"bench", "stress"}) {
+        CAPTURE(command);
+        CHECK_THAT(help.out, Catch::Contains(std::string("\n  ") + command + " "));
+        // Words that miebrdf itself does not know are read by the other program.
+        const auto own = support::run_program(std::string(command) + " --help");
+        CHECK(own.exit_code == 0);
+        CHECK_THAT(own.out, Catch::Contains("--docs FOLDER"));
+        support::check_one_line(support::run_program(std::string(command) + " --dcos x"),
+                                support::kUsage, {"--dcos", "did you mean --docs?"});
+    }
+}
+
+TEST_CASE("without miebrdf-bench, bench and stress say how to get it", "[program][bench][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string alone = folder / "miebrdf";
+    std::error_code elsewhere;
+    fs::create_hard_link(MIEBRDF_PROGRAM, alone, elsewhere);  // not across file systems
+    if (elsewhere) fs::copy_file(MIEBRDF_PROGRAM, alone);
+    for (const char* command : {"bench", "stress"}) {
+        support::ProgramRun run;
+        const int status = std::system(("PATH=/nowhere '" + alone + "' " + command + " >'" +
+                                        (folder / "out") + "' 2>'" + (folder / "err") + "'")
+                                           .c_str());
+        run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        run.out = support::read_file(folder / "out");
+        run.err = support::read_file(folder / "err");
+        support::check_one_line(run, support::kUsage,
+                                {std::string("miebrdf ") + command, "miebrdf-bench", "--target"});
+    }
 }

@@ -200,18 +200,28 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
 }
 
 TEST_CASE("every command explains itself with an example and tells its version", "[program]") {
-    for (const char* command :
-         {"sphere",      "optics",       "phase",      "brdf",       "albedo",     "table1",
-          "materials",   "materials nk", "export",     "check",      "plan",       "plan brdf",
-          "plan albedo", "run",          "plot",       "plot nk",    "plot slice", "bench",
-          "stress",      "cache",        "cache info", "cache clear"}) {
+    std::vector<std::string> commands = support::commands_in(support::run_program("--help").out);
+    CHECK(commands.size() >= 16);
+    commands.insert(commands.end(), {"materials nk", "plan brdf", "plan albedo", "plot nk",
+                                     "plot slice", "cache info", "cache clear"});
+    for (const std::string& command : commands) {
         CAPTURE(command);
-        const auto help = support::run_program(std::string(command) + " --help");
+        const auto help = support::run_program(command + " --help");
         CHECK(help.exit_code == 0);
-        CHECK_THAT(help.out, Catch::Contains("Example"));
-        const auto version = support::run_program(std::string(command) + " --version");
-        CHECK(version.exit_code == 0);
-        CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
+        const bool is_missing = help.out.find("not in this build") != std::string::npos;
+        if (!is_missing) CHECK_THAT(help.out, Catch::Contains("Example"));
+        const auto version = support::run_program(command + " --version");
+        CHECK((version.exit_code == 0 || is_missing));
+        if (!is_missing) CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
+    }
+}
+
+TEST_CASE("the page about the command line has every command", "[program][docs]") {
+    const std::string page =
+        support::read_file(MIEBRDF_REFERENCE_DIR "/../../docs/command-line.md");
+    for (const std::string& command : support::commands_in(support::run_program("--help").out)) {
+        CAPTURE(command);
+        CHECK_THAT(page, Catch::Contains("| `miebrdf " + command));
     }
 }
 
@@ -330,7 +340,6 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
         if (plan.text(row, "action") == "leave out")
             omitted[plan.text(row, "name")] = plan.text(row, "result");
     }
-    CHECK(omitted["one half-space"] == "2 brdf");
     CHECK(omitted["same spheres"] == "2 brdf");
 }
 

@@ -61,6 +61,59 @@ TEST_CASE("a scene file's mistakes are named with line and column", "[program][e
     }
 }
 
+TEST_CASE("values that no scene can have are refused with their place in the file",
+          "[program][errors][scene]") {
+    const support::TemporaryFolder folder;
+    const std::string head = "[[result]]\ncommand = \"albedo\"\nbase = \"hg:0.9,0.5\"\n";
+    struct Case {
+        const char* line;
+        int exit_code;
+        std::vector<std::string> words;
+    };
+    const std::vector<Case> cases = {
+        {"roughness = -1", kUsage, {"line 4, column 13", "roughness", "-1", "0 (no lobe) to 2"}},
+        {"roughness = [0.1, 0.2]", kUsage, {"line 4", "roughness", "one value"}},
+        {"roughness = inf", kUsage, {"line 4", "roughness", "inf", "finite"}},
+        {"streams = 2.5", kUsage, {"line 4, column 11", "streams", "2.5"}},
+        {"grid = \"square\"", kUsage, {"line 4, column 8", "square", "gauss"}},
+        {"coat = [\"hg:0.9,0.5\"]", kUsage, {"line 4, column 8", "MEDIUM@OPTICAL_DEPTH"}},
+        {"coat = \"moments:/no/such.csv@1\"", kBadInput, {"line 4", "/no/such.csv"}},
+        {"wavelengths = [550, -1]", kUsage, {"line 4, column 15", "-1", "> 0"}},
+        {"wavelengths = \"400:500\"", kUsage, {"line 4", "400:500"}},
+        {"surface-index = [1.5, -1]", kUsage, {"line 4", "surface-index", "k >= 0"}},
+        {"no-delta-m = 1", kBadInput, {"line 4, column 14", "true or false"}},
+        {"base = { name = \"TiO2\" }", kBadInput, {"line 4"}},
+        {"effective-radius = 0\ncoat = \"TiO2@1\"", kUsage, {"--effective-radius (um)", "> 0"}},
+        {"surface-index = 1.5", kUsage, {"--surface-index", "--roughness"}},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.line);
+        const bool again = std::string(c.line).rfind("base", 0) == 0;
+        const std::string text = again ? "[[result]]\ncommand = \"albedo\"\n\n" : head;
+        const std::string file = folder.write("scene.toml", text + c.line + "\n");
+        check_one_line(support::run_program("run " + file), c.exit_code, c.words);
+    }
+}
+
+TEST_CASE("an output says which result of which file it is, with all that was said",
+          "[program][scene]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write(
+        "scene.toml",
+        "base = \"hg:0.9,0.5\"\nwavelengths = [450, 550]\n[[result]]\ncommand = \"albedo\"\n"
+        "[[result]]\ncommand = \"brdf\"\nmu-in = 0.5\nmu-out = [0.25, 1]\nno-delta-m = true\n"
+        "coat = [\"hg:0.5,0@0.1\", \"isotropic:0.5@1\"]\n");
+    const auto run = support::run_program("run " + file);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 0);
+    CHECK_THAT(run.out,
+               Catch::Contains("# command: miebrdf run " + file +
+                               ", result 1: albedo base=hg:0.9,0.5 wavelengths=450,550\n"));
+    CHECK_THAT(run.out, Catch::Contains(", result 2: brdf base=hg:0.9,0.5 coat=hg:0.5,0@0.1 "
+                                        "coat=isotropic:0.5@1 mu-in=0.5 mu-out=0.25,1 no-delta-m "
+                                        "wavelengths=450,550\n"));
+}
+
 TEST_CASE("run finds a mistake in a later result before it computes the first",
           "[program][errors][scene]") {
     const support::TemporaryFolder folder;

@@ -22,7 +22,7 @@ using namespace miebrdf::exports;
 namespace fs = std::filesystem;
 
 // One thread: what a child inherits has no threads, and CPU time is that of the work alone.
-const RunControl kControl{.threads = 1};
+const Control kControl{.threads = 1};
 
 double cpu_seconds() {
     rusage usage{};

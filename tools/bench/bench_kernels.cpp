@@ -4,13 +4,13 @@
 #include <cmath>
 #include <complex>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+#include <miebrdf/surface.h>
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/surface/directional_reflectance.h"
 
 namespace {
 
@@ -54,9 +54,9 @@ void half_space_order(benchmark::State& state) {
     rte::RequestedDirections requested;
     requested.mu = Eigen::VectorXd::Constant(1, 0.5);
     requested.in = requested.out = {0};
-    rte::PhaseMode mode;
-    rte::make_phase_mode(0, degrees, grid, requested, mode);
-    rte::ScatteringMode medium;
+    rte::FourierMode mode;
+    rte::make_fourier_mode(0, degrees, grid, requested, mode);
+    rte::FourierMedium medium;
     medium.strengths.resize(degrees);
     for (int l = 0; l < degrees; ++l) medium.strengths[l] = 0.95 * (2 * l + 1) * std::pow(0.75, l);
     medium.one_minus_albedo = 0.05;

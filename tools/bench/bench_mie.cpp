@@ -18,10 +18,11 @@
 #include <utility>
 #include <vector>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "mie/sphere/sphere_block.h"
 #include "tools/bench/process_memory.h"
+#include "tools/miebrdf/program.h"
 
 using namespace miebrdf;
 
@@ -221,7 +222,7 @@ int main(int argc, char** argv) {
     register_requests();
     register_threads();
     register_reference_cases();
-    miebrdf::bench::keep_freed_memory();  // as the program does
+    program::keep_freed_memory();  // as the program does
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
     return 0;

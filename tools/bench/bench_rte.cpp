@@ -8,9 +8,8 @@
 #include <cmath>
 #include <vector>
 
-#include "rte/grid/discretisation.h"
 #include "rte/half_space/half_space.h"
-#include "rte/phase/delta_m.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 
@@ -37,14 +36,14 @@ int all_modes(const rte::Optics& optics, int streams, double tolerance) {
     const Eigen::VectorXd strengths = scaled.strengths();
     const Eigen::VectorXd D = rte::flux_weights(grid);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
-    rte::PhaseMode mode;
+    rte::FourierMode mode;
     double order_zero = 0.0;
     int small_orders = 0;
     int order = 0;
     for (; order < moments && small_orders < 2; ++order) {
-        rte::make_phase_mode(order, moments, grid, none, mode);
-        const rte::ScatteringMode medium{strengths.tail(moments - order), scaled.one_minus_albedo,
-                                         order};
+        rte::make_fourier_mode(order, moments, grid, none, mode);
+        const rte::FourierMedium medium{strengths.tail(moments - order), scaled.one_minus_albedo,
+                                        order};
         const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, medium, mode,
                                                       grid, none, tolerance);
         const Eigen::MatrixXd single = mode.at_nodes *
@@ -122,9 +121,9 @@ void order_zero(benchmark::State& state) {
     const auto scaled = rte::scale_optics(optics, 2 * streams, true);
     const auto grid = rte::make_mapped_gauss_grid(streams);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
-    rte::PhaseMode mode;
-    rte::make_phase_mode(0, 2 * streams, grid, none, mode);
-    const rte::ScatteringMode medium{scaled.strengths(), scaled.one_minus_albedo};
+    rte::FourierMode mode;
+    rte::make_fourier_mode(0, 2 * streams, grid, none, mode);
+    const rte::FourierMedium medium{scaled.strengths(), scaled.one_minus_albedo};
     int iterations = 0;
     for (auto _ : state) {
         const auto result = rte::solve_half_space(method, medium, mode, grid, none, 1e-7);
@@ -172,8 +171,8 @@ BENCHMARK(coat_like_its_base)
     ->Unit(benchmark::kMicrosecond)
     ->ArgsProduct({{46, 70, 80}, {0, 10, 100, 1000}});
 
-// 31 wavelengths of a coat on a base, one thread: each with memory and tables of its own, or all
-// with the same. Arguments: nodes, shared.
+// 31 wavelengths of a coat on a base, one thread: each with memory of its own, or all with the
+// same. Arguments: nodes, shared.
 void wavelengths_of_a_coat(benchmark::State& state) {
     std::vector<rte::Stack> stacks;
     for (int w = 0; w < 31; ++w) {
@@ -183,12 +182,12 @@ void wavelengths_of_a_coat(benchmark::State& state) {
     rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
     for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
     rte::StackMemory memory;
-    const rte::SolverOptions options{.tolerance = 1e-5,
-                                     .streams = int(state.range(0)),
-                                     .memory = state.range(1) == 1 ? &memory : nullptr};
+    rte::StackMemory* const shared = state.range(1) == 1 ? &memory : nullptr;
+    const rte::SolverOptions options{.tolerance = 1e-5, .streams = int(state.range(0))};
     for (auto _ : state) {
         for (const rte::Stack& stack : stacks) {
-            benchmark::DoNotOptimize(rte::reflect(stack, directions, options).reflection.data());
+            benchmark::DoNotOptimize(
+                rte::reflect(stack, directions, options, shared).reflection.data());
         }
     }
     report(state, NAN, NAN, error_of(stacks.back(), options.streams, options.tolerance));

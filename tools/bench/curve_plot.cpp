@@ -3,14 +3,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pipeline/io/markup.h"
-#include "tools/bench/label_placer.h"
-#include "tools/bench/log_axis.h"
+#include "pipeline/plot/axis.h"
+#include "pipeline/plot/colour_map.h"
 #include "tools/bench/results.h"
 
 namespace miebrdf::bench {
+
+MethodStyles::MethodStyles(const std::vector<Measurement>& all) {
+    for (const Measurement& m : all) {
+        if (std::find(methods_.begin(), methods_.end(), m.method) == methods_.end()) {
+            methods_.push_back(m.method);
+        }
+    }
+}
+
+MethodStyles::Style MethodStyles::of(const std::string& method) const {
+    const auto found = std::find(methods_.begin(), methods_.end(), method);
+    const auto i = static_cast<std::size_t>(found - methods_.begin());
+    return {plot::curve_colour(static_cast<int>(i)), static_cast<int>(i) / plot::kCurveColours % 4};
+}
+
 namespace {
 
 constexpr double kWidth = 1000, kHeight = 640, kLeft = 70, kRight = 730, kTop = 40, kBottom = 570;
@@ -25,12 +45,98 @@ double upper_end(const Measurement& m) {
 }
 double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
 
-struct Frame {
-    LogAxis x, y;
-    std::pair<double, double> at(const Measurement& m) const {
-        return {x.position(drawn_time(m)), y.position(drawn_error(m))};
+/// Outline of a marker at (x, y) in SVG's path language, about 2 r wide.
+std::string marker_path(int marker, double x, double y, double r) {
+    switch (marker) {
+        case 1:
+            return fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h-{:.1f}z", x - r, y - r, 2 * r, 2 * r,
+                               2 * r);
+        case 2:
+            return fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h-{:.1f}z", x, y - 1.2 * r, 1.2 * r,
+                               2.1 * r, 2.4 * r);
+        case 3:
+            return fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l-{:.1f} {:.1f}l-{:.1f} -{:.1f}z", x,
+                               y - 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r, 1.4 * r);
+        default:
+            return fmt::format(
+                "M{:.1f} {:.1f}a{:.1f} {:.1f} 0 1 0 {:.1f} 0a{:.1f} {:.1f} 0 1 0 -{:.1f} 0z", x - r,
+                y, r, r, 2 * r, r, r, 2 * r);
+    }
+}
+
+/// Of letters of 8.5 units.
+constexpr double kLetterWidth = 4.7, kLetterHeight = 9;
+/// A label beyond the edge costs as much as one that covers this area.
+constexpr double kOutside = 50;
+
+struct Box {
+    double left, top, right, bottom;
+    double overlap(const Box& other) const {
+        const double w = std::min(right, other.right) - std::max(left, other.left);
+        const double h = std::min(bottom, other.bottom) - std::max(top, other.top);
+        return w > 0 && h > 0 ? w * h : 0.0;
     }
 };
+
+/// Puts labels where they cover least of what is there already, near their point.
+class LabelPlacer {
+  public:
+    explicit LabelPlacer(const Box& area) : area_(area) {}
+    /// A point that labels should not cover.
+    void block(double x, double y) { taken_.push_back({x - 4, y - 4, x + 4, y + 4}); }
+    /// Where a text of so many characters goes; it is taken from now on.
+    Box place(double x, double y, std::size_t characters);
+
+  private:
+    Box area_;
+    std::vector<Box> taken_;
+};
+
+Box LabelPlacer::place(double x, double y, std::size_t characters) {
+    const double w = kLetterWidth * static_cast<double>(characters) + 2, h = kLetterHeight;
+    const std::array<std::pair<double, double>, 8> corners = {{{5, -h - 2},
+                                                               {5, 2},
+                                                               {-w - 5, -h - 2},
+                                                               {-w - 5, 2},
+                                                               {-w / 2, -h - 6},
+                                                               {-w / 2, 6},
+                                                               {7, -h / 2},
+                                                               {-w - 7, -h / 2}}};
+    Box best{};
+    double least = INFINITY;
+    for (const auto& [dx, dy] : corners) {
+        const Box box{x + dx, y + dy, x + dx + w, y + dy + h};
+        const bool is_outside =
+            box.right > area_.right || box.left < area_.left || box.bottom > area_.bottom;
+        double cost = is_outside ? kOutside : 0;
+        for (const Box& other : taken_) cost += box.overlap(other);
+        if (cost < least) {
+            least = cost;
+            best = box;
+        }
+    }
+    taken_.push_back(best);
+    return best;
+}
+
+/// Where values lie in the drawing.
+struct Frame {
+    plot::Axis time, error;
+
+    double x(double seconds) const { return kLeft + time.position(seconds) * (kRight - kLeft); }
+    double y(double value) const { return kBottom - error.position(value) * (kBottom - kTop); }
+    std::pair<double, double> at(const Measurement& m) const {
+        return {x(drawn_time(m)), y(drawn_error(m))};
+    }
+};
+
+/// From a little below the lowest to a little above the highest value, so that no point lies on an
+/// edge.
+plot::Axis axis_around(const std::string& label, double lowest, double highest) {
+    const double room =
+        std::pow(10.0, std::max(0.15, 0.05 * (std::log10(highest) - std::log10(lowest))));
+    return {{label, plot::Scale::logarithmic, lowest / room, highest * room}, {}};
+}
 
 Frame make_frame(const std::vector<Measurement>& drawn) {
     double t0 = INFINITY, t1 = 0, e0 = INFINITY, e1 = 0;
@@ -40,32 +146,34 @@ Frame make_frame(const std::vector<Measurement>& drawn) {
         e0 = std::min(e0, drawn_error(m));
         e1 = std::max({e1, drawn_error(m), std::isnan(m.half_width) ? 0.0 : upper_end(m)});
     }
-    return {LogAxis(t0, t1, kLeft, kRight), LogAxis(e0, e1, kBottom, kTop)};
+    return {axis_around("CPU time of one run", t0, t1),
+            axis_around("largest relative error", e0, e1)};
 }
 
 std::string axes(const Frame& f) {
     std::string svg;
-    for (const double seconds : f.x.ticks()) {
-        const double x = f.x.position(seconds);
+    for (const plot::Tick& tick : f.time.ticks()) {
+        if (tick.label.empty()) continue;
+        const double x = f.x(tick.value);
         svg += fmt::format(
             "<path class='grid' d='M{:.1f} {}V{}'/><text class='tick' x='{:.1f}' y='{}' "
             "text-anchor='middle'>{}</text>\n",
-            x, kTop, kBottom, x, kBottom + 16, LogAxis::time_label(seconds));
+            x, kTop, kBottom, x, kBottom + 16, time_text(tick.value));
     }
-    for (const int decade : f.y.decades()) {
-        const double y = f.y.position(std::pow(10.0, decade));
+    for (const plot::Tick& tick : f.error.ticks()) {
+        if (tick.label.empty()) continue;
+        const double y = f.y(tick.value);
         svg += fmt::format(
             "<path class='grid' d='M{} {:.1f}H{}'/><text class='tick' x='{}' y='{:.1f}' "
-            "text-anchor='end'>1e{}</text>\n",
-            kLeft, y, kRight, kLeft - 6, y + 4, decade);
+            "text-anchor='end'>{}</text>\n",
+            kLeft, y, kRight, kLeft - 6, y + 4, tick.label);
     }
+    svg += fmt::format("<text class='axis' x='{}' y='{}' text-anchor='middle'>{}</text>\n",
+                       (kLeft + kRight) / 2, kBottom + 38, f.time.label());
     svg += fmt::format(
-        "<text class='axis' x='{}' y='{}' text-anchor='middle'>CPU time of one run</text>\n",
-        (kLeft + kRight) / 2, kBottom + 38);
-    svg += fmt::format(
-        "<text class='axis' transform='translate(18 {}) rotate(-90)' text-anchor='middle'>largest "
-        "relative error</text>\n",
-        (kTop + kBottom) / 2);
+        "<text class='axis' transform='translate(18 {}) rotate(-90)' text-anchor='middle'>{}"
+        "</text>\n",
+        (kTop + kBottom) / 2, f.error.label());
     return svg;
 }
 
@@ -83,10 +191,10 @@ std::string front_line(const std::vector<Measurement>& drawn, const Frame& f) {
 // What the error would be at either end of the confidence interval; down to the axis if it holds 0.
 std::string whisker(const Measurement& m, const Frame& f, const std::string& colour) {
     if (std::isnan(m.half_width)) return {};
-    const double x = f.x.position(drawn_time(m)), top = f.y.position(upper_end(m));
+    const double x = f.x(drawn_time(m)), top = f.y(upper_end(m));
     const double lower = m.error - m.half_width;
     const bool is_open = !(lower > kLowestError);
-    const double bottom = is_open ? kBottom : std::min(kBottom, f.y.position(lower));
+    const double bottom = is_open ? kBottom : std::min(kBottom, f.y(lower));
     return fmt::format(
         "<path class='whisker' d='M{0:.1f} {1:.1f}h6m-3 0V{2:.1f}{3}' stroke='{4}'/>\n", x - 3, top,
         bottom, is_open ? "" : "m-3 0h6", colour);

@@ -5,9 +5,23 @@
 #include <vector>
 
 #include "tools/bench/measurement.h"
-#include "tools/bench/method_styles.h"
 
 namespace miebrdf::bench {
+
+/// Colour and marker of every method, the same in all plots of one page.
+class MethodStyles {
+  public:
+    explicit MethodStyles(const std::vector<Measurement>& all);
+
+    struct Style {
+        std::string colour;  ///< #rrggbb
+        int marker = 0;      ///< 0 disc, 1 square, 2 triangle, 3 diamond
+    };
+    Style of(const std::string& method) const;
+
+  private:
+    std::vector<std::string> methods_;
+};
 
 /// Log-log plot of the points of one case: a line for each method, every point labelled with its
 /// knob, points of the Pareto front ringed and joined by a dotted staircase. Errors below 1e-17

@@ -72,7 +72,7 @@ struct MeasureOptions {
 };
 
 /// Runs every contender of a case: once to warm up and for its error, once for its memory, then in
-/// rounds in which all take turns, so that a change of the machine's mood hits all alike.
+/// rounds in which all take turns, so that a machine that becomes slower affects all alike.
 /// Time is the CPU time of the process: other programs on the machine do not count.
 std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptions& options = {});
 

@@ -5,12 +5,11 @@
 #include <complex>
 #include <stdexcept>
 
-#include "mie/ensemble/ensemble.h"
-#include "mie/sphere/amplitudes.h"
-#include "mie/sphere/sphere.h"
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
 #include "rte/math/quadrature.h"
-#include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {

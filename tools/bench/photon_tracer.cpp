@@ -7,9 +7,154 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tools/bench/random.h"
-
 namespace miebrdf::bench {
+namespace {
+
+// Constants of Salmon et al. 2011, table 2 and section 4.3.
+constexpr std::uint64_t kMultiplier0 = 0xD2511F53;
+constexpr std::uint64_t kMultiplier1 = 0xCD9E8D57;
+constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
+constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
+constexpr int kRounds = 10;
+
+std::uint32_t low(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
+std::uint32_t high(std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); }
+
+}  // namespace
+
+PhiloxCounter philox(PhiloxCounter c, PhiloxKey k) {
+    for (int round = 0; round < kRounds; ++round) {
+        const std::uint64_t a = kMultiplier0 * c[0];
+        const std::uint64_t b = kMultiplier1 * c[2];
+        c = {high(b) ^ c[1] ^ k[0], low(b), high(a) ^ c[3] ^ k[1], low(a)};
+        k = {k[0] + kWeyl0, k[1] + kWeyl1};
+    }
+    return c;
+}
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t stream)
+    : key_{low(seed), high(seed)}, counter_{0, 0, low(stream), high(stream)} {}
+
+double RandomStream::uniform() {
+    if (used_ == 4) {
+        block_ = philox(counter_, key_);
+        if (++counter_[0] == 0) ++counter_[1];
+        used_ = 0;
+    }
+    const std::uint64_t bits = (std::uint64_t{block_[used_]} << 32 | block_[used_ + 1]) >> 11;
+    used_ += 2;
+    // The largest sum would round up to 1 in the last place.
+    const double u = (static_cast<double>(bits) + 0.5) * 0x1p-53;
+    return u < 1.0 ? u : 1.0 - 0x1p-53;
+}
+
+ScatteringLaw ScatteringLaw::isotropic() { return ScatteringLaw(Kind::isotropic); }
+ScatteringLaw ScatteringLaw::rayleigh() { return ScatteringLaw(Kind::rayleigh); }
+
+ScatteringLaw ScatteringLaw::henyey_greenstein(double asymmetry) {
+    if (!(asymmetry > -1 && asymmetry < 1)) {
+        throw std::invalid_argument(fmt::format("asymmetry {} is not in (-1, 1)", asymmetry));
+    }
+    if (asymmetry == 0) return isotropic();
+    ScatteringLaw law(Kind::henyey_greenstein);
+    law.g_ = asymmetry;
+    return law;
+}
+
+ScatteringLaw ScatteringLaw::tabulated(std::vector<double> x, std::vector<double> value) {
+    const std::size_t n = x.size();
+    if (n < 2 || value.size() != n || x.front() != -1 || x.back() != 1) {
+        throw std::invalid_argument(
+            "a phase function table needs cosines from -1 to 1, each with a value");
+    }
+    ScatteringLaw law(Kind::tabulated);
+    law.cumulative_.assign(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!(value[i] >= 0) || (i > 0 && !(x[i] > x[i - 1]))) {
+            throw std::invalid_argument(fmt::format(
+                "phase function table: value {} at cosine {} is negative or out of order", value[i],
+                x[i]));
+        }
+        if (i > 0) {
+            law.cumulative_[i] =
+                law.cumulative_[i - 1] + (x[i] - x[i - 1]) * (value[i] + value[i - 1]) / 2;
+        }
+    }
+    const double total = law.cumulative_.back();
+    if (!(total > 0)) throw std::invalid_argument("phase function table is 0 everywhere");
+    for (double& c : law.cumulative_) c /= total;
+    for (double& v : value) v *= 2 / total;
+    law.cos_theta_ = std::move(x);
+    law.value_ = std::move(value);
+    return law;
+}
+
+double ScatteringLaw::value(double x) const {
+    switch (kind_) {
+        case Kind::isotropic:
+            return 1.0;
+        case Kind::rayleigh:
+            return 0.75 * (1 + x * x);
+        case Kind::henyey_greenstein: {
+            const double base = (1 - g_) * (1 - g_) + 2 * g_ * (1 - x);
+            return (1 - g_ * g_) / (base * std::sqrt(base));
+        }
+        case Kind::tabulated:
+            break;
+    }
+    const auto above = std::upper_bound(cos_theta_.begin() + 1, cos_theta_.end() - 1, x);
+    const auto i = static_cast<std::size_t>(above - cos_theta_.begin());
+    const double t = (x - cos_theta_[i - 1]) / (cos_theta_[i] - cos_theta_[i - 1]);
+    return value_[i - 1] + t * (value_[i] - value_[i - 1]);
+}
+
+double ScatteringLaw::sample(double u) const {
+    double x = 0;
+    switch (kind_) {
+        case Kind::isotropic:
+            return 2 * u - 1;
+        case Kind::rayleigh: {
+            // x^3 + 3 x = 8 u - 4, by Cardano's formula.
+            const double half = 4 * u - 2;
+            const double a = std::cbrt(std::abs(half) + std::sqrt(half * half + 1));
+            x = std::copysign(a - 1 / a, half);
+            break;
+        }
+        case Kind::henyey_greenstein: {
+            // Witt 1977, eq. 19.
+            const double s = (1 - g_ * g_) / (1 - g_ + 2 * g_ * u);
+            x = (1 + g_ * g_ - s * s) / (2 * g_);
+            break;
+        }
+        case Kind::tabulated: {
+            const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
+            const auto i = static_cast<std::size_t>(above - cumulative_.begin());
+            // The area of a trapezoid from its left end is what is missing: v t + slope t^2 / 2.
+            const double width = cos_theta_[i] - cos_theta_[i - 1];
+            const double v = value_[i - 1];
+            const double slope = (value_[i] - v) / width;
+            const double area = 2 * (u - cumulative_[i - 1]);
+            const double root = std::sqrt(std::max(0.0, v * v + 2 * slope * area));
+            const double t = v + root > 0 ? 2 * area / (v + root) : 0.0;
+            x = cos_theta_[i - 1] + std::min(t, width);
+            break;
+        }
+    }
+    return std::clamp(x, -1.0, 1.0);
+}
+
+double ScatteringLaw::asymmetry() const {
+    if (kind_ != Kind::tabulated) return g_;
+    double sum = 0;
+    for (std::size_t i = 1; i < cos_theta_.size(); ++i) {
+        const double a = cos_theta_[i - 1], b = cos_theta_[i];
+        // Integral of x times a linear function, by Simpson's rule, which is exact for it.
+        sum += (b - a) / 6 *
+               (a * value_[i - 1] + (a + b) * (value_[i - 1] + value_[i]) + b * value_[i]);
+    }
+    return sum / 2;
+}
+
 namespace {
 
 // Below this weight a photon survives with probability 1/10, with ten times its weight: fewer

@@ -2,12 +2,65 @@
 // It shares no code and no equation with rte/: photons move, scatter and leave.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "tools/bench/scattering_law.h"
-
 namespace miebrdf::bench {
+
+/// Random numbers as a function of (seed, stream, position): the same for any order of evaluation.
+using PhiloxCounter = std::array<std::uint32_t, 4>;
+using PhiloxKey = std::array<std::uint32_t, 2>;
+
+/// Philox4x32-10 (Salmon, Moraes, Dror & Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3").
+PhiloxCounter philox(PhiloxCounter counter, PhiloxKey key);
+
+/// Uniform numbers of one stream, for instance of one photon.
+class RandomStream {
+  public:
+    RandomStream(std::uint64_t seed, std::uint64_t stream);
+
+    /// In (0, 1), both ends excluded: 53 random bits, shifted by half a unit, so that logarithms
+    /// are finite.
+    double uniform();
+
+  private:
+    PhiloxKey key_;
+    PhiloxCounter counter_;
+    PhiloxCounter block_ = {};
+    int used_ = 4;
+};
+
+/// A phase function to draw scattering angles from, normalised so that its mean over the sphere
+/// is 1.
+class ScatteringLaw {
+  public:
+    static ScatteringLaw isotropic();
+    static ScatteringLaw rayleigh();
+    /// @param asymmetry  g in (-1, 1)
+    static ScatteringLaw henyey_greenstein(double asymmetry);
+    /// Linear in cos Theta between the given points, normalised to mean 1.
+    /// @param cos_theta  strictly ascending from -1 to 1
+    /// @param value      P >= 0, not all 0
+    /// @throws std::invalid_argument  for anything else
+    static ScatteringLaw tabulated(std::vector<double> cos_theta, std::vector<double> value);
+
+    double value(double cos_theta) const;
+
+    /// cos Theta below which the fraction `u` in (0, 1) of the light is scattered.
+    double sample(double u) const;
+
+    /// Mean of cos Theta.
+    double asymmetry() const;
+
+  private:
+    enum class Kind { isotropic, rayleigh, henyey_greenstein, tabulated };
+    explicit ScatteringLaw(Kind kind) : kind_(kind) {}
+
+    Kind kind_;
+    double g_ = 0.0;
+    std::vector<double> cos_theta_, value_, cumulative_;
+};
 
 /// One homogeneous layer for the tracer.
 struct TracedLayer {

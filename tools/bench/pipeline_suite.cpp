@@ -6,11 +6,11 @@
 #include <limits>
 #include <stdexcept>
 
-#include "pipeline/solve/brdf.h"
-#include "pipeline/solve/scene_optics.h"
+#include <miebrdf/brdf.h>
+#include "pipeline/solve/single_scattering.h"
 #include "tools/bench/photon_tracer.h"
-#include "tools/bench/reference_data.h"
 #include "tools/bench/suites.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {
@@ -18,18 +18,16 @@ namespace {
 const std::vector<double> kMuIn = {0.2, 0.5, 0.8}, kMuOut = {0.2, 0.5, 0.8},
                           kAzimuth = {0, 60, 120, 180};
 
-Request paper_scene(double tolerance) {
-    Request request;
-    request.scene.base = parse_medium("TiO2");
-    request.scene.coats = {parse_coat("AlGaAs7@0.1")};
-    request.wavelength_nm = {450};
-    request.directions = {kMuIn, kMuOut, kAzimuth};
-    request.solver.tolerance = tolerance;
-    return request;
+Scene paper_scene() {
+    Scene scene;
+    scene.base = medium("TiO2");
+    scene.layers = {layer("AlGaAs7@0.1")};
+    return scene;
 }
 
-std::vector<double> run(const Request& request) {
-    std::vector<double> values = compute_brdf(request, {.threads = 1}).slices.at(0).subsurface;
+std::vector<double> run(const SolverOptions& options) {
+    const Brdf brdf = solve(paper_scene(), {450}, options, {.threads = 1});
+    std::vector<double> values = brdf.evaluate({kMuIn, kMuOut, kAzimuth}).slices.at(0).subsurface;
     for (double& v : values) v *= M_PI;
     return values;
 }
@@ -65,15 +63,15 @@ ScatteringLaw law_of(const rte::Optics& optics) {
 
 // From the names on: Mie is part of the run.
 Answer by_photons(int photons) {
-    MediumResolver resolver;
     OpticsDemand demand;
     demand.whole_phase_function = true;
     demand.tolerance = 1e-3;
-    const auto a = medium_optics(resolver.resolve(parse_medium("TiO2")), 450, {}, demand);
-    const auto b = medium_optics(resolver.resolve(parse_medium("AlGaAs7")), 450, {}, demand);
-    TracedStack stack;
-    stack.base = {a.optics.single_scattering_albedo, law_of(a.optics), 0};
-    stack.coats = {{b.optics.single_scattering_albedo, law_of(b.optics), 0.1}};
+    const ResolvedScene scene = resolve(paper_scene(), {450});
+    const auto traced = [&](std::size_t medium, double optical_depth) {
+        const rte::Optics optics = compute_optics(scene, medium, 0, demand).optics;
+        return TracedLayer{optics.single_scattering_albedo, law_of(optics), optical_depth};
+    };
+    const TracedStack stack{traced(0, 0), {traced(1, 0.1)}};
     std::vector<Detector> detectors;
     for (const double mu : kMuOut) {
         for (const double azimuth : kAzimuth) detectors.push_back({mu, azimuth});
@@ -118,27 +116,21 @@ BenchCase painted_sample() {
     if (c.true_values.size() != 36) throw std::logic_error("reference table lacks a direction");
     for (const double t : {1e-1, 1e-2, 3e-3, 1e-3}) {
         c.contenders.push_back(
-            {"miebrdf", fmt::format("tol={:.0e}", t), [=] { return run(paper_scene(t)); }});
+            {"miebrdf", fmt::format("tol={:.0e}", t), [=] { return run({.tolerance = t}); }});
     }
     for (const int n : {16, 32}) {
-        c.contenders.push_back({"paper: eq. 2 and 3 on its grid", fmt::format("n={}", n), [=] {
-                                    Request request = paper_scene(1e-3);
-                                    request.solver.streams = n;
-                                    request.solver.grid = rte::GridKind::paper;
-                                    request.solver.half_space_method =
-                                        rte::HalfSpaceMethod::fixed_point;
-                                    request.solver.coat_method =
-                                        rte::CoatMethod::first_order_patched;
-                                    request.solver.delta_m = false;
-                                    request.solver.single_scattering_correction = false;
-                                    return run(request);
-                                }});
-        c.contenders.push_back({"no single-scattering correction", fmt::format("n={}", n), [=] {
-                                    Request request = paper_scene(1e-3);
-                                    request.solver.streams = n;
-                                    request.solver.single_scattering_correction = false;
-                                    return run(request);
-                                }});
+        SolverOptions plain{.streams = n};
+        plain.single_scattering_correction = false;
+        SolverOptions paper = plain;
+        paper.grid = rte::GridKind::paper;
+        paper.half_space_method = rte::HalfSpaceMethod::fixed_point;
+        paper.coat_method = rte::CoatMethod::first_order_patched;
+        paper.delta_m = false;
+        const std::string knob = fmt::format("n={}", n);
+        c.contenders.push_back(
+            {"paper: eq. 2 and 3 on its grid", knob, [=] { return run(paper); }});
+        c.contenders.push_back(
+            {"no single-scattering correction", knob, [=] { return run(plain); }});
     }
     for (const int n : {300, 3000, 30000}) {
         c.contenders.push_back(

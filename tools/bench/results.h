@@ -38,6 +38,13 @@ std::vector<Measurement> of_case(const Results& results, const std::string& suit
                                  const std::string& test_case);
 std::vector<std::pair<std::string, std::string>> cases_of(const Results& results);
 
+/// What a case computes and where its truth is from, as kept in the facts ("case suite/name").
+std::string description_of(const Results& results, const std::string& suite,
+                           const std::string& test_case);
+
+/// 1.23e-5 -> "12.3 us".
+std::string time_text(double seconds);
+
 /// One point of both runs.
 struct Change {
     Measurement before, after;
@@ -52,5 +59,24 @@ std::vector<Change> compare(const Results& before, const Results& after);
 
 /// suite,case,method,parameter,seconds_before,seconds_after,error_before,error_after,verdict
 void write_comparison(const std::vector<Change>& changes, std::ostream& out);
+
+/// Whether a suite compares requests with and without a rule, not methods with a truth.
+bool is_about_rules(const std::string& suite);
+
+/// One rule: the same quantity from the full and from the reduced request.
+struct RuleSaving {
+    std::string rule;
+    std::string compared;          ///< what was computed both ways
+    double full_seconds = 0.0;     ///< median CPU time
+    double reduced_seconds = 0.0;  ///< median CPU time
+    double difference = 0.0;       ///< largest relative one of the values
+    double ratio() const { return full_seconds / reduced_seconds; }
+};
+
+/// All rules that were measured, in order.
+std::vector<RuleSaving> rule_savings(const Results& results);
+
+/// The same as rows of text: a head, then one row for each rule.
+std::vector<std::vector<std::string>> rule_table(const Results& results);
 
 }  // namespace miebrdf::bench

@@ -7,12 +7,11 @@
 #include <complex>
 #include <functional>
 
+#include <miebrdf/surface.h>
 #include "rte/math/quadrature.h"
-#include "rte/surface/directional_reflectance.h"
-#include "rte/surface/surface_lobe.h"
-#include "tools/bench/random.h"
+#include "tools/bench/photon_tracer.h"
 #include "tools/bench/suites.h"
-#include "tools/bench/surface_truth.h"
+#include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {

@@ -1,7 +1,6 @@
 # miebrdf_library(NAME [INTERNAL] [ROOMS folder ...] [SOURCES a.cpp ...] [PRECOMPILE <header> ...]
 #                 PUBLIC dep ... PRIVATE dep ...)
-# One static (or shared) library: target miebrdf_NAME, alias and export miebrdf::NAME. Its sources
-# are those of its rooms (folders below the current one; "." is the folder itself): a new file is
+# One static library: target miebrdf_NAME, alias and export miebrdf::NAME. Its sources are those of its rooms (folders below the current one; "." is the folder itself): a new file is
 # built as soon as it is there. Public headers are those in include/miebrdf, the only ones that are
 # installed; all others are included by path from the root, in the tree alone.
 # INTERNAL: part of the program, not installed.
@@ -9,9 +8,10 @@ function(miebrdf_library name)
     cmake_parse_arguments(ARG "INTERNAL" "" "ROOMS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
     set(target miebrdf_${name})
     miebrdf_sources(sources ${ARG_ROOMS})
-    add_library(${target} ${sources} ${ARG_SOURCES})
+    add_library(${target} STATIC ${sources} ${ARG_SOURCES})
     add_library(miebrdf::${name} ALIAS ${target})
-    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name}
+        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
@@ -27,7 +27,9 @@ function(miebrdf_library name)
         return()
     endif()
     set_property(GLOBAL APPEND PROPERTY miebrdf_libraries ${target})  # for the pkg-config file
-    install(TARGETS ${target} EXPORT miebrdfTargets)
+    if(NOT BUILD_SHARED_LIBS)  # a shared build installs one library of them all (MiebrdfInstall)
+        install(TARGETS ${target} EXPORT miebrdfTargets)
+    endif()
     if(IS_DIRECTORY "${public_headers}")
         install(DIRECTORY "${public_headers}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
                 FILES_MATCHING PATTERN "*.h")

@@ -1,46 +1,38 @@
 // miebrdf brdf and miebrdf albedo: a scene's reflection.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
-#include "pipeline/solve/brdf.h"
-#include "tools/miebrdf/albedo_colour.h"
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 
 namespace miebrdf::program {
 namespace {
 
-/// The part of a slice that a component name stands for.
-const std::vector<double>& component_of(const SpectralSlice& slice, const std::string& name) {
-    if (name == "subsurface") return slice.subsurface;
-    if (name == "surface") return slice.surface;
-    return slice.total;
-}
-
 Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
 
-/// What a slice says about itself, without its physics.
-template <typename Slice>
-std::vector<Cell> report_row(const Slice& slice) {
-    const rte::SolverReport& report = slice.report;
-    return {slice.wavelength_nm,       slice.converged ? std::string("yes") : std::string("no"),
-            slice.error_estimate,      slice.mie_error_estimate,
-            slice.phase_noise.largest, double(report.streams),
-            double(report.moments),    double(report.azimuthal_orders)};
+/// What a result says about itself at each wavelength, without its physics.
+void add_report(Table& table, const ResultReport& result) {
+    table.report_columns = {"wavelength_nm", "converged", "error_estimate", "mie_error_estimate",
+                            "phase_noise",   "streams",   "moments",        "azimuthal_orders"};
+    for (const WavelengthReport& report : result.wavelengths) {
+        const rte::SolverReport& solver = report.solver;
+        table.report.push_back({report.wavelength_nm, std::string(report.converged ? "yes" : "no"),
+                                report.error_estimate, report.mie_error_estimate,
+                                report.phase_noise.largest, double(solver.streams),
+                                double(solver.moments), double(solver.fourier_orders)});
+    }
 }
 
-const std::vector<std::string> kReportColumns = {
-    "wavelength_nm", "converged", "error_estimate", "mie_error_estimate",
-    "phase_noise",   "streams",   "moments",        "azimuthal_orders"};
-
-void add_report(Table& table, const BrdfResult& result) {
-    table.report_columns = kReportColumns;
+void add_physics(Table& table, const BrdfValues& values) {
     table.report_columns.insert(table.report_columns.end(),
                                 {"layers_reciprocity_defect", "layers_largest_albedo",
                                  "reciprocity_defect", "largest_albedo", "least_value"});
-    for (const SpectralSlice& slice : result.slices) {
-        std::vector<Cell>& row = table.report.emplace_back(report_row(slice));
+    for (std::size_t w = 0; w < values.slices.size(); ++w) {
+        const BrdfValues::Slice& slice = values.slices[w];
+        std::vector<Cell>& row = table.report[w];
         row.push_back(cell_of(slice.layers_physics.reciprocity_defect));
         row.push_back(cell_of(slice.layers_physics.largest_albedo));
         row.push_back(cell_of(slice.physics.reciprocity_defect));
@@ -49,150 +41,164 @@ void add_report(Table& table, const BrdfResult& result) {
     }
 }
 
-void add_report(Table& table, const AlbedoResult& result) {
-    table.report_columns = kReportColumns;
-    for (const AlbedoSlice& slice : result.slices) table.report.push_back(report_row(slice));
-}
-
-/// What missed the tolerance, and where: often one corner of the hemisphere, not the whole.
-template <typename Slice>
-std::string shortfall(const Slice& slice) {
-    std::string text =
-        fmt::format("{} nm: error estimate {:.2e}", slice.wavelength_nm, slice.error_estimate);
-    const rte::SolverReport& report = slice.report;
-    if (report.worst_mu_out > 0.0) {
-        text += fmt::format(
-            " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within "
-            "the tolerance",
-            report.worst_mu_in, report.worst_mu_out, report.worst_azimuth_deg,
-            100.0 * report.share_within_tolerance);
-    }
-    return text;
-}
-
 /// What the output says about how it was computed.
-template <typename Result>
-void add_facts(Table& table, const Result& result, const Request& request,
+void add_facts(Table& table, const ResultReport& result, const Scene& scene,
                const std::string& units) {
     table.facts.emplace_back("units", units);
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
-    if (const std::string particles = describe_particles(request.scene); !particles.empty())
+    if (const std::string particles = describe_particles(scene); !particles.empty())
         table.facts.emplace_back("particles", particles);
-    table.facts.emplace_back("tolerance", request.solver.tolerance);
-    table.facts.emplace_back("error_estimate", rounded(result.error_estimate, 3));
-    const PhaseNoise& noise = result.phase_noise;
-    if (noise.largest > 0.1 * request.solver.tolerance) {
+    table.facts.emplace_back("tolerance", result.tolerance);
+    table.facts.emplace_back("error_estimate", rounded(result.error_estimate(), 3));
+    const WavelengthReport& noisiest = result.noisiest();
+    const PhaseNoise& noise = noisiest.phase_noise;
+    if (noise.largest > 0.1 * result.tolerance) {
         table.facts.emplace_back(
             "phase_noise",
             fmt::format(
                 "{:.2e} at most, of single directions (rms, relative like error_estimate and "
                 "not in it), at {} nm, mu_in {}, mu_out {}, azimuth {}; from the number of sphere "
                 "sizes; a smaller --tolerance lowers it",
-                noise.largest, result.phase_noise_wavelength_nm, noise.mu_in, noise.mu_out,
+                noise.largest, noisiest.wavelength_nm, noise.mu_in, noise.mu_out,
                 noise.azimuth_deg));
     }
-    table.facts.emplace_back("method", result.slices.front().report.method);
-    for (const auto& slice : result.slices) {
-        if (slice.converged) continue;
-        table.facts.emplace_back("not converged", shortfall(slice));
-    }
+    table.facts.emplace_back("method", result.wavelengths.front().solver.method);
+    for (const std::string& line : result.shortfalls())
+        table.facts.emplace_back("not converged", line);
     add_report(table, result);
 }
 
-void add_rows(Table& table, const SpectralSlice& slice, const rte::Directions& d,
-              const std::vector<std::string>& components, double factor) {
-    std::size_t index = 0;
-    for (const double mu_in : d.mu_in) {
-        for (const double mu_out : d.mu_out) {
-            for (const double azimuth_deg : d.azimuth_deg) {
-                auto& row = table.rows.emplace_back(
-                    std::vector<Cell>{slice.wavelength_nm, mu_in, mu_out, azimuth_deg});
-                for (const std::string& name : components) {
-                    row.emplace_back(factor * component_of(slice, name)[index]);
+void add_rows(Table& table, const BrdfValues& values, const BrdfQuestion& question) {
+    const double factor = question.as_reflection ? std::numbers::pi : 1.0;
+    const auto& [mu_in, mu_out, azimuth_deg] = question.directions;
+    for (std::size_t w = 0; w < values.slices.size(); ++w) {
+        std::size_t index = 0;
+        for (const double in : mu_in) {
+            for (const double out : mu_out) {
+                for (const double azimuth : azimuth_deg) {
+                    auto& row = table.rows.emplace_back(
+                        std::vector<Cell>{values.wavelengths[w].wavelength_nm, in, out, azimuth});
+                    for (const BrdfPart part : question.columns)
+                        row.emplace_back(factor * values.slices[w].of(part)[index]);
+                    ++index;
                 }
-                ++index;
             }
         }
     }
 }
 
-int run_brdf(const BrdfArguments& arguments, const Shell& shell) {
-    const Request request = arguments.parse();
-    const bool as_reflection = arguments.quantity() == "reflection";
-    const BrdfResult result = compute_brdf(request, shell.control());
-
+int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    const BrdfValues values = brdf.evaluate(question.directions, question.parts);
     Table table;
-    add_facts(
-        table, result, request,
-        std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = "
-                    "mirror side, 180 = towards the source; ") +
-            (as_reflection ? "reflection: pi times the BRDF, 1 for white Lambertian"
-                           : "brdf: 1/sr, cosine not included"));
+    add_facts(table, values, brdf.scene(),
+              std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: "
+                          "0 = mirror side, 180 = towards the source; ") +
+                  (question.as_reflection ? "reflection: pi times the BRDF, 1 for white Lambertian"
+                                          : "brdf: 1/sr, cosine not included"));
+    add_physics(table, values);
+    const std::string quantity = question.as_reflection ? "reflection" : "brdf";
     table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg"};
-    const std::vector<std::string> components = arguments.components();
-    for (const std::string& name : components) {
-        table.columns.push_back(components.size() == 1 ? arguments.quantity()
-                                                       : arguments.quantity() + "_" + name);
+    for (const BrdfPart part : question.columns) {
+        table.columns.push_back(question.columns.size() == 1
+                                    ? quantity
+                                    : fmt::format("{}_{}", quantity, name_of(part)));
     }
-    for (const SpectralSlice& slice : result.slices) {
-        add_rows(table, slice, request.directions, components,
-                 as_reflection ? std::numbers::pi : 1.0);
-    }
+    add_rows(table, values, question);
     shell.write(std::move(table));
-    return result.converged ? kGood : kNotConverged;
+    return values.converged() ? kGood : kNotConverged;
 }
 
-int run_albedo(const AlbedoArguments& arguments, const Shell& shell) {
-    const Request request = arguments.parse();
-    const AlbedoResult result = compute_albedo(request, shell.control());
-    Table table;
-    if (const auto illuminant = arguments.illuminant()) {
-        add_facts(table, result, request,
-                  "mu_in: cosine from the normal; x, y, z: white of the illuminant has y = 1; lab: "
-                  "CIE 1976, white 100, 0, 0; srgb: encoded, not clipped");
-        add_colours(table, result, request.directions.mu_in, *illuminant);
-        shell.write(std::move(table));
-        return result.converged ? kGood : kNotConverged;
+/// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
+Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
+
+std::vector<Cell> colour_row(const std::string& quantity, const Cell& mu_in, const Xyz& xyz,
+                             Illuminant illuminant) {
+    const Lab lab = to_lab(xyz, illuminant);
+    const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
+    std::vector<Cell> row = {quantity, mu_in};
+    for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, encode_srgb(rgb.red),
+                               encode_srgb(rgb.green), encode_srgb(rgb.blue)}) {
+        row.push_back(decimals(value));
     }
-    add_facts(table, result, request,
-              "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");
+    return row;
+}
+
+/// XYZ, Lab, encoded sRGB: a row for the plane albedo at each mu_in and one for the spherical
+/// albedo, to six decimals.
+/// @param wavelength_nm  ascending
+void add_colours(Table& table, const AlbedoValues& values, const std::vector<double>& wavelength_nm,
+                 Illuminant illuminant) {
+    const ObserverWeights weights = observer_weights(wavelength_nm, illuminant);
+    table.columns = {"quantity", "mu_in", "x",        "y",          "z",        "lab_l",
+                     "lab_a",    "lab_b", "srgb_red", "srgb_green", "srgb_blue"};
+    for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
+        std::vector<double> albedo;
+        for (const std::vector<double>& plane : values.plane_albedo) albedo.push_back(plane[i]);
+        table.rows.push_back(
+            colour_row("plane_albedo", values.mu_in[i], to_xyz(weights, albedo), illuminant));
+    }
+    table.rows.push_back(colour_row("spherical_albedo", Cell(),
+                                    to_xyz(weights, values.spherical_albedo), illuminant));
+}
+
+void add_spectra(Table& table, const AlbedoValues& values) {
     table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};
-    for (const AlbedoSlice& slice : result.slices) {
-        for (std::size_t i = 0; i < slice.plane_albedo.size(); ++i) {
-            table.rows.push_back({slice.wavelength_nm, request.directions.mu_in[i],
-                                  slice.plane_albedo[i], slice.spherical_albedo});
+    for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
+        for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
+            table.rows.push_back({values.wavelengths[w].wavelength_nm, values.mu_in[i],
+                                  values.at(w, i), values.spherical_albedo[w]});
         }
     }
-    shell.write(std::move(table));
-    return result.converged ? kGood : kNotConverged;
 }
 
-/// A command whose options are `Arguments`.
-template <typename Arguments>
-void add_command(CLI::App& program, Shell& shell, const char* name, const char* description,
-                 const char* example, int (*run)(const Arguments&, const Shell&)) {
-    auto* command = program.add_subcommand(name, description);
+int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
+    const AlbedoValues values = brdf.albedo(question.mu_in);
+    Table table;
+    if (question.illuminant) {
+        add_facts(table, values, brdf.scene(),
+                  "mu_in: cosine from the normal; x, y, z: white of the illuminant has y = 1; lab: "
+                  "CIE 1976, white 100, 0, 0; srgb: encoded, not clipped");
+        add_colours(table, values, brdf.wavelength_nm(), *question.illuminant);
+    } else {
+        add_facts(
+            table, values, brdf.scene(),
+            "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");
+        add_spectra(table, values);
+    }
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
+/// A command whose options are `Arguments`: they are read and the scene's names are looked up
+/// before anything is computed.
+template <typename Arguments, typename Question>
+void add(CLI::App& command, Shell& shell,
+         int (*write)(const Brdf&, const Question&, const Shell&)) {
     auto arguments = std::make_shared<Arguments>();
-    arguments->add_to(*command);
-    shell.add_common_options(*command);
-    command->footer(std::string("Example:\n  ") + example);
-    shell.on_run(*command, [arguments, run, &shell] { return run(*arguments, shell); });
+    arguments->add_to(command, shell);
+    shell.add_common_options(command);
+    shell.on_prepare(command, [arguments, write, &shell]() -> Job {
+        const Question question = arguments->parse();
+        const Request& request = question.request;
+        const Brdf brdf =
+            solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+        return [brdf, question, write, &shell] { return write(brdf, question, shell); };
+    });
 }
 
 }  // namespace
 
-void add_brdf_command(CLI::App& program, Shell& shell) {
-    add_command<BrdfArguments>(
-        program, shell, "brdf", "the spectral BRDF of a coated, rough material",
-        "miebrdf brdf --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 --wavelengths 400:700:10 "
-        "--mu-in 0.5,1 --mu-out 0.1:1:0.1 --azimuth 0,90,180",
-        run_brdf);
+void add_brdf(CLI::App& command, Shell& shell) {
+    add<BrdfArguments>(command, shell, write_brdf);
+    command.footer(
+        "Example:\n  miebrdf brdf --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 --wavelengths "
+        "400:700:10 --mu-in 0.5,1 --mu-out 0.1:1:0.1 --azimuth 0,90,180");
 }
 
-void add_albedo_command(CLI::App& program, Shell& shell) {
-    add_command<AlbedoArguments>(
-        program, shell, "albedo", "plane and spherical albedo of a scene",
-        "miebrdf albedo --base TiO2 --coat AlGaAs7@0.1 --wavelengths 400:700:50", run_albedo);
+void add_albedo(CLI::App& command, Shell& shell) {
+    add<AlbedoArguments>(command, shell, write_albedo);
+    command.footer(
+        "Example:\n  miebrdf albedo --base TiO2 --coat AlGaAs7@0.1 --wavelengths 400:700:50");
 }
 
 }  // namespace miebrdf::program

@@ -28,15 +28,14 @@ int run_clear(const Shell& shell) {
 
 }  // namespace
 
-void add_cache_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("cache", "results remembered between runs");
-    command->require_subcommand(1);
-    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
-    command->footer("Example:\n  miebrdf cache info");
-    auto* info = command->add_subcommand("info", "where it is and how much is in it");
+void add_cache(CLI::App& command, Shell& shell) {
+    command.require_subcommand(1);
+    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.footer("Example:\n  miebrdf cache info");
+    auto* info = command.add_subcommand("info", "where it is and how much is in it");
     shell.add_common_options(*info);
     shell.on_run(*info, [&shell] { return run_info(shell); });
-    auto* clear = command->add_subcommand("clear", "forget everything");
+    auto* clear = command.add_subcommand("clear", "forget everything");
     shell.add_common_options(*clear);
     shell.on_run(*clear, [&shell] { return run_clear(shell); });
 }

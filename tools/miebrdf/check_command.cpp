@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
 #include <miebrdf/formats.h>
-#include "pipeline/solve/solved_source.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -53,8 +54,9 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
              Verdict& verdict) {
     Request request = arguments.scene.parse();
     if (!file.wavelength_nm().empty()) request.wavelength_nm = file.wavelength_nm();
-    const exports::SolvedSource source(request, exports::parse_component(arguments.component),
-                                       shell.command_line(), shell.control());
+    const BrdfTable source =
+        solve(request.scene, request.wavelength_nm, request.solver, shell.control())
+            .table({parse_brdf_part(arguments.component), shell.command_line()});
     const exports::FileComparison found = exports::compare_file(file, source, arguments.rgb);
     const double bound = arguments.largest_deviation > 0.0
                              ? arguments.largest_deviation
@@ -128,15 +130,12 @@ int run_check(const CheckArguments& arguments, const Shell& shell) {
 
 }  // namespace
 
-void add_check_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("check", "reciprocity, albedo and least value of a BRDF file");
+void add_check(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<CheckArguments>();
     command
-        ->add_option("FILE", arguments->file,
-                     "a BRDF file; its format is recognised by its content")
+        .add_option("FILE", arguments->file, "a BRDF file; its format is recognised by its content")
         ->required();
-    auto* group = command->add_option_group("Bounds");
+    auto* group = command.add_option_group("Bounds");
     group
         ->add_option("--max-reciprocity-error", arguments->largest_asymmetry,
                      "rms of |f(i,o) - f(o,i)| / mean, both cosines > 0.2")
@@ -153,16 +152,16 @@ void add_check_command(CLI::App& program, Shell& shell) {
         ->add_option("--max-sampling-error", arguments->largest_sampling_error,
                      "of the albedo found by the file's importance sampling")
         ->capture_default_str();
-    arguments->scene.add_to(*command, SceneArguments::Base::optional);
-    command->add_option("--component", arguments->component, "of the scene to compare with")
+    arguments->scene.add_to(command, shell, SceneArguments::Base::optional);
+    command.add_option("--component", arguments->component, "of the scene to compare with")
         ->capture_default_str();
-    command->add_option("--rgb", arguments->rgb, "colours of the scene to compare with")
+    command.add_option("--rgb", arguments->rgb, "colours of the scene to compare with")
         ->capture_default_str();
-    shell.add_common_options(*command);
-    command->footer(
+    shell.add_common_options(command);
+    command.footer(
         "Example:\n  miebrdf check paint.bsdf\n  miebrdf check paint_spec.bsdf --base TiO2 --coat "
         "AlGaAs7@0.1");
-    shell.on_run(*command, [arguments, &shell] { return run_check(*arguments, shell); });
+    shell.on_run(command, [arguments, &shell] { return run_check(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program

@@ -10,13 +10,12 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "pipeline/io/atomic_file.h"
-#include "tools/miebrdf/interrupt.h"
-#include "tools/miebrdf/progress_line.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
 namespace {
 
-/// Before anything is computed for a file that could not be written.
+/// Refuses a file in a folder that does not exist, before anything is computed for it.
 void require_folder_of(const std::string& file) {
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
     std::error_code unreadable;  // is no folder either
@@ -39,25 +38,48 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
                 if (writes != Writes::folder) require_folder_of(file);
                 common_.output = file;
             },
-            "write to FILE instead of standard output (whole or not at all)")
+            "write to FILE instead of standard output; FILE appears when it is complete")
         ->type_name("FILE");
     command.add_flag("--json", common_.json,
-                     writes == Writes::table ? "write JSON instead of CSV"
-                                             : "tell on standard output what was written, as JSON");
+                     writes == Writes::table
+                         ? "write JSON instead of CSV"
+                         : "print what was written, as JSON, to standard output");
     command
         .add_option("--threads", common_.threads,
-                    "most threads to use, up to one per processor; 0: that many")
+                    "largest number of threads; 0: one for each processor")
         ->type_name("N")
         ->check(CLI::Range(0, 4096));
-    command.add_flag("-q,--quiet", common_.quiet, "say nothing on standard error but errors");
-    command.add_flag("--no-cache", common_.no_cache, "compute everything, remember nothing");
-    command.add_option("--progress", common_.progress, "auto, none or json, on standard error")
+    command.add_flag("-q,--quiet", common_.quiet, "print nothing but errors to standard error");
+    command.add_flag("--no-cache", common_.no_cache,
+                     "neither use nor store results of earlier runs");
+    command
+        .add_option(
+            "--progress", common_.progress,
+            "how progress is shown on standard error: auto (a line on a terminal), none or json")
         ->capture_default_str();
     command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
 }
 
-void Shell::on_run(CLI::App& command, std::function<int()> action) {
-    command.callback([this, action = std::move(action)] { action_ = action; });
+void Shell::on_prepare(CLI::App& command, std::function<Job()> prepare) {
+    command.callback([this, prepare = std::move(prepare)] { prepare_ = prepare; });
+}
+
+void Shell::on_run(CLI::App& command, Job job) {
+    command.callback([this, job = std::move(job)] { set_job(job); });
+}
+
+void Shell::set_job(Job job) {
+    prepare_ = [job = std::move(job)] { return job; };
+}
+
+Job Shell::prepare() const {
+    if (!prepare_) return [] { return int(kGood); };
+    return [this, job = prepare_()] {
+        if (progress_ != nullptr) progress_->begin();
+        const int code = job();
+        if (progress_ != nullptr) progress_->end();
+        return code;
+    };
 }
 
 void Shell::add_origin(Table& table) const {
@@ -95,23 +117,21 @@ void Shell::write_text(const std::string& text) const {
     file.commit();
 }
 
-RunControl Shell::control() const {
+Control Shell::control() const {
+    Control control;
+    control.threads = common_.threads;
+    control.is_cancelled = [&interrupted = watch_for_interrupts()] { return interrupted.load(); };
+    control.memo = memo_;
+    if (!common_.no_cache) {
+        if (cache_ == nullptr) cache_ = open_cache();
+        control.cache = cache_;
+    }
     const ProgressStyle style =
         common_.quiet ? ProgressStyle::none : parse_progress_style(common_.progress);
-    auto line = std::make_shared<ProgressLine>(style);
-    RunControl control;
-    control.threads = common_.threads;
-    control.cancelled = &watch_for_interrupts();
-    control.shared = shared_;
-    if (!common_.no_cache) {
-        if (!cache_) cache_ = std::make_unique<ResultCache>(ResultCache::default_file());
-        control.cache = cache_.get();
-    }
-    if (style != ProgressStyle::none) {
-        control.progress = [line](const std::string& stage, std::size_t done, std::size_t total) {
-            line->update(stage, done, total);
-        };
-    }
+    if (style == ProgressStyle::none) return control;
+    if (progress_ == nullptr) progress_ = std::make_shared<ProgressLine>(style);
+    control.progress = [line = progress_](const std::string& stage, std::size_t done,
+                                          std::size_t total) { line->update(stage, done, total); };
     return control;
 }
 

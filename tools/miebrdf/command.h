@@ -5,10 +5,12 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "pipeline/cache/result_cache.h"
+#include <miebrdf/control.h>
 #include "pipeline/io/table.h"
-#include "pipeline/solve/run_control.h"
+#include "pipeline/scene/scene_file.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
 
@@ -25,25 +27,37 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
-/// What a command puts out: rows, as CSV or JSON; a file whose format its own options choose; a
-/// folder, which it makes.
+/// What a command writes: rows, as CSV or JSON; a file in a format that its own options choose; a
+/// folder, which it creates.
 enum class Writes { table, file, folder };
+
+/// What is left to do of a command; returns its exit code.
+using Job = std::function<int()>;
 
 /// What main() gives to commands and takes from them.
 class Shell {
   public:
     /// @param command_line  as typed, for the header of every file written
-    /// @param shared  what the results of a scene file have in common; may be null
-    explicit Shell(std::string command_line, SharedWork* shared = nullptr)
-        : command_line_(std::move(command_line)), shared_(shared) {}
+    /// @param result  of a scene file, which says the command's scene; null: options say it
+    /// @param memo    single scattering that the results of a scene file share; may be null
+    explicit Shell(std::string command_line, const SceneFileResult* result = nullptr,
+                   std::shared_ptr<OpticsMemo> memo = nullptr)
+        : command_line_(std::move(command_line)), result_(result), memo_(std::move(memo)) {}
 
     /// Adds -o, --json, --threads, --quiet and --version to a command.
     void add_common_options(CLI::App& command, Writes writes = Writes::table);
 
-    /// Runs `action` when this command is the one typed; what it returns is the exit code.
-    void on_run(CLI::App& command, std::function<int()> action);
-    /// The same for a command that decides while it is parsed.
-    void set_action(std::function<int()> action) { action_ = std::move(action); }
+    /// Calls `prepare` when this command is the one typed: it reads and checks all that was asked
+    /// for and returns what is left to do. A scene file prepares all its results first.
+    void on_prepare(CLI::App& command, std::function<Job()> prepare);
+    /// The same for a command whose job does its own checks.
+    void on_run(CLI::App& command, Job job);
+    /// For a command that decides while it is parsed.
+    void set_job(Job job);
+
+    /// The job of the command that was parsed; it needs this object.
+    /// @throws UsageError, InputError
+    Job prepare() const;
 
     /// Writes a table as CSV, or as JSON with --json, to -o FILE or standard output; version and
     /// command line are put before its own facts.
@@ -53,48 +67,45 @@ class Shell {
     /// Writes text that is no table (an export, a plot) to -o FILE or standard output.
     void write_text(const std::string& text) const;
 
-    /// With --json: tells on standard output what a command has written that writes no table, one
-    /// row for each file; version and command line are put before its own facts.
+    /// With --json: prints a table of the files that a command has written, for commands that write
+    /// no table themselves; version and command line are put before its own facts.
     void tell_written(Table files) const;
 
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
 
     /// Threads, progress on a terminal's stderr, Ctrl-C and the cache for a computation.
-    RunControl control() const;
+    Control control() const;
 
     const CommonOptions& common() const { return common_; }
     const std::string& command_line() const { return command_line_; }
-    int run() const { return action_ ? action_() : kGood; }
+    const SceneFileResult* scene_file_result() const { return result_; }
+
+    /// The words of a scene that the command's options are made of (scene_options.h); scene files
+    /// read them for it.
+    const std::vector<std::string>& scene_words() const { return scene_words_; }
+    void add_scene_word(const std::string& name) { scene_words_.push_back(name); }
 
   private:
     void add_origin(Table& table) const;
 
     std::string command_line_;
-    SharedWork* shared_;
+    const SceneFileResult* result_;
+    std::shared_ptr<OpticsMemo> memo_;
     CommonOptions common_;
-    mutable std::unique_ptr<ResultCache> cache_;  ///< opened when first wanted
-    std::function<int()> action_;
+    mutable std::shared_ptr<ResultCache> cache_;  ///< opened when first wanted, like the next
+    mutable std::shared_ptr<ProgressLine> progress_;
+    std::vector<std::string> scene_words_;
+    std::function<Job()> prepare_;
 };
 
-void add_sphere_command(CLI::App& program, Shell& shell);
-void add_optics_command(CLI::App& program, Shell& shell);
-void add_phase_command(CLI::App& program, Shell& shell);
-void add_brdf_command(CLI::App& program, Shell& shell);
-void add_albedo_command(CLI::App& program, Shell& shell);
-void add_table1_command(CLI::App& program, Shell& shell);
-void add_materials_command(CLI::App& program, Shell& shell);
-void add_export_command(CLI::App& program, Shell& shell);
-void add_check_command(CLI::App& program, Shell& shell);
-void add_plot_command(CLI::App& program, Shell& shell);
-void add_render_command(CLI::App& program, Shell& shell);  // docs/rendering.md has what it needs
-void add_plan_command(CLI::App& program, Shell& shell);
-void add_run_command(CLI::App& program, Shell& shell);
-void add_cache_command(CLI::App& program, Shell& shell);
-
-/// All of them.
-void add_commands(CLI::App& program, Shell& shell);
-void add_bench_command(CLI::App& program, Shell& shell);
-void add_stress_command(CLI::App& program, Shell& shell);
+/// A command: what it is called, one line about it, and the function that adds its options and says
+/// what it does.
+struct Command {
+    const char* name;
+    const char* help;
+    void (*add)(CLI::App& command, Shell& shell);
+    bool in_scene_files = false;  ///< it computes something that a scene file may ask for
+};
 
 }  // namespace miebrdf::program

@@ -1,16 +1,15 @@
 // miebrdf export: a scene's BRDF in the formats that renderers and tools read.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
 #include <miebrdf/formats.h>
 #include <miebrdf/version.h>
-#include "pipeline/solve/brdf.h"
-#include "pipeline/solve/medium_optics.h"
-#include "pipeline/solve/parallel.h"
-#include "pipeline/solve/solved_source.h"
+#include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
 
@@ -30,12 +29,11 @@ std::string describe(const exports::ExportedFile& file) {
 }
 
 /// What `--json` tells of the files.
-Table table_of(const std::vector<exports::ExportedFile>& files,
-               const exports::SolverAccuracy& accuracy) {
+Table table_of(const std::vector<exports::ExportedFile>& files, const ResultReport& report) {
     Table table;
-    table.facts = {{"error_estimate", rounded(accuracy.error_estimate, 3)},
-                   {"tolerance", accuracy.tolerance},
-                   {"converged", std::string(accuracy.converged ? "yes" : "no")}};
+    table.facts = {{"error_estimate", rounded(report.error_estimate(), 3)},
+                   {"tolerance", report.tolerance},
+                   {"converged", std::string(report.converged() ? "yes" : "no")}};
     table.columns = {"file", "bytes"};
     for (const char* band : exports::kDeviationBands) {
         table.columns.push_back(fmt::format("rms_deviation ({})", band));
@@ -62,44 +60,38 @@ void tell_written(bool converged, const Shell& shell) {
                         .rows = {{shell.common().output}}});
 }
 
-/// Spherical albedos.
-int export_albedo(const std::string& format, Request request, const Shell& shell) {
-    request.directions.mu_in = {1.0};
-    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());
-    const AlbedoResult result = compute_albedo(request, shell.control());
+int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    const AlbedoValues values = brdf.albedo({1.0});
     exports::Spectrum spectrum;
-    for (const AlbedoSlice& slice : result.slices) {
-        spectrum.wavelength_nm.push_back(slice.wavelength_nm);
-        spectrum.value.push_back(slice.spherical_albedo);
-    }
+    spectrum.wavelength_nm = brdf.wavelength_nm();
+    spectrum.value = values.spherical_albedo;
     spectrum.comments = {
         fmt::format("miebrdf {}", kVersion), shell.command_line(),
         "spherical albedo (reflectance under diffuse light), wavelengths in nm in vacuum"};
-    for (const std::string& source : result.sources)
+    for (const std::string& source : values.sources)
         spectrum.comments.push_back("source: " + source);
     exports::export_spectrum(spectrum, format, shell.common().output);
-    tell_written(result.converged, shell);
-    return result.converged ? kGood : kNotConverged;
+    tell_written(values.converged(), shell);
+    return values.converged() ? kGood : kNotConverged;
 }
 
-/// Albedo and moments of the base's single scattering.
-int export_scattering(const std::string& format, const Request& request, const Shell& shell) {
-    validate(request);
-    const ResolvedMedium medium = MediumResolver(request.database).resolve(request.scene.base);
+int export_scattering(const std::string& format, const Brdf& brdf, const Shell& shell) {
+    // The base alone: layers are for light transfer.
+    const Scene scene{.base = brdf.scene().base,
+                      .particles = brdf.scene().particles,
+                      .database = brdf.scene().database};
+    const ResolvedScene resolved = resolve(scene, brdf.wavelength_nm());
     OpticsDemand demand;
     demand.highest_moment = kHighestMoment;
-    if (request.scene.particles.tolerance > 0.0)
-        demand.tolerance = request.scene.particles.tolerance;
-    std::vector<MediumOptics> optics(request.wavelength_nm.size());
-    const mie::Executor pieces = pieces_of_job(shell.control());
-    run_parallel("single scattering", optics.size(), shell.control(), [&](std::size_t w) {
-        optics[w] = medium_optics(medium, request.wavelength_nm[w], request.scene.particles, demand,
-                                  pieces);
-    });
+    if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
+    std::vector<std::size_t> wavelengths(brdf.wavelength_nm().size());
+    std::iota(wavelengths.begin(), wavelengths.end(), std::size_t{0});
+    const auto optics = optics_of(resolved, {0}, wavelengths, demand, shell.control());
     exports::ScatteringTable table;
-    table.wavelength_nm = request.wavelength_nm;
+    table.wavelength_nm = brdf.wavelength_nm();
     bool converged = true;
-    for (const MediumOptics& o : optics) {
+    for (const std::vector<MediumOptics>& media : optics) {
+        const MediumOptics& o = media.front();
         table.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
         table.asymmetry.push_back(o.asymmetry);
         table.q_ext.push_back(o.q_ext.value_or(std::numeric_limits<double>::quiet_NaN()));
@@ -109,8 +101,8 @@ int export_scattering(const std::string& format, const Request& request, const S
     const nlohmann::ordered_json metadata = {
         {"generator", fmt::format("miebrdf {}", kVersion)},
         {"command", shell.command_line()},
-        {"medium", describe(request.scene.base)},
-        {"source", medium.source},
+        {"medium", describe(scene.base)},
+        {"source", resolved.sources.front()},
         {"chi", "Legendre moments, chi_0 = 1, without 2l + 1"},
         {"lm_a1", "(2l + 1) chi_l, the Legendre coefficients of the phase function with mean 1"},
         {"ssa", "scattering / extinction"},
@@ -121,65 +113,53 @@ int export_scattering(const std::string& format, const Request& request, const S
     return converged ? kGood : kNotConverged;
 }
 
-int export_values(const ExportArguments& arguments, const Request& request, const Shell& shell) {
+int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
+    const std::string& output = shell.common().output;
     const exports::ExportOptions options = arguments.file();
-    const exports::SolvedSource source(request, exports::parse_component(arguments.component()),
-                                       shell.command_line(), shell.control());
+    const BrdfTable table =
+        brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
     std::vector<exports::ExportedFile> files;
     try {
-        files = exports::export_brdf(source, arguments.format(), shell.common().output, options,
-                                     shell.control());
+        files = exports::export_brdf(table, arguments.format(), output, options, shell.control());
     } catch (const exports::TooCoarse& error) {
         shell.note(
             fmt::format("error: {} (--resolution); --max-error accepts it as it is", error.what()));
         return kCheckFailed;
     }
     for (const auto& file : files) shell.note(describe(file));
-    const exports::SolverAccuracy& accuracy = source.accuracy();
-    shell.tell_written(table_of(files, accuracy));
-    shell.note(describe(accuracy) + (accuracy.converged ? "" : "; all values are written"));
-    return accuracy.converged ? kGood : kNotConverged;
+    const ResultReport& report = table.report();
+    shell.tell_written(table_of(files, report));
+    shell.note(report.summary() + (report.converged() ? "" : "; all values are written"));
+    return report.converged() ? kGood : kNotConverged;
 }
 
-int run_export(const ExportArguments& arguments, const Shell& shell) {
+Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
-    if (output.empty() || output == "-") throw UsageError("export needs -o FILE");
-    arguments.check_format();
-    const exports::Format& format = arguments.format();
-    const Request request = arguments.scene();
-    switch (format.content) {
-        case exports::FormatContent::spectrum:
-            return export_albedo(format.name, request, shell);
-        case exports::FormatContent::scattering:
-            return export_scattering(format.name, request, shell);
-        default:
-            return export_values(arguments, request, shell);
-    }
-}
-
-/// One line for each format.
-std::string list_of_formats() {
-    std::string text = "Formats:\n";
-    for (const exports::Format& format : exports::all_formats()) {
-        text += fmt::format("  {:<11} {} ({})\n", format.name, format.readers, format.holds);
-    }
-    return text;
+    if (output.empty() || output == "-")
+        throw UsageError("export needs -o FILE (in a scene file, an 'output')");
+    arguments->check_format();
+    const Request request = arguments->scene();
+    const Brdf brdf = solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+    const std::string format = arguments->format().name;
+    if (arguments->format().content == exports::FormatContent::spectrum)
+        return [brdf, format, &shell] { return export_albedo(format, brdf, shell); };
+    if (arguments->format().content == exports::FormatContent::scattering)
+        return [brdf, format, &shell] { return export_scattering(format, brdf, shell); };
+    arguments->file();  // refuses lists that are wrong
+    return [brdf, arguments, &shell] { return write_export(brdf, *arguments, shell); };
 }
 
 }  // namespace
 
-void add_export_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("export", "the BRDF of a scene as a file for renderers and tools");
+void add_export(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ExportArguments>();
-    arguments->add_to(*command);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
-        list_of_formats() +
+    arguments->add_to(command, shell);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
         "Example:\n  miebrdf export --format rgl --base TiO2 --coat AlGaAs7@0.1 --wavelengths "
         "400:700:10 "
         "-o algaas7_on_tio2.bsdf");
-    shell.on_run(*command, [arguments, &shell] { return run_export(*arguments, shell); });
+    shell.on_prepare(command, [arguments, &shell] { return prepare_export(arguments, shell); });
 }
 
 }  // namespace miebrdf::program

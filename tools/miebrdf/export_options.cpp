@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include <miebrdf/brdf.h>
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/solved_source.h"
 
 namespace miebrdf::program {
 namespace {
@@ -74,12 +74,12 @@ std::string resolutions() {
 
 }  // namespace
 
-void ExportArguments::add_to(CLI::App& command) {
+void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     command_ = &command;
     command.add_option("--format", format_, formats_that([](const Format&) { return true; }))
         ->type_name("NAME")
         ->required();
-    scene_.add_to(command);
+    scene_.add_to(command, shell);
     command.add_option("--component", component_, "total, subsurface or surface")
         ->capture_default_str();
     add_file_options(command);
@@ -125,10 +125,15 @@ void ExportArguments::add_file_options(CLI::App& command) {
         ->capture_default_str();
 }
 
+bool ExportArguments::given(const std::string& option) const {
+    // Words of the scene may come from a scene file, where no option is typed.
+    return scene_.given(option.substr(2)) || command_->get_option(option)->count() > 0;
+}
+
 void ExportArguments::check_format() const {
     const std::vector<std::string> taken = file_options_of(format());
     for (const std::string& name : ignored_options_of(format_)) {
-        if (command_->get_option(name)->count() == 0) continue;
+        if (!given(name)) continue;
         throw UsageError(fmt::format(
             "format '{}' has no use for {}; {}", format_, name,
             taken.empty()
@@ -139,7 +144,7 @@ void ExportArguments::check_format() const {
         !azimuth_.empty()) {
         throw UsageError("--resolution is for lists that are not given; here all three are");
     }
-    exports::parse_component(component_);
+    parse_brdf_part(component_);
 }
 
 Request ExportArguments::scene() const {

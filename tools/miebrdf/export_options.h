@@ -13,7 +13,7 @@ namespace miebrdf::program {
 class ExportArguments {
   public:
     /// Adds all of them but the common ones.
-    void add_to(CLI::App& command);
+    void add_to(CLI::App& command, Shell& shell);
     /// Whether the format is there and takes every option that was typed.
     /// @throws UsageError  naming those that it does take
     void check_format() const;
@@ -28,6 +28,9 @@ class ExportArguments {
 
   private:
     void add_file_options(CLI::App& command);
+
+    /// Whether an option was given, as --name.
+    bool given(const std::string& option) const;
 
     const CLI::App* command_ = nullptr;
     SceneArguments scene_;

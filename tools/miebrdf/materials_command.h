@@ -9,12 +9,17 @@
 
 namespace miebrdf::program {
 
+/// The user's own materials over the embedded ones.
+/// @param file  empty: $MIEBRDF_DATABASE, else the default place
+/// @throws InputError
+materials::Database open_database(const std::string& file);
+
 /// Which database a subcommand reads or writes.
 class DatabaseArgument {
   public:
     void add_to(CLI::App& command);
-    /// The user's own materials over the embedded ones. @throws InputError
-    materials::Database open() const;
+    /// @throws InputError
+    materials::Database open() const { return open_database(file_); }
     /// Where changes go: --database, $MIEBRDF_DATABASE or the default place.
     std::filesystem::path file() const;
 
@@ -23,11 +28,9 @@ class DatabaseArgument {
 };
 
 void add_materials_query_commands(CLI::App& materials, Shell& shell);  ///< list, search, show
-void add_materials_nk_command(CLI::App& materials, Shell& shell);
+void add_materials_nk_commands(CLI::App& materials, Shell& shell);     ///< nk, plot
 void add_materials_edit_commands(CLI::App& materials,
                                  Shell& shell);  ///< import, alias, default, remove
-
-void add_materials_plot_command(CLI::App& materials, Shell& shell);
 void add_materials_check_commands(CLI::App& materials, Shell& shell);  ///< export, diff, verify
 
 }  // namespace miebrdf::program

@@ -82,11 +82,11 @@ void add_import(CLI::App& materials, Shell& shell) {
     command->add_option("--source", arguments->options.source, "collection it comes from");
     command
         ->add_option("--negative-k-tolerance", arguments->options.negative_k_tolerance,
-                     "negative k down to minus this is noise and set to 0")
+                     "k between minus this and 0 is measurement noise and set to 0")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command->add_flag("--replace", arguments->replace,
-                      "a dataset of the same name with other figures gives way");
+                      "replace a dataset of the same name that has other values");
     arguments->database.add_to(*command);
     shell.add_common_options(*command);
     command->footer(
@@ -179,7 +179,7 @@ void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
         add_edit(materials, shell, "alias", "give a material another name", alias, run_alias);
     command->add_option("alias", alias->name, "the new name")->required();
     command->add_option("material", alias->second, "the material it means");
-    command->add_flag("--remove", alias->remove, "take the alias away again");
+    command->add_flag("--remove", alias->remove, "remove the alias");
     command->footer("Example:\n  miebrdf materials alias \"my white\" TiO2");
 
     auto chosen = std::make_shared<EditArguments>();

@@ -4,11 +4,10 @@
 #include <string>
 
 #include <miebrdf/error.h>
-#include "pipeline/plan/plan.h"
+#include <miebrdf/plan.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/run_command.h"
-#include "tools/miebrdf/scene_requests.h"
 
 namespace miebrdf::program {
 namespace {
@@ -39,20 +38,44 @@ Table empty_table() {
     return table;
 }
 
-/// The cache as it is; nothing is stored.
-ResultCache* cache_of(const Shell& shell) { return shell.control().cache; }
+Brdf solved(const Request& request, const Control& control) {
+    return solve(request.scene, request.wavelength_nm, request.solver, control);
+}
+
+Plan plan_of(const BrdfQuestion& question, const Control& control, EarlierWork* earlier) {
+    return plan_evaluate(solved(question.request, control), question.directions, question.parts,
+                         earlier);
+}
+
+Plan plan_of(const AlbedoQuestion& question, const Control& control, EarlierWork* earlier) {
+    return plan_albedo(solved(question.request, control), question.mu_in, earlier);
+}
+
+/// The plan of a result of a scene file.
+template <typename Arguments>
+Plan plan_of(const SceneFileResult& result, const Control& control, EarlierWork& earlier) {
+    CLI::App command;
+    Shell shell("", &result);
+    Arguments arguments;
+    arguments.add_to(command, shell);
+    shell.add_common_options(command);
+    read_keys(result, command);
+    return plan_of(arguments.parse(), control, &earlier);
+}
 
 int plan_scene_file(const std::string& path, const Shell& shell) {
     Table table = empty_table();
     EarlierWork earlier;
+    const Control control = shell.control();
     std::size_t number = 0;
-    for (const std::vector<std::string>& line : scene_command_lines(path)) {
-        const std::string result = fmt::format("{} {}", ++number, line.front());
-        if (const auto layers = layer_request(line)) {
-            add_plan(table, make_plan(layers->request, layers->quantity, cache_of(shell), &earlier),
-                     result);
+    for (const SceneFileResult& result : read_scene_results(path)) {
+        const std::string name = fmt::format("{} {}", ++number, result.command);
+        if (result.command == "brdf") {
+            add_plan(table, plan_of<BrdfArguments>(result, control, earlier), name);
+        } else if (result.command == "albedo") {
+            add_plan(table, plan_of<AlbedoArguments>(result, control, earlier), name);
         } else {
-            table.facts.emplace_back("not planned", result + ": plans are made of brdf and albedo");
+            table.facts.emplace_back("not planned", name + ": plans are made of brdf and albedo");
         }
     }
     shell.write(std::move(table));
@@ -60,21 +83,15 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
 }
 
 template <typename Arguments>
-void add_kind(CLI::App& plan, Shell& shell, const std::string& name) {
+void add_kind(CLI::App& plan, Shell& shell, const std::string& name, const std::string& example) {
     auto* command = plan.add_subcommand(name, "the plan of miebrdf " + name + ", same options");
     auto arguments = std::make_shared<Arguments>();
-    arguments->add_to(*command);
-    const bool brdf = std::is_same_v<Arguments, BrdfArguments>;
-    command->footer(fmt::format("Example:\n  miebrdf plan {} --base TiO2 --coat AlGaAs7@0.1{}",
-                                name, brdf ? " --mu-in 1 --mu-out 0.1:1:0.1" : ""));
+    arguments->add_to(*command, shell);
+    command->footer(fmt::format("Example:\n  miebrdf plan {} {}", name, example));
     shell.add_common_options(*command);
     shell.on_run(*command, [arguments, name, &shell] {
         Table table = empty_table();
-        const Request request = arguments->parse();
-        const auto quantity = std::is_same_v<Arguments, AlbedoArguments>
-                                  ? albedo_quantity(request.scene)
-                                  : LayerQuantity::reflection;
-        add_plan(table, make_plan(request, quantity, cache_of(shell)), name);
+        add_plan(table, plan_of(arguments->parse(), shell.control(), nullptr), name);
         shell.write(std::move(table));
         return kGood;
     });
@@ -82,22 +99,21 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name) {
 
 }  // namespace
 
-void add_plan_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand(
-        "plan", "what brdf, albedo or a scene file would compute, and what they leave out");
+void add_plan(CLI::App& command, Shell& shell) {
     auto path = std::make_shared<std::string>();
-    command->require_subcommand(0, 1);
-    command->add_option("scene", *path, "scene file (TOML)")->type_name("SCENE.toml");
-    add_kind<BrdfArguments>(*command, shell, "brdf");
-    add_kind<AlbedoArguments>(*command, shell, "albedo");
-    shell.add_common_options(*command);
-    command->footer(
+    command.require_subcommand(0, 1);
+    command.add_option("scene", *path, "scene file (TOML)")->type_name("SCENE.toml");
+    add_kind<BrdfArguments>(command, shell, "brdf",
+                            "--base TiO2 --coat AlGaAs7@0.1 --mu-in 1 --mu-out 0.1:1:0.1");
+    add_kind<AlbedoArguments>(command, shell, "albedo", "--base TiO2 --coat AlGaAs7@0.1");
+    shell.add_common_options(command);
+    command.footer(
         "Example:\n  miebrdf plan docs/examples/paint.toml\n  miebrdf plan brdf --base TiO2 "
         "--mu-in 1 "
         "--mu-out 0.1:1:0.1");
-    command->callback([command, path, &shell] {
-        if (!command->get_subcommands().empty()) return;
-        shell.set_action([path, &shell] {
+    command.callback([&command, path, &shell] {
+        if (!command.get_subcommands().empty()) return;
+        shell.set_job([path, &shell]() -> int {
             if (path->empty()) {
                 throw UsageError("plan what? give a scene file, or brdf or albedo with options");
             }

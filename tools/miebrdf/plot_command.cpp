@@ -3,13 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
+
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
+#include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
 
 void PlotArguments::add_to(CLI::App& command) {
-    command.add_option("--title", title_, "above the chart; default: what is shown")
+    command.add_option("--title", title_, "title above the chart; default: what is shown")
         ->type_name("TEXT");
     command.add_option("--scale", scale_, "pixels of a PNG for each unit of the page (460 wide)")
         ->check(CLI::Range(0.1, 20.0))
@@ -39,15 +43,95 @@ void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const
     }
 }
 
-void add_plot_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand("plot", "charts as SVG or PNG");
-    command->require_subcommand(1);
-    command->set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
-    command->footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
-    add_scene_plots(*command, shell);
-    add_profile_plot(*command, shell);
-    add_map_plots(*command, shell);
-    add_medium_plots(*command, shell);
+void add_plot(CLI::App& command, Shell& shell) {
+    command.require_subcommand(1);
+    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
+    add_scene_plots(command, shell);
+    add_profile_plot(command, shell);
+    add_map_plots(command, shell);
+    add_medium_plots(command, shell);
+}
+
+CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
+                         const std::string& title, const ScenePlot& arguments,
+                         const std::string& default_wavelengths) {
+    auto* command = plot.add_subcommand(kind, title);
+    arguments->scene.add_to(*command, shell, SceneArguments::Base::required, default_wavelengths);
+    arguments->plot.add_to(*command);
+    shell.add_common_options(*command, Writes::file);
+    return command;
+}
+
+void add_incidence_option(CLI::App& command, const std::string& incidence,
+                          const ScenePlot& arguments) {
+    arguments->incidence = incidence;
+    command
+        .add_option("--incidence", arguments->incidence,
+                    "angles of incidence, degrees from the normal")
+        ->type_name("LIST")
+        ->capture_default_str();
+}
+
+void add_component_options(CLI::App& command, const ScenePlot& arguments) {
+    command.add_option("--component", arguments->components, "total, subsurface, surface")
+        ->capture_default_str();
+    command.add_flag("--log", arguments->logarithmic, "logarithmic scale of the values");
+}
+
+double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
+
+std::vector<double> cosines_of(const std::vector<double>& degrees) {
+    std::vector<double> list;
+    list.reserve(degrees.size());
+    for (const double angle : degrees) list.push_back(cosine_of(angle));
+    return list;
+}
+
+std::vector<double> incidences(const ScenePlotArguments& arguments) {
+    return parse_number_list(arguments.incidence, "incidence (degrees)", 0.0, 89.9);
+}
+
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene) {
+    std::vector<BrdfPart> parts;
+    for (const std::string& name : split_list(text)) {
+        parts.push_back(parse_brdf_part(name));
+        if (parts.back() == BrdfPart::surface && !scene.surface)
+            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
+    }
+    return parts;
+}
+
+std::string title_of(const Scene& scene) {
+    std::string title;
+    for (auto coat = scene.layers.rbegin(); coat != scene.layers.rend(); ++coat) {
+        title += fmt::format("{} (\u03c4 = {:g}) on ", describe(coat->medium), coat->optical_depth);
+    }
+    return title + describe(scene.base);
+}
+
+std::pair<double, double> parse_range(const std::string& text, bool logarithmic) {
+    const std::vector<double> ends = parse_number_list(text, "range");
+    if (ends.size() != 2 || !(ends[0] < ends[1]) || (logarithmic && !(ends[0] > 0))) {
+        throw UsageError(fmt::format("range '{}'; wanted: LOW,HIGH, ascending{}", text,
+                                     logarithmic ? " and positive" : ""));
+    }
+    return {ends[0], ends[1]};
+}
+
+std::string title_of(const std::vector<Scene>& scenes) {
+    std::string title = title_of(scenes.front());
+    for (std::size_t i = 1; i < scenes.size(); ++i)
+        title += (i + 1 == scenes.size() ? " and " : ", ") + describe(scenes[i].base);
+    return title;
+}
+
+double only_wavelength_nm(const Request& request, const std::string& kind) {
+    if (request.wavelength_nm.size() != 1) {
+        throw UsageError(fmt::format("a {} shows one of --wavelengths; given: {}", kind,
+                                     request.wavelength_nm.size()));
+    }
+    return request.wavelength_nm.front();
 }
 
 }  // namespace miebrdf::program

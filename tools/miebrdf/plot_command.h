@@ -1,11 +1,15 @@
-// What the kinds of `miebrdf plot` share.
+// What the kinds of `miebrdf plot` share, and those that take a scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
+
+#include <memory>
 #include <string>
 
+#include <miebrdf/brdf.h>
 #include "pipeline/plot/picture.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 
@@ -33,5 +37,48 @@ void add_scene_plots(CLI::App& plot, Shell& shell);
 void add_profile_plot(CLI::App& plot, Shell& shell);
 /// Colour maps of a scene: hemisphere, slice.
 void add_map_plots(CLI::App& plot, Shell& shell);
+
+struct ScenePlotArguments {
+    SceneArguments scene;
+    std::string incidence;  ///< degrees
+    std::string components = "total";
+    std::vector<std::string> compare;
+    bool logarithmic = false;
+    bool cosine = false;
+    int decades = 3;
+    PlotArguments plot;
+};
+
+using ScenePlot = std::shared_ptr<ScenePlotArguments>;
+
+/// A subcommand with the scene's options and the common ones.
+CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
+                         const std::string& title, const ScenePlot& arguments,
+                         const std::string& default_wavelengths = "rgb");
+/// Of kinds that show one.
+inline constexpr char kOneWavelength[] = "550";
+void add_incidence_option(CLI::App& command, const std::string& incidence,
+                          const ScenePlot& arguments);
+void add_component_options(CLI::App& command, const ScenePlot& arguments);
+
+double cosine_of(double degrees);
+std::vector<double> cosines_of(const std::vector<double>& degrees);
+/// --incidence. @throws UsageError
+std::vector<double> incidences(const ScenePlotArguments& arguments);
+
+/// Names of components, separated by commas.
+/// @throws UsageError  for an unknown name, and for the surface of a scene without one
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
+
+/// "paint (tau = 0.1) on base"
+std::string title_of(const Scene& scene);
+/// The same for scenes that differ in their bases.
+std::string title_of(const std::vector<Scene>& scenes);
+
+/// LOW,HIGH, ascending, and positive for a logarithmic scale. @throws UsageError
+std::pair<double, double> parse_range(const std::string& text, bool logarithmic);
+
+/// The one wavelength of kinds that show a single one. @throws UsageError
+double only_wavelength_nm(const Request& request, const std::string& kind);
 
 }  // namespace miebrdf::program

@@ -7,10 +7,8 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/slice.h"
-#include "pipeline/plot/slice_directions.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/solved_source.h"
-#include "tools/miebrdf/plot_scene_arguments.h"
+#include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {
@@ -26,24 +24,37 @@ std::string map_title(const Request& request, double wavelength_nm) {
     return fmt::format("{}, {:g} nm", title_of(request.scene), wavelength_nm);
 }
 
+BrdfPart only_component(const ScenePlotArguments& arguments, const Request& request,
+                        const std::string& kind) {
+    const std::vector<BrdfPart> parts = parse_components(arguments.components, request.scene);
+    if (parts.size() != 1) throw UsageError(fmt::format("a {} shows one --component", kind));
+    return parts.front();
+}
+
+Brdf solved(const Request& request, const Shell& shell) {
+    return solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+}
+
 int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    Request request = arguments.scene.parse();
+    const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
     const double wavelength_nm = only_wavelength_nm(request, "hemisphere");
     if (incidence_deg.size() != 1) throw UsageError("a hemisphere shows one --incidence");
+    const BrdfPart part = only_component(arguments, request, "hemisphere");
     plot::HemisphereMap map;
     map.zenith_edges_deg = parse_number_list("0:90:2", "zenith angle (degrees)");
     map.azimuth_edges_deg = parse_number_list("0:180:3", "azimuth (degrees)");
     map.incidence_deg = incidence_deg.front();
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
-    request.directions = {cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
-                          centres(map.azimuth_edges_deg)};
-    const BrdfResult result = compute_brdf(request, shell.control());
-    map.value = component_of(result.slices.front(), arguments.components);
+    const BrdfValues values =
+        solved(request, shell)
+            .evaluate({cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
+                       centres(map.azimuth_edges_deg)});
+    map.value = values.slices.front().of(part);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_hemisphere(map, caption), shell);
-    return result.converged ? kGood : kNotConverged;
+    return values.converged() ? kGood : kNotConverged;
 }
 
 struct SliceArguments : ScenePlotArguments {
@@ -58,8 +69,7 @@ constexpr double kSteepest = 0.17364817766693;  // cos 80 degrees
 
 /// The ends of the colours: those asked for, else of the values that are not at grazing.
 void set_range(plot::SliceMap& map, const std::string& range,
-               const std::vector<exports::Direction>& directions,
-               const std::vector<double>& values) {
+               const std::vector<Direction>& directions, const std::vector<double>& values) {
     if (!range.empty()) {
         const auto [low, high] = parse_range(range, map.scale == plot::Scale::logarithmic);
         map.lowest = low;
@@ -77,15 +87,15 @@ void set_range(plot::SliceMap& map, const std::string& range,
 
 int run_slice(const SliceArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    Request request = arguments.scene.parse();
+    const Request request = arguments.scene.parse();
     const double wavelength_nm = only_wavelength_nm(request, "slice");
+    const BrdfPart part = only_component(arguments, request, "slice");
     if (!arguments.range.empty()) parse_range(arguments.range, arguments.logarithmic);
-    request.directions = {{1.0}, {1.0}, {0.0}};  // what is validated; the source is asked anywhere
     plot::SliceMap map;
     map.half_cells = map.difference_cells = arguments.cells;
     map.azimuth_deg = arguments.azimuth_deg;
     map.scale = arguments.logarithmic ? plot::Scale::logarithmic : plot::Scale::linear;
-    std::vector<exports::Direction> directions;
+    std::vector<Direction> directions;
     std::vector<std::size_t> cells;
     const double step_deg = 90.0 / arguments.cells;
     for (int d = 0; d < arguments.cells; ++d) {
@@ -98,16 +108,14 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
             cells.push_back(map.value.size() - 1);
         }
     }
-    const exports::SolvedSource source(request, exports::parse_component(arguments.components),
-                                       shell.command_line(), shell.control());
-    const auto values = evaluate_all(source, directions, "slice", shell.control());
+    const BrdfTable table = solved(request, shell).table({part, shell.command_line()});
+    const auto values = evaluate_all(table, directions, "slice", shell.control());
     for (std::size_t i = 0; i < cells.size(); ++i) map.value[cells[i]] = values[i];
     set_range(map, arguments.range, directions, values);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_slice(map, caption), shell);
-    const exports::SolverAccuracy& accuracy = source.accuracy();
-    if (!accuracy.converged) shell.note(describe(accuracy));
-    return accuracy.converged ? kGood : kNotConverged;
+    if (!table.report().converged()) shell.note(table.report().summary());
+    return table.report().converged() ? kGood : kNotConverged;
 }
 
 }  // namespace
@@ -133,12 +141,14 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
         ->add_option("--phi-d", slice->azimuth_deg, "azimuth of the difference angle, degrees")
         ->check(CLI::Range(0.0, 360.0))
         ->capture_default_str();
-    slice_command->add_option("--cells", slice->cells, "along either angle")
+    slice_command
+        ->add_option("--cells", slice->cells, "number of cells along each of the two angles")
         ->check(CLI::Range(2, 360))
         ->capture_default_str();
     slice_command
         ->add_option("--range", slice->range,
-                     "ends of the colours; default: of the values up to 80 degrees from the normal")
+                     "values at the ends of the colour scale; default: those up to 80 degrees from "
+                     "the normal")
         ->type_name("LOW,HIGH");
     slice_command->footer(
         "Example:\n  miebrdf plot slice --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "

@@ -4,8 +4,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/medium_optics.h"
-#include "pipeline/solve/parallel.h"
+#include "tools/miebrdf/materials_command.h"
 #include "tools/miebrdf/plot_command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -18,59 +17,52 @@ struct MediumPlotArguments {
     std::vector<std::string> media;
     bool polar = false;
     int decades = 0;
-    MaterialArguments materials;
-    ParticleArguments particles;
+    MediaArguments options;  ///< of optics and phase
+    SceneArguments scene;    ///< of nk: wavelengths and database
     PlotArguments plot;
 };
 
-/// Optics of every medium at every wavelength: [medium][wavelength].
-std::vector<std::vector<MediumOptics>> compute(const MediumPlotArguments& arguments,
-                                               const std::vector<double>& wavelength_nm,
-                                               const std::vector<double>& angles_deg,
-                                               const Shell& shell) {
-    ParticleOptions particles = arguments.particles.parse();
-    validate(particles);
-    OpticsDemand demand;
-    demand.highest_moment = 1;
-    demand.angles_deg = angles_deg;
-    demand.tolerance = particles.tolerance > 0.0 ? particles.tolerance : kMieTolerance;
-    MediumResolver resolver(arguments.materials.database());
-    std::vector<ResolvedMedium> media;
-    for (const std::string& name : arguments.media)
-        media.push_back(resolver.resolve(parse_medium(name)));
+/// Optics of every medium at every wavelength.
+MediaSpectra compute(const MediumPlotArguments& arguments, const std::vector<double>& angles_deg,
+                     const Shell& shell) {
+    MediaSpectra spectra = arguments.options.look_up(
+        arguments.media,
+        {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kMieTolerance});
+    spectra.compute(shell.control());
+    return spectra;
+}
 
-    const std::size_t count = wavelength_nm.size();
-    std::vector<std::vector<MediumOptics>> optics(media.size(), std::vector<MediumOptics>(count));
-    const mie::Executor pieces = pieces_of_job(shell.control());
-    run_parallel("single scattering", media.size() * count, shell.control(), [&](std::size_t job) {
-        optics[job / count][job % count] = medium_optics(
-            media[job / count], wavelength_nm[job % count], particles, demand, pieces);
-    });
-    return optics;
+/// n and k where they are known: the curve ends where its table ends.
+plot::IndexCurve index_curve(const std::string& name, const std::vector<double>& wavelength_nm,
+                             const std::string& database) {
+    plot::IndexCurve curve{name, {}, {}, {}};
+    const auto add = [&](double nm, std::complex<double> index) {
+        curve.wavelength_nm.push_back(nm);
+        curve.n.push_back(index.real());
+        curve.k.push_back(index.imag());
+    };
+    const Medium shown = medium(name);
+    if (shown.kind == "material") {
+        const auto table = open_database(database).refractive_index(shown.name);
+        for (const double nm : wavelength_nm) {
+            if (table.covers(nm)) add(nm, table.at(nm));
+        }
+    } else if (needs_mie(shown)) {
+        const ResolvedIndex resolved = resolve_index(shown, wavelength_nm, database);
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+            add(wavelength_nm[w], resolved.index[w]);
+    }
+    if (curve.n.empty())
+        throw UsageError(fmt::format("'{}' has no refractive index at these wavelengths", name));
+    return curve;
 }
 
 int run_nk(const MediumPlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    MediumResolver resolver(arguments.materials.database());
-    const std::vector<double> wanted = arguments.materials.wavelengths_nm();
+    const Request request = arguments.scene.parse();
     std::vector<plot::IndexCurve> curves;
-    for (const std::string& name : arguments.media) {
-        const ResolvedMedium medium = resolver.resolve(parse_medium(name));
-        plot::IndexCurve curve{name, {}, {}, {}};
-        for (const double nm : wanted) {
-            if (medium.table && !medium.table->covers(nm)) continue;  // ends where its table ends
-            const auto index = medium.index_at(nm, 0.0);
-            if (!index) continue;
-            curve.wavelength_nm.push_back(nm);
-            curve.n.push_back(index->real());
-            curve.k.push_back(index->imag());
-        }
-        if (curve.n.empty()) {
-            throw UsageError(
-                fmt::format("'{}' has no refractive index at these wavelengths", name));
-        }
-        curves.push_back(std::move(curve));
-    }
+    for (const std::string& name : arguments.media)
+        curves.push_back(index_curve(name, request.wavelength_nm, request.scene.database));
     arguments.plot.save(
         plot::draw_nk(std::move(curves), arguments.plot.caption(shell, "Complex refractive index")),
         shell);
@@ -79,23 +71,21 @@ int run_nk(const MediumPlotArguments& arguments, const Shell& shell) {
 
 int run_optics(const MediumPlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    const std::vector<double> wavelengths = arguments.materials.wavelengths_nm();
-    const auto optics = compute(arguments, wavelengths, {}, shell);
+    const MediaSpectra spectra = compute(arguments, {}, shell);
     std::vector<plot::OpticsCurve> curves;
-    bool converged = true;
-    for (std::size_t m = 0; m < optics.size(); ++m) {
-        plot::OpticsCurve curve{arguments.media[m], wavelengths, {}, {}, {}};
-        for (const MediumOptics& o : optics[m]) {
+    for (std::size_t m = 0; m < arguments.media.size(); ++m) {
+        plot::OpticsCurve& curve = curves.emplace_back(
+            plot::OpticsCurve{arguments.media[m], spectra.scene.wavelength_nm, {}, {}, {}});
+        for (const std::vector<MediumOptics>& media : spectra.optics) {
+            const MediumOptics& o = media[m];
             curve.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
             curve.asymmetry.push_back(o.asymmetry);
             if (o.q_ext) curve.q_ext.push_back(*o.q_ext);
-            converged = converged && o.converged;
         }
-        curves.push_back(std::move(curve));
     }
     arguments.plot.save(
         plot::draw_optics(curves, arguments.plot.caption(shell, "Single scattering")), shell);
-    return converged ? kGood : kNotConverged;
+    return spectra.converged() ? kGood : kNotConverged;
 }
 
 /// Finer where Mie's forward peak and glory are.
@@ -106,34 +96,31 @@ std::vector<double> phase_angles() {
 
 int run_phase(const MediumPlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    const std::vector<double> wavelengths = arguments.materials.wavelengths_nm();
     const std::vector<double> angles = phase_angles();
-    const auto optics = compute(arguments, wavelengths, angles, shell);
+    const MediaSpectra spectra = compute(arguments, angles, shell);
+    const std::vector<double>& wavelength_nm = spectra.scene.wavelength_nm;
     std::vector<plot::PhaseCurve> curves;
-    bool converged = true;
-    for (std::size_t m = 0; m < optics.size(); ++m) {
-        for (std::size_t w = 0; w < wavelengths.size(); ++w) {
-            curves.push_back({fmt::format("{}, {:g} nm", arguments.media[m], wavelengths[w]),
-                              angles, optics[m][w].phase});
-            converged = converged && optics[m][w].converged;
+    for (std::size_t m = 0; m < arguments.media.size(); ++m) {
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+            curves.push_back({fmt::format("{}, {:g} nm", arguments.media[m], wavelength_nm[w]),
+                              angles, spectra.optics[w][m].phase});
         }
     }
     const plot::Caption caption = arguments.plot.caption(shell, "Phase function");
     arguments.plot.save(arguments.polar ? plot::draw_phase_polar(curves, caption, arguments.decades)
                                         : plot::draw_phase(curves, caption),
                         shell);
-    return converged ? kGood : kNotConverged;
+    return spectra.converged() ? kGood : kNotConverged;
 }
 
 CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const std::string& title,
-                   const std::string& wavelengths, MediumPlotArguments& arguments) {
+                   MediumPlotArguments& arguments) {
     auto* command = plot.add_subcommand(kind, title);
     command
         ->add_option("media", arguments.media,
                      "one curve for each: NAME, index:N,K, hg:ALBEDO,G, ...")
         ->type_name("MEDIUM...")
         ->required();
-    arguments.materials.add_to(*command, wavelengths);
     arguments.plot.add_to(*command);
     shell.add_common_options(*command, Writes::file);
     return command;
@@ -143,25 +130,27 @@ CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const 
 
 void add_medium_plots(CLI::App& plot, Shell& shell) {
     auto nk = std::make_shared<MediumPlotArguments>();
-    auto* nk_command = add_kind(plot, shell, "nk", "n and k against wavelength", "360:830:2", *nk);
+    auto* nk_command = add_kind(plot, shell, "nk", "n and k against wavelength", *nk);
+    nk->scene.add_to(*nk_command, shell, {"wavelengths", "database"}, "360:830:2");
     nk_command->footer("Example:\n  miebrdf plot nk GaP TiO2 AlGaAs7 -o nk.svg");
     shell.on_run(*nk_command, [nk, &shell] { return run_nk(*nk, shell); });
 
     auto optics = std::make_shared<MediumPlotArguments>();
-    auto* optics_command =
-        add_kind(plot, shell, "optics", "albedo, asymmetry and extinction against wavelength",
-                 "400:700:10", *optics);
-    optics->particles.add_to(*optics_command);
+    auto* optics_command = add_kind(plot, shell, "optics",
+                                    "albedo, asymmetry and extinction against wavelength", *optics);
+    optics->options.add_to(*optics_command, shell, "400:700:10");
     optics_command->footer("Example:\n  miebrdf plot optics TiO2 AlGaAs7 -o optics.png");
     shell.on_run(*optics_command, [optics, &shell] { return run_optics(*optics, shell); });
 
     auto phase = std::make_shared<MediumPlotArguments>();
-    auto* phase_command = add_kind(plot, shell, "phase",
-                                   "phase function against the scattering angle", "550", *phase);
-    phase->particles.add_to(*phase_command);
-    phase_command->add_flag("--polar", phase->polar, "around the particle, logarithmic radius");
+    auto* phase_command =
+        add_kind(plot, shell, "phase", "phase function against the scattering angle", *phase);
+    phase->options.add_to(*phase_command, shell, "550");
+    phase_command->add_flag("--polar", phase->polar,
+                            "draw it around the particle, with a logarithmic radius");
     phase_command
-        ->add_option("--decades", phase->decades, "of the polar radius; 0: as many as are needed")
+        ->add_option("--decades", phase->decades,
+                     "decades that the polar radius shows; 0: as many as needed")
         ->check(CLI::Range(0, 12))
         ->capture_default_str();
     phase_command->footer(

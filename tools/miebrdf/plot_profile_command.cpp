@@ -3,15 +3,94 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/plot_scene_arguments.h"
-#include "tools/miebrdf/profile_points.h"
 
 namespace miebrdf::program {
 namespace {
+
+/// A single value of others, to be drawn beside curves.
+struct ProfilePoint {
+    double wavelength_nm, mu_in, mu_out, azimuth_deg;
+    double brdf;  ///< 1/sr
+};
+
+/// Where the wanted columns are.
+struct Columns {
+    std::size_t wavelength, mu_in, mu_out, azimuth, value;
+    double scale;  ///< from the value to a BRDF
+};
+
+std::size_t place_of(const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+Columns columns_of(const std::vector<std::string>& names, const std::string& path) {
+    Columns columns{place_of(names, "wavelength_nm"), place_of(names, "mu_in"),
+                    place_of(names, "mu_out"),        place_of(names, "azimuth_deg"),
+                    place_of(names, "brdf"),          1.0};
+    if (columns.value == names.size()) {
+        columns.value = place_of(names, "reflection");
+        columns.scale = 1.0 / std::numbers::pi;
+    }
+    for (const std::size_t place :
+         {columns.wavelength, columns.mu_in, columns.mu_out, columns.azimuth, columns.value}) {
+        if (place < names.size()) continue;
+        throw InputError(fmt::format(
+            "points '{}': wanted columns: wavelength_nm, mu_in, mu_out, azimuth_deg, and brdf or "
+            "reflection",
+            path));
+    }
+    return columns;
+}
+
+ProfilePoint point_of(const std::vector<std::string>& fields, const Columns& columns) {
+    const auto number = [&](std::size_t place, const char* name) {
+        return parse_number(fields.at(place), name);
+    };
+    return {number(columns.wavelength, "wavelength_nm"), number(columns.mu_in, "mu_in"),
+            number(columns.mu_out, "mu_out"), number(columns.azimuth, "azimuth_deg"),
+            columns.scale * number(columns.value, "brdf")};
+}
+
+/// Reads a CSV table with the columns of `miebrdf brdf`, in any order and with others between them:
+/// wavelength_nm, mu_in, mu_out, azimuth_deg, and brdf or reflection (divided by pi). Lines that
+/// begin with # are comments.
+/// @throws InputError  with file and line
+std::vector<ProfilePoint> read_profile_points(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw InputError(fmt::format("points '{}': cannot be read", path));
+    std::vector<ProfilePoint> points;
+    std::vector<std::string> names;
+    Columns columns{};
+    std::string line;
+    for (int number = 1; std::getline(file, line); ++number) {
+        if (line.empty() || line.front() == '#') continue;
+        const std::vector<std::string> fields = split_list(line);
+        if (names.empty()) {
+            names = fields;
+            columns = columns_of(names, path);
+            continue;
+        }
+        if (fields.size() != names.size()) {
+            throw InputError(fmt::format("points '{}' line {}: {} fields for {} columns", path,
+                                         number, fields.size(), names.size()));
+        }
+        try {
+            points.push_back(point_of(fields, columns));
+        } catch (const UsageError& error) {
+            throw InputError(fmt::format("points '{}' line {}: {}", path, number, error.what()));
+        }
+    }
+    if (points.empty()) throw InputError(fmt::format("points '{}': no values", path));
+    return points;
+}
 
 struct ProfileArguments : ScenePlotArguments {
     double azimuth_deg = 180.0;
@@ -87,20 +166,26 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
     const plot::AxisOptions axis = value_axis(arguments);
     std::vector<ProfilePoint> points;
     if (!arguments.points.empty()) points = read_profile_points(arguments.points);
-    request.directions = {
+    const Directions directions = {
         cosines_of(incidence_deg), cosines_of(zenith_deg), {arguments.azimuth_deg}};
+    const std::vector<BrdfPart> parts = parse_components(arguments.components, request.scene);
+    if (parts.size() != 1) throw UsageError("a profile shows one --component");
 
     std::vector<rte::CoatMethod> methods{request.solver.coat_method};
-    for (const std::string& name : arguments.coat_methods)
-        methods.push_back(parse_coat_method(name));
+    for (const std::string& name : arguments.coat_methods) {
+        apply(*find_scene_word("coat-method"), std::vector<WordValue>{name}, request);
+        methods.push_back(request.solver.coat_method);
+    }
     std::vector<plot::Panel> panels(incidence_deg.size());
     bool converged = true;
     for (std::size_t m = 0; m < methods.size(); ++m) {
         request.solver.coat_method = methods[m];
-        const BrdfResult result = compute_brdf(request, shell.control());
+        const BrdfValues result =
+            solve(request.scene, request.wavelength_nm, request.solver, shell.control())
+                .evaluate(directions);
         // The first method is the answer; the others are shown for what they are.
-        if (m == 0) converged = result.converged;
-        const auto& values = component_of(result.slices.front(), arguments.components);
+        if (m == 0) converged = result.converged();
+        const std::vector<double>& values = result.slices.front().of(parts.front());
         for (std::size_t i = 0; i < panels.size(); ++i) {
             const auto first = values.begin() + static_cast<std::ptrdiff_t>(i * zenith_deg.size());
             // The answer is drawn last: over the others where they agree.
@@ -152,15 +237,16 @@ void add_profile_plot(CLI::App& plot, Shell& shell) {
         ->capture_default_str();
     command
         ->add_option("--compare-coat-method", profile->coat_methods,
-                     "the same with another --coat-method as well; repeatable")
+                     "show the result of this --coat-method, too; repeat it for more")
         ->type_name("METHOD")
         ->allow_extra_args(false);
     command->add_option("--range", profile->range, "ends of the value axis")->type_name("LOW,HIGH");
     command
         ->add_option("--points", profile->points,
-                     "values to draw as points: a CSV table as `miebrdf brdf` writes it")
+                     "values to draw as points: a CSV table like that of `miebrdf brdf`")
         ->type_name("FILE.csv");
-    command->add_option("--points-label", profile->points_label, "their name in the legend")
+    command
+        ->add_option("--points-label", profile->points_label, "name of these points in the legend")
         ->type_name("TEXT")
         ->capture_default_str();
     command->footer(

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "pipeline/colour/colour.h"
+#include <miebrdf/colour.h>
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/plot_scene_arguments.h"
+#include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {
@@ -18,7 +18,7 @@ std::vector<Scene> scenes(const ScenePlotArguments& arguments, const Scene& firs
     std::vector<Scene> list{first};
     for (const std::string& base : arguments.compare) {
         list.push_back(first);
-        list.back().base = parse_medium(base);
+        list.back().base = medium(base);
     }
     return list;
 }
@@ -38,44 +38,54 @@ plot::LobeCurve lobe_curve(const std::vector<double>& values, std::size_t incide
     return curve;
 }
 
+/// A label names only what differs between the curves.
+struct Differs {
+    bool scenes, wavelengths, components, incidences;
+};
+
+std::string label_of(const Differs& differs, const Scene& scene, double wavelength_nm,
+                     BrdfPart part, double incidence_deg) {
+    std::vector<std::string> parts;
+    if (differs.scenes) parts.push_back(describe(scene.base));
+    if (differs.wavelengths) parts.push_back(fmt::format("{:g} nm", wavelength_nm));
+    if (differs.components) parts.emplace_back(name_of(part));
+    if (differs.incidences) parts.push_back(fmt::format("{:g}\u00b0", incidence_deg));
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
-    Request request = arguments.scene.parse();
+    const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
-    const std::vector<std::string> components = split_list(arguments.components);
+    const std::vector<BrdfPart> parts = parse_components(arguments.components, request.scene);
     const std::vector<double> zenith_deg =
         parse_number_list("0:88:1,88.5,89,89.5", "zenith angle (degrees)");
-    request.directions = {cosines_of(incidence_deg), cosines_of(zenith_deg), {0.0, 180.0}};
+    const Directions directions = {cosines_of(incidence_deg), cosines_of(zenith_deg), {0.0, 180.0}};
+    const std::vector<double>& wavelength_nm = request.wavelength_nm;
+    const std::vector<Scene> all_scenes = scenes(arguments, request.scene);
+    const Differs differs{all_scenes.size() > 1, wavelength_nm.size() > 1, parts.size() > 1,
+                          incidence_deg.size() > 1};
 
     std::vector<plot::LobeCurve> curves;
     bool converged = true;
-    const std::vector<Scene> all_scenes = scenes(arguments, request.scene);
     for (const Scene& scene : all_scenes) {
-        request.scene = scene;
-        const BrdfResult result = compute_brdf(request, shell.control());
-        converged = converged && result.converged;
-        for (const SpectralSlice& slice : result.slices) {
-            for (const std::string& component : components) {
+        const BrdfValues values =
+            solve(scene, wavelength_nm, request.solver, shell.control()).evaluate(directions);
+        converged = converged && values.converged();
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+            for (const BrdfPart part : parts) {
                 for (std::size_t i = 0; i < incidence_deg.size(); ++i) {
-                    curves.push_back(lobe_curve(component_of(slice, component), i, zenith_deg,
-                                                arguments.cosine));
+                    curves.push_back(
+                        lobe_curve(values.slices[w].of(part), i, zenith_deg, arguments.cosine));
                     curves.back().incidence_deg = incidence_deg[i];
-                    // A label names only what differs between the curves.
-                    std::vector<std::string> parts;
-                    if (all_scenes.size() > 1) parts.push_back(describe(scene.base));
-                    if (result.slices.size() > 1)
-                        parts.push_back(fmt::format("{:g} nm", slice.wavelength_nm));
-                    if (components.size() > 1) parts.push_back(component);
-                    if (incidence_deg.size() > 1)
-                        parts.push_back(fmt::format("{:g}\u00b0", incidence_deg[i]));
-                    curves.back().label = fmt::format("{}", fmt::join(parts, ", "));
+                    curves.back().label =
+                        label_of(differs, scene, wavelength_nm[w], part, incidence_deg[i]);
                 }
             }
         }
     }
     std::string title = title_of(all_scenes);
-    if (request.wavelength_nm.size() == 1)
-        title += fmt::format(", {:g} nm", request.wavelength_nm.front());
+    if (wavelength_nm.size() == 1) title += fmt::format(", {:g} nm", wavelength_nm.front());
     const plot::LobeOptions options{arguments.cosine ? "BRDF cos \u03b8 [1/sr]" : "BRDF [1/sr]",
                                     arguments.logarithmic, arguments.decades};
     arguments.plot.save(plot::draw_lobe(curves, options, arguments.plot.caption(shell, title)),
@@ -88,7 +98,6 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     Request request = arguments.scene.parse();
     std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
     const std::vector<double> incidence_deg = incidences(arguments);
-    request.directions.mu_in = cosines_of(incidence_deg);
     const ObserverWeights weights = observer_weights(request.wavelength_nm);
 
     std::vector<plot::Spectrum> spectra;
@@ -99,16 +108,15 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     bool converged = true;
     const std::vector<Scene> all_scenes = scenes(arguments, request.scene);
     for (const Scene& scene : all_scenes) {
-        request.scene = scene;
-        const AlbedoResult result = compute_albedo(request, shell.control());
-        converged = converged && result.converged;
+        const AlbedoValues values =
+            solve(scene, request.wavelength_nm, request.solver, shell.control())
+                .albedo(cosines_of(incidence_deg));
+        converged = converged && values.converged();
         const std::string prefix = all_scenes.size() > 1 ? describe(scene.base) + ", " : "";
-        std::vector<double> spherical;
-        for (const AlbedoSlice& slice : result.slices) spherical.push_back(slice.spherical_albedo);
-        add(prefix + "spherical", std::move(spherical));
+        add(prefix + "spherical", values.spherical_albedo);
         for (std::size_t i = 0; i < incidence_deg.size(); ++i) {
             std::vector<double> plane;
-            for (const AlbedoSlice& slice : result.slices) plane.push_back(slice.plane_albedo[i]);
+            for (const std::vector<double>& at : values.plane_albedo) plane.push_back(at[i]);
             add(fmt::format("{}incidence {:g}\u00b0", prefix, incidence_deg[i]), std::move(plane));
         }
     }
@@ -121,7 +129,7 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
 void add_compare(CLI::App& command, const ScenePlot& arguments) {
     command
         .add_option("--compare", arguments->compare,
-                    "the same scene on another base as well; repeatable")
+                    "show the scene on this base, too; repeat it for more")
         ->type_name("MEDIUM")
         ->allow_extra_args(false);
 }
@@ -135,8 +143,9 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
     add_incidence_option(*lobe_command, "0,30,60", lobe);
     add_component_options(*lobe_command, lobe);
     add_compare(*lobe_command, lobe);
-    lobe_command->add_flag("--cosine", lobe->cosine, "show BRDF times the cosine of reflection");
-    lobe_command->add_option("--decades", lobe->decades, "of a logarithmic radius")
+    lobe_command->add_flag("--cosine", lobe->cosine,
+                           "show the BRDF times the cosine of the angle of reflection");
+    lobe_command->add_option("--decades", lobe->decades, "decades that a logarithmic radius shows")
         ->check(CLI::Range(1, 12))
         ->capture_default_str();
     lobe_command->footer(

@@ -1,18 +1,127 @@
 #include "tools/miebrdf/program.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <optional>
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
-#include "tools/miebrdf/command.h"
-#include "tools/miebrdf/interrupt.h"
-#include "tools/miebrdf/suggestions.h"
+#include "materials/database/names.h"
+#include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
+namespace {
+
+constexpr std::size_t kMostSuggestions = 3;
+
+std::vector<const CLI::App*> subcommands(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : subcommands(app)) {
+        if (!sub->get_name().empty()) names.push_back(sub->get_name());
+    }
+    return names;
+}
+
+/// The subcommand that was typed; null when there is none.
+const CLI::App* typed_subcommand(const CLI::App& app) {
+    for (const CLI::App* sub : subcommands(app)) {
+        if (!sub->get_name().empty() && sub->parsed()) return sub;
+    }
+    return nullptr;
+}
+
+std::string unknown_option(const std::string& word, const CLI::App& command) {
+    const std::string name = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const std::string& option : option_names(command)) known.push_back("--" + option);
+    return fmt::format("unknown option '{}' of {}{}", name, command.get_name(),
+                       did_you_mean(name, known));
+}
+
+std::string unknown_word(const std::string& word, const CLI::App& command) {
+    const std::vector<std::string> commands = command_names(command);
+    if (commands.empty()) {
+        return fmt::format("unexpected word '{}' after {} (lists have commas and no blanks: 1,2,3)",
+                           word, command.get_name());
+    }
+    const std::string nearest = did_you_mean(word, commands);
+    return fmt::format(
+        "unknown command '{}'{}", word,
+        nearest.empty() ? fmt::format("; allowed: {}", fmt::join(commands, ", ")) : nearest);
+}
+
+/// `plan brfd --base TiO2`: a mistyped command may have been taken for a scene file.
+std::optional<std::string> command_taken_for_file(const CLI::App& command) {
+    const std::vector<std::string> commands = command_names(command);
+    if (commands.empty() || typed_subcommand(command) != nullptr) return std::nullopt;
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_positional() || option->count() == 0) continue;
+        const std::string word = option->results().front();
+        if (!did_you_mean(word, commands).empty()) return unknown_word(word, command);
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> unknown_in(const CLI::App& command) {
+    const std::vector<std::string> words = command.remaining();
+    if (words.empty()) return std::nullopt;
+    if (auto mistyped = command_taken_for_file(command)) return mistyped;
+    const auto is_option = [](const std::string& word) {
+        return word.size() > 1 && word.front() == '-';
+    };
+    const auto option = std::find_if(words.begin(), words.end(), is_option);
+    const auto other = std::find_if_not(words.begin(), words.end(), is_option);
+    // The options of a mistyped command are unknown here for that alone.
+    const bool is_command = !command_names(command).empty() && typed_subcommand(command) == nullptr;
+    if (other != words.end() && (is_command || option == words.end()))
+        return unknown_word(*other, command);
+    if (option != words.end()) return unknown_option(*option, command);
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::string did_you_mean(std::string_view asked, const std::vector<std::string>& known) {
+    const auto nearest = materials::nearest_names(asked, known, kMostSuggestions);
+    return nearest.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(nearest, " or "));
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+    }
+    for (const CLI::App* group : subcommands(command)) {
+        if (!group->get_name().empty()) continue;
+        for (std::string& name : option_names(*group)) names.push_back(std::move(name));
+    }
+    return names;
+}
+
+std::string explain(const CLI::App& program, const CLI::ParseError& error) {
+    std::string path = program.get_name();
+    const CLI::App* command = &program;
+    while (true) {
+        if (const auto unknown = unknown_in(*command)) {
+            return fmt::format("{} (see {} --help)", *unknown, path);
+        }
+        const CLI::App* next = typed_subcommand(*command);
+        if (next == nullptr) break;
+        command = next;
+        path += " " + command->get_name();
+    }
+    return fmt::format("{} (see {} --help)", error.what(), path);
+}
+
 namespace {
 
 int complain(int code, const std::string& message) {
@@ -24,13 +133,13 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
-int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared) {
+int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
     program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
-    Shell shell(command_line_of(arguments), shared);
-    add_commands(program, shell);
+    Shell shell(command_line_of(arguments));
+    add_commands(program, shell, commands);
     try {
         // CLI11 takes its arguments from the back.
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
@@ -39,7 +148,7 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
     } catch (const CLI::ParseError& error) {
         return complain(kUsage, explain(program, error));
     }
-    const int code = shell.run();
+    const int code = shell.prepare()();
     if (code == kNotConverged) {
         shell.note(
             "not converged: the estimated error is above the tolerance (`miebrdf brdf` says "
@@ -51,23 +160,9 @@ int parse_and_run(const std::vector<std::string>& arguments, SharedWork* shared)
 
 }  // namespace
 
-void add_commands(CLI::App& program, Shell& shell) {
-    add_brdf_command(program, shell);
-    add_albedo_command(program, shell);
-    add_optics_command(program, shell);
-    add_phase_command(program, shell);
-    add_sphere_command(program, shell);
-    add_table1_command(program, shell);
-    add_materials_command(program, shell);
-    add_export_command(program, shell);
-    add_check_command(program, shell);
-    add_plot_command(program, shell);
-    add_bench_command(program, shell);
-    add_stress_command(program, shell);
-    add_render_command(program, shell);
-    add_plan_command(program, shell);
-    add_run_command(program, shell);
-    add_cache_command(program, shell);
+void add_commands(CLI::App& parent, Shell& shell, std::span<const Command> commands) {
+    for (const Command& command : commands)
+        command.add(*parent.add_subcommand(command.name, command.help), shell);
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {
@@ -85,15 +180,33 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
     return line;
 }
 
-int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
+std::string message_of(const Error& error) {
+    std::string message = error.what();
+    for (const SceneWord& word : scene_words()) {
+        const std::string option = "--" + word.name;
+        // The field that was at fault comes first; others may be named where they help.
+        if (word.field == error.field() && message.rfind(word.field + ":", 0) == 0) {
+            const std::string unit = word.unit.empty() ? "" : fmt::format(" ({})", word.unit);
+            message.replace(0, word.field.size(), option + unit);
+        }
+        if (word.field.find('_') == std::string::npos) continue;  // an ordinary word
+        for (std::size_t at = message.find(word.field); at != std::string::npos;
+             at = message.find(word.field, at)) {
+            message.replace(at, word.field.size(), option);
+        }
+    }
+    return message;
+}
+
+int run_program(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     try {
-        return parse_and_run(arguments, shared);
+        return parse_and_run(commands, arguments);
     } catch (const Cancelled&) {
         return complain(interrupt_exit_code(), "interrupted; nothing unfinished was written");
     } catch (const UsageError& error) {
-        return complain(kUsage, error.what());
-    } catch (const InputError& error) {
-        return complain(kBadInput, error.what());
+        return complain(kUsage, message_of(error));
+    } catch (const Error& error) {
+        return complain(kBadInput, message_of(error));
     } catch (const std::invalid_argument& error) {
         return complain(kUsage, error.what());
     } catch (const std::bad_alloc&) {
@@ -101,6 +214,20 @@ int run_program(const std::vector<std::string>& arguments, SharedWork* shared) {
     } catch (const std::exception& error) {
         return complain(kBadInput, error.what());
     }
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    constexpr int kLargest = 256 << 20;
+    ::mallopt(M_MMAP_THRESHOLD, kLargest);
+    ::mallopt(M_TRIM_THRESHOLD, kLargest);
+    ::mallopt(M_TOP_PAD, 16 << 20);
+#endif
+}
+
+int run_main(std::span<const Command> commands, int argc, char** argv) {
+    keep_freed_memory();
+    return run_program(commands, {argv + 1, argv + argc});
 }
 
 }  // namespace miebrdf::program

@@ -6,20 +6,26 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/colour/cie_observer.h"
+#include <miebrdf/brdf.h>
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 
+/// What `brdf` was asked.
+struct BrdfQuestion {
+    Request request;
+    Directions directions;
+    std::vector<BrdfPart> columns;  ///< in the order typed
+    BrdfParts parts;                ///< the same as a set
+    bool as_reflection = false;     ///< pi times the BRDF
+};
+
 class BrdfArguments {
   public:
-    void add_to(CLI::App& command);
-    /// The whole request, with only the parts that --component names.
+    void add_to(CLI::App& command, Shell& shell);
     /// @throws UsageError, InputError
-    Request parse() const;
-    /// total, subsurface, surface in the order typed.
-    std::vector<std::string> components() const;
-    const std::string& quantity() const { return quantity_; }
+    BrdfQuestion parse() const;
 
   private:
     SceneArguments scene_;
@@ -30,13 +36,18 @@ class BrdfArguments {
     std::string quantity_ = "brdf";
 };
 
+/// What `albedo` was asked.
+struct AlbedoQuestion {
+    Request request;
+    std::vector<double> mu_in;
+    std::optional<Illuminant> illuminant;  ///< of the colours that take the place of spectra
+};
+
 class AlbedoArguments {
   public:
-    void add_to(CLI::App& command);
+    void add_to(CLI::App& command, Shell& shell);
     /// @throws UsageError, InputError
-    Request parse() const;
-    /// The illuminant of the colours that take the place of spectra; empty: spectra.
-    std::optional<Illuminant> illuminant() const;
+    AlbedoQuestion parse() const;
 
   private:
     SceneArguments scene_;

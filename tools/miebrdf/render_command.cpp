@@ -1,23 +1,108 @@
 // miebrdf render: a lit object of one or several materials.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
-#include "pipeline/plan/plan.h"
+#include "pipeline/render/image.h"
+#include "pipeline/render/lighting.h"
+#include "pipeline/render/ray_table.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
-#include "tools/miebrdf/render_materials.h"
 #include "tools/miebrdf/render_options.h"
-#include "tools/miebrdf/render_output.h"
 #include "tools/miebrdf/render_scene.h"
 
 namespace miebrdf::program {
 namespace {
 
-using Materials = std::vector<std::shared_ptr<const render::SolvedBrdf>>;
+void check_ending(const std::string& path, const std::string& option, const std::string& wanted) {
+    if (path.empty()) return;
+    std::string ending = std::filesystem::path(path).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending != wanted) {
+        throw UsageError(fmt::format("picture '{}': unknown ending '{}'; allowed: {} with {}", path,
+                                     ending, wanted, option));
+    }
+}
+
+/// Refuses names whose ending says another format, before anything is computed. Empty: no such
+/// picture. @throws UsageError
+void check_picture_paths(const std::string& png, const std::string& exr) {
+    check_ending(png, "-o", ".png");
+    check_ending(exr, "--exr", ".exr");
+}
+
+/// Linear RGB over the background, or with coverage as alpha.
+/// @param background  "R,G,B", "transparent" or "environment"
+/// @param exposure    brightens by powers of two
+/// @throws UsageError  for another background
+render::Image compose(const render::SpectralPicture& picture,
+                      const std::vector<double>& wavelength_nm, const std::string& background,
+                      double exposure) {
+    const render::Image rgb = render::to_linear_srgb(picture.radiance, wavelength_nm);
+    const bool transparent = background == "transparent";
+    std::vector<double> behind(3, 0.0);
+    if (!transparent && background != "environment") {
+        behind = parse_number_list(background, "background", 0.0, 1.0);
+        if (behind.size() != 3)
+            throw UsageError("background: wanted: R,G,B, transparent or environment");
+    }
+    render::Image image(rgb.width, rgb.height, transparent ? 4 : 3);
+    const auto gain = float(std::exp2(exposure));
+    for (int y = 0; y < rgb.height; ++y) {
+        for (int x = 0; x < rgb.width; ++x) {
+            const float share = *picture.coverage.pixel(x, y);
+            float* pixel = image.pixel(x, y);
+            for (int c = 0; c < 3; ++c) {
+                const float value = gain * rgb.pixel(x, y)[c];
+                // PNG wants colours that are not yet multiplied by alpha.
+                pixel[c] = transparent ? (share > 0.0F ? value / share : 0.0F)
+                                       : value + (1.0F - share) * float(behind[std::size_t(c)]);
+            }
+            if (transparent) pixel[3] = share;
+        }
+    }
+    return image;
+}
+
+/// Channels R, G, B, A, and one for each wavelength named as in spectral OpenEXR files
+/// ("S0.550,000000nm"; Fichet et al. 2021).
+void write_spectral_exr(const render::SpectralPicture& picture,
+                        const std::vector<double>& wavelength_nm, const render::PictureNotes& notes,
+                        const std::string& path) {
+    const render::Image rgb = render::to_linear_srgb(picture.radiance, wavelength_nm);
+    const int count = int(wavelength_nm.size());
+    render::Image all(rgb.width, rgb.height, 4 + count);
+    for (int y = 0; y < rgb.height; ++y) {
+        for (int x = 0; x < rgb.width; ++x) {
+            float* pixel = all.pixel(x, y);
+            std::copy_n(rgb.pixel(x, y), 3, pixel);
+            pixel[3] = *picture.coverage.pixel(x, y);
+            std::copy_n(picture.radiance.pixel(x, y), count, pixel + 4);
+        }
+    }
+    std::vector<std::string> names = {"R", "G", "B", "A"};
+    for (const double wavelength : wavelength_nm) {
+        std::string number = fmt::format("{:.6f}", wavelength);
+        std::replace(number.begin(), number.end(), '.', ',');
+        names.push_back(fmt::format("S0.{}nm", number));
+    }
+    render::write_exr(all, names, notes, path);
+}
+
+/// A material of the picture: its BRDFs as tables, one, or one for each wavelength.
+struct Material {
+    std::vector<BrdfTable> tables;
+    std::shared_ptr<const render::RayTable> rays;
+};
 
 /// Wavelengths of a picture that asks for none: where all bundled materials are known, and close
 /// enough for the colours of smooth spectra.
@@ -39,41 +124,38 @@ class Stopwatch {
 /// The scene options themselves are the material, unless there are --material strings.
 std::vector<std::vector<Request>> material_requests(const RenderArguments& arguments,
                                                     const std::vector<double>& wavelength_nm) {
-    const bool has_base = arguments.command->get_option("--base")->count() > 0;
-    if (has_base == !arguments.materials.empty()) {
+    if (arguments.scene.given("base") == !arguments.materials.empty()) {
         throw UsageError("a picture needs either --base (with its options) or --material strings");
     }
     std::vector<std::vector<Request>> all;
     for (const std::string& text : arguments.materials)
         all.push_back(parse_material(text, wavelength_nm));
-    if (has_base) {
-        Request request = arguments.scene.parse();
-        request.wavelength_nm = wavelength_nm;
-        all.push_back({request});
-    }
+    if (arguments.scene.given("base")) all.push_back({arguments.scene.parse()});
     return all;
 }
 
-std::vector<double> wavelengths_of(const RenderArguments& arguments) {
-    const auto* option = arguments.command->get_option("--wavelengths");
-    return parse_wavelengths_nm(option->count() > 0 ? option->as<std::string>()
-                                                    : kDefaultWavelengths);
+Brdf solved(const Request& request, const Shell& shell) {
+    return solve(request.scene, request.wavelength_nm, request.solver, shell.control());
 }
 
-Materials solve(const RenderArguments& arguments, const std::vector<std::vector<Request>>& requests,
-                const Shell& shell) {
+std::vector<Material> make_materials(const RenderArguments& arguments,
+                                     const std::vector<std::vector<Request>>& requests,
+                                     const Shell& shell) {
     const auto [cosines, azimuths] = parse_pair(arguments.table, "table");
-    const render::Component component = parse_component(arguments.component);
-    Materials materials;
-    for (const auto& request : requests) {
-        materials.push_back(
-            render::solve_brdf(request, component, {int(cosines), int(azimuths)}, shell.control()));
+    const BrdfPart part = parse_brdf_part(arguments.component);
+    std::vector<Material> materials;
+    for (const std::vector<Request>& request : requests) {
+        Material& material = materials.emplace_back();
+        for (const Request& one : request)
+            material.tables.push_back(solved(one, shell).table({part, shell.command_line()}));
+        material.rays = std::make_shared<render::RayTable>(
+            material.tables, render::TableSize{int(cosines), int(azimuths)});
         if (!arguments.measure_interpolation) continue;
-        if (request.size() > 1 || component != render::Component::total) {
+        if (request.size() > 1 || part != BrdfPart::total) {
             throw UsageError("--measure-interpolation needs one request and the total component");
         }
         const auto error =
-            render::interpolation_error(*materials.back(), request.front(), shell.control());
+            render::interpolation_error(*material.rays, solved(request.front(), shell));
         shell.note(
             fmt::format("interpolation error relative to the largest value at each incidence: "
                         "median {:.1e}, largest {:.1e}",
@@ -109,7 +191,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
         throw UsageError("a picture needs -o FILE.png or --exr FILE.exr");
     }
     check_picture_paths(shell.common().output, arguments.exr);
-    const std::vector<double> wavelength_nm = wavelengths_of(arguments);
+    const std::vector<double> wavelength_nm = arguments.scene.parse().wavelength_nm;
     const auto [width, height] = parse_pair(arguments.size, "size");
     const auto [elevation, azimuth] = parse_pair(arguments.camera, "camera");
     const auto requests = material_requests(arguments, wavelength_nm);
@@ -125,10 +207,10 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     options.environment_visible = arguments.background == "environment";
 
     Stopwatch watch;
-    const Materials materials = solve(arguments, requests, shell);
+    const std::vector<Material> materials = make_materials(arguments, requests, shell);
     const double solve_s = watch.lap_s();
     render::RenderScene scene{std::move(object), std::move(map), {}, std::move(lighting)};
-    scene.materials.assign(materials.begin(), materials.end());
+    for (const Material& material : materials) scene.materials.push_back(material.rays);
     const render::SpectralPicture picture =
         render::render_picture(scene, camera, options, shell.control());
     const double render_s = watch.lap_s();
@@ -136,9 +218,15 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     render::PictureNotes notes = {{"Software", fmt::format("miebrdf {}", kVersion)},
                                   {"Comment", shell.command_line()}};
     bool converged = true;
-    for (const auto& material : materials) {
-        converged = converged && material->converged();
-        for (const std::string& source : material->sources()) notes.emplace_back("Source", source);
+    for (const Material& material : materials) {
+        for (const BrdfTable& table : material.tables) {
+            converged = converged && table.report().converged();
+            for (const std::string& source : table.provenance().sources) {
+                if (std::find(notes.begin(), notes.end(),
+                              std::pair<std::string, std::string>("Source", source)) == notes.end())
+                    notes.emplace_back("Source", source);
+            }
+        }
     }
     if (!arguments.exr.empty()) write_spectral_exr(picture, wavelength_nm, notes, arguments.exr);
     if (!shell.common().output.empty()) {
@@ -153,27 +241,24 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     }
     shell.tell_written(std::move(files));
     shell.note(
-        fmt::format("{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the mean "
-                    "radiance; solver {}",
-                    counted(wavelength_nm.size(), "wavelength"), solve_s, render_s, picture.noise,
-                    converged ? "converged" : "NOT converged"));
+        fmt::format("{} wavelength{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the "
+                    "mean radiance; solver {}",
+                    wavelength_nm.size(), wavelength_nm.size() == 1 ? "" : "s", solve_s, render_s,
+                    picture.noise, converged ? "converged" : "NOT converged"));
     return converged ? kGood : kNotConverged;
 }
 
 }  // namespace
 
-void add_render_command(CLI::App& program, Shell& shell) {
-    auto* command =
-        program.add_subcommand("render", "a picture of a lit object of these materials");
+void add_render(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<RenderArguments>();
-    arguments->command = command;
-    arguments->scene.add_to(*command, SceneArguments::Base::optional, kDefaultWavelengths);
-    add_render_options(*command, *arguments);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
+    arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kDefaultWavelengths);
+    add_render_options(command, *arguments);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
         "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o "
         "sphere.png");
-    shell.on_run(*command, [arguments, &shell] { return run_render(*arguments, shell); });
+    shell.on_run(command, [arguments, &shell] { return run_render(*arguments, shell); });
 }
 
 }  // namespace miebrdf::program

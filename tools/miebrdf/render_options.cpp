@@ -1,5 +1,13 @@
 #include "tools/miebrdf/render_options.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/program.h"
+
 namespace miebrdf::program {
 namespace {
 
@@ -13,8 +21,9 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
         ->type_name("'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'")
         ->allow_extra_args(false);
     group
-        ->add_option("--split", a.split,
-                     "first material left, second right of this share of the object's width")
+        ->add_option(
+            "--split", a.split,
+            "first material on the left, second on the right; SHARE of the width is the border")
         ->type_name("SHARE");
     group
         ->add_option("--mask", a.mask,
@@ -24,7 +33,8 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
     group->add_option("--component", a.component, "total, subsurface or surface")
         ->capture_default_str();
     group
-        ->add_option("--table", a.table, "cosines and azimuths of the table of multiple scattering")
+        ->add_option("--table", a.table,
+                     "cosines and azimuths of the table of light scattered more than once")
         ->type_name("N,N")
         ->capture_default_str();
     group->add_flag("--measure-interpolation", a.measure_interpolation,
@@ -45,9 +55,9 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->allow_extra_args(false)
         ->capture_default_str();
     group
-        ->add_option(
-            "--light-spectrum", a.light_spectrum,
-            "of directional, area and uniform light: white (D65), equal or blackbody:KELVIN")
+        ->add_option("--light-spectrum", a.light_spectrum,
+                     "spectrum of directional, area and uniform light: white (D65), equal or "
+                     "blackbody:KELVIN")
         ->capture_default_str();
     group->add_option("--camera", a.camera, "elevation and azimuth of the camera in degrees")
         ->type_name("ELEVATION,AZIMUTH")
@@ -56,22 +66,108 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->capture_default_str();
     group->add_option("--zoom", a.zoom, "1: the object's bounding sphere touches the edges")
         ->capture_default_str();
-    group->add_option("--size", a.size, "of the picture in pixels")
+    group->add_option("--size", a.size, "size of the picture in pixels")
         ->type_name("WIDTH,HEIGHT")
         ->capture_default_str();
     group->add_option("--samples", a.options.samples, "paths for each pixel")
         ->capture_default_str();
     group->add_option("--bounces", a.options.bounces, "most reflections of a path; 1: direct light")
         ->capture_default_str();
-    group->add_option("--seed", a.options.seed, "of the samples")->capture_default_str();
+    group->add_option("--seed", a.options.seed, "seed of the random samples")
+        ->capture_default_str();
     group->add_option("--exposure", a.exposure, "brightens the PNG by powers of two")
         ->capture_default_str();
     group
         ->add_option("--background", a.background,
-                     "of the PNG: linear R,G,B in [0, 1], transparent or environment")
+                     "background of the PNG: linear R,G,B in [0, 1], transparent or environment")
         ->capture_default_str();
     group->add_option("--exr", a.exr, "write linear RGB and every wavelength to FILE")
         ->type_name("FILE");
+}
+
+/// A word of a scene as it was written; switches have no value.
+struct Word {
+    std::string key;
+    std::string value;
+};
+
+/// Words in which a slash separates the values of different wavelengths; elsewhere it may belong to
+/// the name of a file.
+bool may_have_lists(const Word& word) {
+    if (word.key == "surface-index") return true;
+    if (word.key != "base" && word.key != "coat") return false;
+    const auto begins = [&](const char* kind) { return word.value.rfind(kind, 0) == 0; };
+    return begins("hg:") || begins("isotropic:") || begins("rayleigh:") || begins("index:");
+}
+
+/// Replaces every list a/b/c between separators by its k-th value.
+std::string value_at(const std::string& word, std::size_t k, std::size_t count) {
+    constexpr char kSeparators[] = ":,@=";
+    std::string result;
+    for (std::size_t start = 0; start <= word.size();) {
+        const std::size_t end = std::min(word.find_first_of(kSeparators, start), word.size());
+        const auto parts = split_list(word.substr(start, end - start), '/');
+        if (parts.size() != 1 && parts.size() != count) {
+            throw UsageError(fmt::format("'{}': {} values for {} wavelengths",
+                                         word.substr(start, end - start), parts.size(), count));
+        }
+        result += parts.size() == 1 ? parts[0] : parts[k];
+        if (end < word.size()) result += word[end];
+        start = end + 1;
+    }
+    return result;
+}
+
+std::vector<Word> words_of(const std::string& text) {
+    std::vector<Word> words;
+    for (const std::string& part : CLI::detail::split_up(text)) {
+        if (part.empty()) continue;
+        const std::size_t equals = part.find('=');
+        if (equals == std::string::npos) {
+            words.push_back({part, ""});
+        } else {
+            words.push_back({part.substr(0, equals), part.substr(equals + 1)});
+        }
+    }
+    return words;
+}
+
+/// The names that a material may say; wavelengths belong to the whole picture.
+std::vector<std::string> names_of_words() {
+    std::vector<std::string> names;
+    for (const SceneWord& word : scene_words()) {
+        if (word.name != "wavelengths") names.push_back(word.name);
+    }
+    return names;
+}
+
+Request parse_words(const std::vector<Word>& words, const std::string& text) {
+    const auto refuse = [&](const std::string& reason) {
+        throw UsageError(fmt::format(
+            "material '{}': {}; wanted: base=MEDIUM [coat=MEDIUM@DEPTH] [roughness=A] ...", text,
+            reason));
+    };
+    SaidWords said;
+    for (const Word& word : words) {
+        const SceneWord* known = find_scene_word(word.key);
+        if (word.key == "wavelengths") {
+            throw UsageError(
+                fmt::format("material '{}': wavelengths belong to the whole picture", text));
+        }
+        if (known == nullptr) {
+            refuse(fmt::format("unknown word '{}'{}", word.key,
+                               did_you_mean(word.key, names_of_words())));
+        }
+        const bool is_flag = known->kind == WordKind::flag;
+        if (is_flag != word.value.empty()) {
+            refuse(fmt::format(is_flag ? "'{}' has no value" : "'{}' needs a value", word.key));
+        }
+        if (known->kind != WordKind::repeated && said.count(word.key) > 0)
+            refuse(fmt::format("'{}' is given twice", word.key));
+        said[word.key].push_back(is_flag ? WordValue(true) : WordValue(word.value));
+    }
+    if (said.count("base") == 0) refuse("there is no base");
+    return request_of(said);
 }
 
 }  // namespace
@@ -79,6 +175,28 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
 void add_render_options(CLI::App& command, RenderArguments& a) {
     add_material_options(command, a);
     add_picture_options(command, a);
+}
+
+std::vector<Request> parse_material(const std::string& text,
+                                    const std::vector<double>& wavelength_nm) {
+    const std::vector<Word> words = words_of(text);
+    std::vector<Request> requests;
+    bool has_lists = false;
+    for (std::size_t k = 0; k < wavelength_nm.size(); ++k) {
+        std::vector<Word> now = words;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            if (!may_have_lists(words[i])) continue;
+            now[i].value = value_at(words[i].value, k, wavelength_nm.size());
+            has_lists = has_lists || now[i].value != words[i].value;
+        }
+        requests.push_back(parse_words(now, text));
+        requests.back().wavelength_nm = {wavelength_nm[k]};
+        if (!has_lists) {
+            requests.back().wavelength_nm = wavelength_nm;
+            break;
+        }
+    }
+    return requests;
 }
 
 }  // namespace miebrdf::program

@@ -1,6 +1,7 @@
-// What `miebrdf render` may be asked for.
+// What `miebrdf render` may be asked for, and the materials of a picture.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,6 @@ namespace miebrdf::program {
 
 struct RenderArguments {
     SceneArguments scene;
-    CLI::App* command = nullptr;
     std::vector<std::string> materials;
     std::string component = "total";
     std::string object = "sphere";
@@ -36,5 +36,14 @@ struct RenderArguments {
 
 /// The options of materials, regions and picture; the scene's own are not among them.
 void add_render_options(CLI::App& command, RenderArguments& a);
+
+/// One material as a person wrote it, `base=TiO2 coat=AlGaAs7@0.1 roughness=0.3`: the scene options
+/// of the brdf command without their dashes (a switch is its bare name). Numbers of hg:,
+/// isotropic:, rayleigh:, index: and of surface-index may be lists a/b/c with one value for each
+/// wavelength of the picture.
+/// @return  one request, or one for each wavelength if there are lists
+/// @throws UsageError
+std::vector<Request> parse_material(const std::string& text,
+                                    const std::vector<double>& wavelength_nm);
 
 }  // namespace miebrdf::program

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include <miebrdf/error.h>
-#include "pipeline/render/light_spectrum.h"
+#include "pipeline/render/lighting.h"
+#include "pipeline/render/mesh.h"
 #include "pipeline/render/obj_file.h"
-#include "pipeline/render/procedural.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {

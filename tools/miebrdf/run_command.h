@@ -1,13 +1,21 @@
-// Scene files as command lines of this program.
+// The results of a scene file as commands of this program.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "pipeline/scene/scene_file.h"
+
 namespace miebrdf::program {
 
-/// One command line for each [[result]] of a scene file, the command's name first.
+/// The results of a file, each for a command of this program.
 /// @throws UsageError, InputError  with file, line and column
-std::vector<std::vector<std::string>> scene_command_lines(const std::string& path);
+std::vector<SceneFileResult> read_scene_results(const std::string& path);
+
+/// Gives the keys of a result to the options of its command and has them read as if they were
+/// typed.
+/// @throws UsageError  for values that an option does not take, and for one that is missing
+void read_keys(const SceneFileResult& result, CLI::App& command);
 
 }  // namespace miebrdf::program

@@ -4,23 +4,18 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
+#include <numeric>
 
 #include <miebrdf/error.h>
-#include "pipeline/scene/number_list.h"
+#include "pipeline/scene/particle_sizes.h"
 
 namespace miebrdf::program {
 namespace {
 
-/// Looks a word up in a table of words; the message lists them.
-template <typename Value>
-Value one_of(const std::map<std::string, Value>& words, const std::string& word,
-             const std::string& what) {
-    const auto found = words.find(word);
-    if (found != words.end()) return found->second;
-    std::string allowed;
-    for (const auto& [name, value] : words) allowed += (allowed.empty() ? "" : ", ") + name;
-    throw UsageError(fmt::format("unknown {} '{}'; allowed: {}", what, word, allowed));
+std::vector<std::string> all_words() {
+    std::vector<std::string> names;
+    for (const SceneWord& word : miebrdf::scene_words()) names.push_back(word.name);
+    return names;
 }
 
 /// "power-law, effective radius 50 um, effective variance 0.2"
@@ -32,54 +27,108 @@ std::string sizes_text(const mie::SizeDistribution& sizes) {
     return text;
 }
 
+/// "TiO2" of "TiO2,radius=0.1".
+std::string without_sizes(Medium medium) {
+    medium.sizes = {};
+    return describe(medium);
+}
+
+/// A roughness of 0 that was said is a choice, with the rest of the surface ready for another.
+void require_surface_of_index(bool has_index, bool has_roughness) {
+    if (!has_index || has_roughness) return;
+    throw UsageError("--surface-index belongs to a rough surface; give --roughness too, e.g. 0.3");
+}
+
 }  // namespace
 
-std::complex<double> parse_index(const std::string& text, const std::string& what) {
-    const auto parts = split_list(text);
-    if (parts.empty() || parts.size() > 2) {
-        throw UsageError(fmt::format("{}: write N,K, e.g. 1.5,0; found '{}'", what, text));
+Request request_of(const SaidWords& said) {
+    Request request;
+    for (const auto& [name, values] : said) apply(*find_scene_word(name), values, request);
+    require_surface_of_index(said.count("surface-index") > 0, said.count("roughness") > 0);
+    return request;
+}
+
+std::vector<std::string> words_of_media() {
+    return {"wavelengths",       "database",   "effective-radius", "effective-variance",
+            "size-distribution", "host-index", "k-floor",          "mie-tolerance"};
+}
+
+void SceneArguments::add_to(CLI::App& command, Shell& shell, Base base,
+                            const std::string& default_wavelengths) {
+    needs_base_ = base == Base::required;
+    default_wavelengths_ = default_wavelengths;
+    add(command, shell, all_words());
+}
+
+void SceneArguments::add_to(CLI::App& command, Shell& shell, const std::vector<std::string>& words,
+                            const std::string& default_wavelengths) {
+    default_wavelengths_ = default_wavelengths;
+    add(command, shell, words);
+}
+
+void SceneArguments::add(CLI::App& command, Shell& shell, const std::vector<std::string>& words) {
+    result_ = shell.scene_file_result();
+    std::map<std::string, CLI::App*> groups = {{"", &command}};
+    for (const std::string& name : words) {
+        const SceneWord& word = *find_scene_word(name);
+        shell.add_scene_word(name);
+        CLI::App*& group = groups[word.group];
+        if (group == nullptr) group = command.add_option_group(word.group);
+        if (word.kind == WordKind::flag) {
+            group->add_flag("--" + name, flags_[name], word.help);
+            continue;
+        }
+        auto* option =
+            group->add_option("--" + name, values_[name], word.help)->type_name(word.placeholder);
+        if (word.kind == WordKind::repeated) {
+            option->allow_extra_args(false);
+        } else {
+            option->expected(1);
+        }
+        const std::string& by_default =
+            name == "wavelengths" ? default_wavelengths_ : word.default_text;
+        if (!by_default.empty()) option->default_str(by_default);
+        option->required(name == "base" && needs_base_ && result_ == nullptr);
     }
-    const double n = parse_number(parts[0], what);
-    const double k = parts.size() == 2 ? parse_number(parts[1], what) : 0.0;
-    if (!(n > 0.0 && k >= 0.0)) {
-        throw UsageError(
-            fmt::format("{}: {} + {}i is out of range; allowed: n > 0, k >= 0", what, n, k));
+}
+
+SaidWords SceneArguments::typed() const {
+    SaidWords said;
+    for (const auto& [name, texts] : values_) {
+        if (!texts.empty()) said[name] = {texts.begin(), texts.end()};
     }
-    return {n, k};
+    for (const auto& [name, on] : flags_) {
+        if (on) said[name] = {true};
+    }
+    return said;
 }
 
-void ParticleArguments::add_to(CLI::App& command) {
-    auto* group = command.add_option_group("Particles (media that go through Mie theory)");
-    group
-        ->add_option("--effective-radius", options_.sizes.effective_radius_um,
-                     "effective radius <r^3>/<r^2> in um, of media that say none themselves")
-        ->capture_default_str();
-    group
-        ->add_option("--effective-variance", options_.sizes.effective_variance,
-                     "effective variance")
-        ->capture_default_str();
-    group->add_option("--size-distribution", distribution_, "power-law, gamma, log-normal or mono")
-        ->capture_default_str();
-    group
-        ->add_option("--host-index", options_.host_index,
-                     "refractive index of the medium between the particles")
-        ->capture_default_str();
-    group->add_option("--k-floor", options_.k_floor, "raise a smaller k of the material to this")
-        ->capture_default_str();
-    group
-        ->add_option("--mie-tolerance", options_.tolerance,
-                     "relative error of the size average; 0: a fifth of --tolerance")
-        ->capture_default_str();
+bool SceneArguments::given(std::string_view word) const {
+    const std::string name(word);
+    if (result_ != nullptr)
+        return std::find(result_->words.begin(), result_->words.end(), name) !=
+               result_->words.end();
+    const auto values = values_.find(name);
+    if (values != values_.end()) return !values->second.empty();
+    const auto flag = flags_.find(name);
+    return flag != flags_.end() && flag->second;
 }
 
-ParticleOptions ParticleArguments::parse() const {
-    ParticleOptions options = options_;
-    options.sizes.kind = parse_size_distribution(distribution_);
-    return options;
+Request SceneArguments::parse() const {
+    if (needs_base_ && !given("base")) throw UsageError("--base is required");
+    Request request = result_ != nullptr ? result_->request : request_of(typed());
+    require_surface_of_index(given("surface-index"), given("roughness"));
+    if (!given("wavelengths"))
+        apply(*find_scene_word("wavelengths"), std::vector<WordValue>{default_wavelengths_},
+              request);
+    const char* database = std::getenv("MIEBRDF_DATABASE");
+    if (request.scene.database.empty() && database != nullptr) request.scene.database = database;
+    return request;
 }
 
-std::string describe_particles(const ParticleOptions& particles) {
-    return fmt::format("{}, in a host of index {}", sizes_text(particles.sizes),
+std::string describe_particles(const Medium& medium, const ParticleOptions& particles) {
+    if (!needs_mie(medium)) return "";
+    return fmt::format("{}, in a host of index {}", sizes_text(sizes_of(medium, particles)),
                        particles.host_index);
 }
 
@@ -87,12 +136,12 @@ std::string describe_particles(const Scene& scene) {
     std::vector<std::pair<std::string, std::string>> layers;  // name, sizes
     const auto add = [&](const std::string& place, const Medium& medium) {
         if (!needs_mie(medium)) return;
-        layers.emplace_back(place + " " + describe(with_sizes(medium, {})),
-                            sizes_text(particles_of(medium, scene.particles).sizes));
+        layers.emplace_back(place + " " + without_sizes(medium),
+                            sizes_text(sizes_of(medium, scene.particles)));
     };
     add("base", scene.base);
-    for (std::size_t c = 0; c < scene.coats.size(); ++c)
-        add(fmt::format("coat {}", c + 1), scene.coats[c].medium);
+    for (std::size_t c = 0; c < scene.layers.size(); ++c)
+        add(fmt::format("coat {}", c + 1), scene.layers[c].medium);
     if (layers.empty()) return "";
     const auto& first = layers.front().second;
     const bool one = std::all_of(layers.begin(), layers.end(),
@@ -104,147 +153,39 @@ std::string describe_particles(const Scene& scene) {
     return text + fmt::format("in a host of index {}", scene.particles.host_index);
 }
 
-void MaterialArguments::add_to(CLI::App& command, const std::string& default_wavelengths) {
-    wavelengths_ = default_wavelengths;
-    command
-        .add_option("--wavelengths", wavelengths_,
-                    "list or range first:last:step, in nm unless a unit is given: 450,550,650 or "
-                    "400:700:10 or "
-                    "0.55um or 2.25eV; rgb is 620,535,480")
-        ->type_name("LIST")
-        ->capture_default_str();
-    command
-        .add_option(
-            "--database", database_,
-            "the user's materials, over the embedded ones; default: $MIEBRDF_DATABASE, else "
-            "$XDG_DATA_HOME/miebrdf/materials.sqlite")
-        ->type_name("FILE");
+void MediaArguments::add_to(CLI::App& command, Shell& shell,
+                            const std::string& default_wavelengths) {
+    scene_.add_to(command, shell, words_of_media(), default_wavelengths);
 }
 
-std::vector<double> MaterialArguments::wavelengths_nm() const {
-    return parse_wavelengths_nm(wavelengths_);
+MediaSpectra MediaArguments::look_up(const std::vector<std::string>& media,
+                                     OpticsDemand demand) const {
+    Request request = scene_.parse();
+    Scene& scene = request.scene;
+    scene.base = medium(media.front());
+    // They lie side by side, not in layers; a depth only says that they are there.
+    for (std::size_t m = 1; m < media.size(); ++m) scene.layers.push_back({medium(media[m]), 1.0});
+    validate(scene);
+    if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
+    return {resolve(scene, request.wavelength_nm), std::move(demand),
+            describe_particles(scene.base, scene.particles)};
 }
 
-std::string MaterialArguments::database() const {
-    if (!database_.empty()) return database_;
-    const char* variable = std::getenv("MIEBRDF_DATABASE");
-    return variable == nullptr ? "" : variable;
+void MediaSpectra::compute(const Control& control) {
+    const auto all = [](std::size_t count) {
+        std::vector<std::size_t> indices(count);
+        std::iota(indices.begin(), indices.end(), std::size_t{0});
+        return indices;
+    };
+    optics =
+        optics_of(scene, all(scene.media.size()), all(scene.wavelength_nm.size()), demand, control);
 }
 
-void SceneArguments::add_to(CLI::App& command, Base base, const std::string& default_wavelengths) {
-    command
-        .add_option("--base", base_,
-                    "the semi-infinite base: a material's NAME, index:N,K, isotropic:ALBEDO, "
-                    "rayleigh:ALBEDO, hg:ALBEDO,G or moments:FILE; spheres may have sizes of "
-                    "their own: TiO2,radius=0.2,variance=0.1,distribution=gamma")
-        ->type_name("MEDIUM")
-        ->required(base == Base::required);
-    command
-        .add_option("--coat", coats_,
-                    "a coat of paint, inf deep if nothing below may show; repeat it for more, "
-                    "each on top of the last")
-        ->type_name("MEDIUM@OPTICAL_DEPTH")
-        ->allow_extra_args(false);
-    materials_.add_to(command, default_wavelengths);
-    add_surface_options(command);
-    particles_.add_to(command);
-    add_solver_options(command);
-}
-
-void SceneArguments::add_surface_options(CLI::App& command) {
-    auto* group = command.add_option_group("Surface");
-    roughness_option_ =
-        group
-            ->add_option("--roughness", roughness_,
-                         "Beckmann slope parameter of a rough surface on top; 0: no surface lobe")
-            ->capture_default_str();
-    group
-        ->add_option("--coupling", coupling_,
-                     "how light enters and leaves: paper (eq. 5) or reciprocal")
-        ->capture_default_str();
-    group
-        ->add_option("--surface-index", surface_index_,
-                     "refractive index of the surface; default: that of the top medium")
-        ->type_name("N,K");
-}
-
-void SceneArguments::add_solver_options(CLI::App& command) {
-    auto* group = command.add_option_group("Method");
-    group
-        ->add_option("--tolerance", solver_.tolerance,
-                     "wanted error, relative to the largest BRDF value at that incidence")
-        ->capture_default_str();
-    group->add_option("--streams", solver_.streams, "zenith nodes, 2 to 256; 0: from --tolerance")
-        ->capture_default_str();
-    group->add_option("--grid", grid_, "auto, gauss, mapped-gauss or paper")->capture_default_str();
-    group->add_option("--half-space-method", half_space_method_, "auto, fixed-point or doubling")
-        ->capture_default_str();
-    group
-        ->add_option("--coat-method", coat_method_,
-                     "auto, first-order, first-order-patched or exponential")
-        ->capture_default_str();
-    group->add_option("--coat-substeps", solver_.coat_substeps, "steps of a stepwise coat method")
-        ->capture_default_str();
-    group->add_flag("--no-delta-m", no_delta_m_, "do not truncate the forward peak");
-    group->add_flag("--no-single-scattering-correction", no_correction_,
-                    "do not replace the first order of scattering by the exact one");
-}
-
-void SceneArguments::parse_surface(Scene& scene) const {
-    static const std::map<std::string, rte::SurfaceCoupling> kCouplings = {
-        {"paper", rte::SurfaceCoupling::paper}, {"reciprocal", rte::SurfaceCoupling::reciprocal}};
-    scene.coupling = one_of(kCouplings, coupling_, "coupling");
-    if (!(roughness_ >= 0.0 && roughness_ <= 2.0)) {
-        throw UsageError(
-            fmt::format("roughness: {} is out of range; allowed: 0 (no lobe) to 2", roughness_));
-    }
-    // A roughness of 0 that was typed is a choice, with the rest of the surface ready for another.
-    if (!surface_index_.empty() && roughness_option_->count() == 0) {
-        throw UsageError(
-            "--surface-index belongs to a rough surface; give --roughness too, e.g. 0.3");
-    }
-    if (!surface_index_.empty()) scene.surface_index = parse_index(surface_index_, "surface index");
-    if (roughness_ > 0.0) {
-        scene.surface = rte::SurfaceOptions{};
-        scene.surface->beckmann_alpha = roughness_;
-    }
-}
-
-rte::CoatMethod parse_coat_method(const std::string& name) {
-    static const std::map<std::string, rte::CoatMethod> kCoatMethods = {
-        {"auto", rte::CoatMethod::automatic},
-        {"first-order", rte::CoatMethod::first_order},
-        {"first-order-patched", rte::CoatMethod::first_order_patched},
-        {"exponential", rte::CoatMethod::exponential}};
-    return one_of(kCoatMethods, name, "coat method");
-}
-
-Request SceneArguments::parse() const {
-    static const std::map<std::string, rte::GridKind> kGrids = {
-        {"auto", rte::GridKind::automatic},
-        {"gauss", rte::GridKind::gauss},
-        {"mapped-gauss", rte::GridKind::mapped_gauss},
-        {"paper", rte::GridKind::paper}};
-    static const std::map<std::string, rte::HalfSpaceMethod> kHalfSpaceMethods = {
-        {"auto", rte::HalfSpaceMethod::automatic},
-        {"fixed-point", rte::HalfSpaceMethod::fixed_point},
-        {"doubling", rte::HalfSpaceMethod::doubling}};
-
-    Request request;
-    request.scene.base = parse_medium(base_);
-    for (const std::string& coat : coats_) request.scene.coats.push_back(parse_coat(coat));
-    request.scene.particles = particles_.parse();
-    parse_surface(request.scene);
-    request.wavelength_nm = materials_.wavelengths_nm();
-    request.database = materials_.database();
-    request.solver = solver_;
-    request.solver.grid = one_of(kGrids, grid_, "grid");
-    request.solver.half_space_method =
-        one_of(kHalfSpaceMethods, half_space_method_, "half-space method");
-    request.solver.coat_method = parse_coat_method(coat_method_);
-    request.solver.delta_m = !no_delta_m_;
-    request.solver.single_scattering_correction = !no_correction_;
-    return request;
+bool MediaSpectra::converged() const {
+    return std::all_of(optics.begin(), optics.end(), [](const auto& media) {
+        return std::all_of(media.begin(), media.end(),
+                           [](const MediumOptics& o) { return o.converged; });
+    });
 }
 
 }  // namespace miebrdf::program

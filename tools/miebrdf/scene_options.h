@@ -1,83 +1,89 @@
-// The options that describe a scene, the same for every command that takes one.
+// The words of a scene (pipeline/scene/scene_words.h) as options, the same for every command; and
+// those of commands that take media, but no whole scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
+
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "pipeline/scene/request.h"
+#include <miebrdf/scene.h>
+#include "pipeline/scene/scene_words.h"
+#include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
 
-/// Texts of the Mie options, shared with commands that take a MEDIUM without a scene.
-class ParticleArguments {
-  public:
-    void add_to(CLI::App& command);
-    /// @throws UsageError
-    ParticleOptions parse() const;
+/// Words with their values as they were said.
+using SaidWords = std::map<std::string, std::vector<WordValue>>;
 
-  private:
-    std::string distribution_ = "power-law";
-    ParticleOptions options_;
-};
+/// What they ask for; what they leave out is as by default, but for wavelengths: there are none.
+/// @throws UsageError, InputError
+Request request_of(const SaidWords& said);
 
-/// A wavelength list and the database to look materials up in.
-class MaterialArguments {
-  public:
-    void add_to(CLI::App& command, const std::string& default_wavelengths);
-    std::vector<double> wavelengths_nm() const;
-    /// --database, else the environment variable MIEBRDF_DATABASE, else empty (embedded).
-    std::string database() const;
+/// Names of words for commands that take media, but no whole scene.
+std::vector<std::string> words_of_media();
 
-  private:
-    std::string wavelengths_;
-    std::string database_;
-};
-
-/// Base, coats, surface and solver options.
+/// The scene of a command: from its options, or from the scene file whose result it is. It may not
+/// be moved once its options are added.
 class SceneArguments {
   public:
     enum class Base { required, optional };
-    void add_to(CLI::App& command, Base base = Base::required,
+    /// Adds all words.
+    void add_to(CLI::App& command, Shell& shell, Base base = Base::required,
                 const std::string& default_wavelengths = "rgb");
-    /// Whether --base was typed.
-    bool given() const { return !base_.empty(); }
-    /// The request without directions and threads.
+    /// Adds some words; there is no base among them.
+    void add_to(CLI::App& command, Shell& shell, const std::vector<std::string>& words,
+                const std::string& default_wavelengths);
+
+    /// Whether a word was said, by whatever value.
+    bool given(std::string_view word = "base") const;
+    /// The whole request. A database that no word names is that of MIEBRDF_DATABASE, if it is set.
     /// @throws UsageError, InputError
     Request parse() const;
 
   private:
-    void add_surface_options(CLI::App& command);
-    void add_solver_options(CLI::App& command);
-    void parse_surface(Scene& scene) const;
+    void add(CLI::App& command, Shell& shell, const std::vector<std::string>& words);
+    SaidWords typed() const;
 
-    std::string base_;
-    std::vector<std::string> coats_;
-    double roughness_ = 0.0;
-    const CLI::Option* roughness_option_ = nullptr;  ///< of the command it was added to
-    std::string coupling_ = "paper";
-    std::string surface_index_;
-    std::string grid_ = "auto";
-    std::string half_space_method_ = "auto";
-    std::string coat_method_ = "auto";
-    rte::SolverOptions solver_;
-    bool no_delta_m_ = false;
-    bool no_correction_ = false;
-    ParticleArguments particles_;
-    MaterialArguments materials_;
+    bool needs_base_ = false;
+    std::string default_wavelengths_;
+    const SceneFileResult* result_ = nullptr;
+    std::map<std::string, std::vector<std::string>> values_;  ///< of words that have values
+    std::map<std::string, bool> flags_;
 };
 
-/// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1"
-std::string describe_particles(const ParticleOptions& particles);
-/// The same for all layers that go through Mie theory: one text where their sizes agree, otherwise
-/// "base TiO2: power-law, ...; coat 1 Au: ...; in a host of index 1". Empty where no layer does.
+/// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1": what Mie
+/// theory takes one medium for. Empty for media that do not go through it.
+std::string describe_particles(const Medium& medium, const ParticleOptions& particles);
+/// The same for all layers of a scene: one text where their sizes agree, otherwise
+/// "base TiO2: power-law, ...; coat 1 Au: ...; in a host of index 1".
 std::string describe_particles(const Scene& scene);
 
-/// Reads the name of a --coat-method. @throws UsageError
-rte::CoatMethod parse_coat_method(const std::string& name);
+/// Media and wavelengths, looked up.
+struct MediaSpectra {
+    ResolvedScene scene;  ///< its media are those asked for, in their order
+    OpticsDemand demand;
+    std::string particles;  ///< of the first medium, in words; empty: no Mie theory
+    std::vector<std::vector<MediumOptics>> optics = {};  ///< [wavelength][medium], once computed
 
-/// Reads `N,K` or `N`.
-std::complex<double> parse_index(const std::string& text, const std::string& what);
+    void compute(const Control& control);
+    bool converged() const;
+};
+
+class MediaArguments {
+  public:
+    /// Adds the words of a scene that say something of media.
+    void add_to(CLI::App& command, Shell& shell, const std::string& default_wavelengths);
+    /// Looks media up; `demand` has the tolerance that holds when --mie-tolerance says none.
+    /// @param media  as typed, at least one
+    /// @throws UsageError, InputError
+    MediaSpectra look_up(const std::vector<std::string>& media, OpticsDemand demand) const;
+
+  private:
+    SceneArguments scene_;
+};
 
 }  // namespace miebrdf::program

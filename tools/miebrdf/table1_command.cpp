@@ -1,11 +1,10 @@
 // miebrdf table1: the paper's averaged diffuse reflectance factors.
-#include "pipeline/solve/table1.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include <miebrdf/error.h>
+#include <miebrdf/table1.h>
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 
@@ -35,8 +34,8 @@ Table1Request parse(const Table1Arguments& arguments) {
         request.beckmann_alpha = arguments.roughness;
     }
     request.conventions = arguments.convention == "all"
-                              ? rte::table1_conventions()
-                              : std::vector{rte::table1_convention(arguments.convention)};
+                              ? table1_conventions()
+                              : std::vector{table1_convention(arguments.convention)};
     return request;
 }
 
@@ -74,30 +73,28 @@ Table table_of(const Table1Result& result, const Table1Request& request) {
 
 }  // namespace
 
-void add_table1_command(CLI::App& program, Shell& shell) {
-    auto* command = program.add_subcommand(
-        "table1", "averaged diffuse reflectance factors, beside those of the paper's Table 1");
+void add_table1(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<Table1Arguments>();
-    arguments->convention = rte::table1_conventions().front().name;
+    arguments->convention = table1_conventions().front().name;
     std::string names;
-    for (const auto& c : rte::table1_conventions()) names += c.name + ", ";
-    command->add_option("material", arguments->materials, "materials; default: the paper's four")
+    for (const auto& c : table1_conventions()) names += c.name + ", ";
+    command.add_option("material", arguments->materials, "materials; default: the paper's four")
         ->type_name("MATERIAL");
     command
-        ->add_option("--convention", arguments->convention,
-                     "what the paper leaves open: " + names + "or all")
+        .add_option("--convention", arguments->convention,
+                    "what the paper leaves open: " + names + "or all")
         ->capture_default_str();
     command
-        ->add_option("--wavelengths", arguments->wavelengths, "instead of the convention's R, G, B")
+        .add_option("--wavelengths", arguments->wavelengths, "instead of the convention's R, G, B")
         ->type_name("LIST");
     command
-        ->add_option("--roughness", arguments->roughness,
-                     "Beckmann slope parameter; 0: the convention's")
+        .add_option("--roughness", arguments->roughness,
+                    "Beckmann slope parameter; 0: the convention's")
         ->capture_default_str();
-    command->add_option("--database", arguments->database, "materials database")->type_name("FILE");
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf table1\n  miebrdf table1 Au Ag --wavelengths 400:700:100");
-    shell.on_run(*command, [arguments, &shell] {
+    command.add_option("--database", arguments->database, "materials database")->type_name("FILE");
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf table1\n  miebrdf table1 Au Ag --wavelengths 400:700:100");
+    shell.on_run(command, [arguments, &shell] {
         const Table1Request request = parse(*arguments);
         shell.write(table_of(compute_table1(request, shell.control()), request));
         return kGood;

@@ -1,20 +1,51 @@
 // How the radii of the spheres in an ensemble are distributed.
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace miebrdf::mie {
 
-enum class SizeDistributionKind { power_law, gamma, log_normal, mono, tabulated };
+struct SizeLaw;
+
+/// Which law a size distribution follows: one of size_distribution_forms(), or a table. Cheap to
+/// copy and to compare.
+class SizeDistributionKind {
+  public:
+    static const SizeDistributionKind power_law, gamma, log_normal, mono, tabulated;
+
+    /// A law of one's own; it must outlive its use.
+    explicit constexpr SizeDistributionKind(const SizeLaw& law) : law_(&law) {}
+
+    const SizeLaw& law() const { return *law_; }
+    bool operator==(const SizeDistributionKind&) const = default;
+
+  private:
+    const SizeLaw* law_;
+};
+
+/// The law of this name: "power-law", "gamma", ... A table has no name to ask for.
+/// @throws UsageError  naming all that are known
+SizeDistributionKind parse_size_distribution(std::string_view name);
+std::string name_of(SizeDistributionKind kind);
+/// Whether the effective variance means anything to the law.
+bool has_variance(SizeDistributionKind kind);
+
+/// How a law is asked for by name, and what it is.
+struct SizeDistributionForm {
+    std::string name, help;
+};
+/// All laws but the table.
+std::vector<SizeDistributionForm> size_distribution_forms();
 
 /// A size distribution n(r) given by its two cross-section-weighted parameters (Hansen & Travis
-/// 1974, eq. 2.53-2.56): effective radius <r^3>/<r^2> and effective variance.
-/// power_law: n(r) ~ r^-3 on [r1, r2]; gamma: r^((1-3b)/b) exp(-r/(a b)); log_normal:
-/// sigma^2 = ln(1 + b); mono: every sphere has the effective radius; tabulated: n(r) as listed.
+/// 1974, eq. 2.53-2.56): effective radius <r^3>/<r^2> and effective variance. Each law is written
+/// down in docs/maths-mie.md.
 struct SizeDistribution {
     SizeDistributionKind kind = SizeDistributionKind::power_law;
     double effective_radius_um = 50.0;  ///< > 0
-    double effective_variance = 0.2;    ///< > 0, up to 10; ignored for mono
+    double effective_variance = 0.2;    ///< > 0, up to 10; ignored where has_variance() is false
     /// For tabulated only: number density n(r) in any unit at ascending radii, linear between them
     /// and zero outside; radius and variance above are then ignored.
     std::vector<double> radii_um = {};
@@ -27,13 +58,13 @@ struct RadiusRange {
     double largest_um;
 };
 
-/// Ends of the power law: r1 + r2 = 2 r_eff (1 + v_eff), (r2 - r1) / ln(r2 / r1) = r_eff.
-/// For gamma and log-normal: where the cross-section weighted tail falls below rounding.
+/// The ends of a distribution; where a law has none, where its cross-section weighted tail falls
+/// below rounding.
 ///
-/// @throws std::invalid_argument  for a radius or a variance that is not positive and finite
+/// @throws UsageError  for a radius or a variance out of range, or a table that is none
 RadiusRange radius_range(const SizeDistribution& distribution);
 
-/// The same, with gamma and log-normal cut where `tail` of the scattering is left out on either
+/// The same, with laws that have no ends cut where `tail` of the scattering is left out on either
 /// side: spheres scatter as their area, but below `saturation_radius_um` (that of x = 1) as r^6,
 /// where a few large ones weigh far more than their area does.
 /// @param tail  in [1e-18, 0.1]
@@ -41,8 +72,7 @@ RadiusRange radius_range(const SizeDistribution& distribution);
 RadiusRange radius_range(const SizeDistribution& distribution, double tail,
                          double saturation_radius_um = 0);
 
-/// Share of the geometric cross-section within a range: below 1 for gamma and log-normal, which
-/// have no ends.
+/// Share of the geometric cross-section within a range: below 1 for laws that have no ends.
 double area_share_within(const SizeDistribution& distribution, const RadiusRange& range);
 
 /// <r^3>/<r^2>: of a table its own, otherwise the parameter.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <miebrdf/formats.h>
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 

@@ -41,7 +41,7 @@ ExportOptions ready_options(const Format& format, const ExportOptions& options) 
 }
 
 void write_format(const Format& format, const FormatFile& file, const BrdfSource& source,
-                  const ExportOptions& options, std::ostream& out, const RunControl& control) {
+                  const ExportOptions& options, std::ostream& out, const Control& control) {
     const ExportOptions ready = ready_options(format, options);
     const RgbSource rgb(source, colours_of(format, ready, source));
     file.write({source, rgb, ready, control}, out);

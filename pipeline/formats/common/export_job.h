@@ -15,7 +15,7 @@ struct ExportJob {
     const BrdfSource& spectral;    ///< has wavelengths
     const RgbSource& rgb;          ///< the same as colours
     const ExportOptions& options;  ///< complete (ready_options)
-    const RunControl& control;
+    const Control& control;
 };
 
 /// The options with everything filled in that the format takes: the resolution, all of `extra`.
@@ -28,7 +28,7 @@ RgbWeights colours_of(const Format& format, const ExportOptions& options, const 
 /// One file of a format as it is written, not read back.
 /// @throws UsageError, Cancelled
 void write_format(const Format& format, const FormatFile& file, const BrdfSource& source,
-                  const ExportOptions& options, std::ostream& out, const RunControl& control = {});
+                  const ExportOptions& options, std::ostream& out, const Control& control = {});
 
 /// How a format writes what is the same in all of them.
 struct Conventions {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 namespace {

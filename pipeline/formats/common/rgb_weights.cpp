@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <functional>
 
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
-#include "pipeline/colour/colour.h"
 
 namespace miebrdf::exports {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <miebrdf/formats.h>
 #include "pipeline/formats/common/byte_reader.h"
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 namespace {

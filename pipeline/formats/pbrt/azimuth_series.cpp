@@ -77,7 +77,7 @@ double tail_of(const std::vector<double>& coefficients, std::size_t channels) {
 }  // namespace
 
 void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
-                    double tail_tolerance, int most_orders, const RunControl& control,
+                    double tail_tolerance, int most_orders, const Control& control,
                     const std::function<void(std::size_t pair, const AzimuthSeries&)>& take) {
     if (!(most_orders >= 16 && most_orders <= 4096)) {
         throw UsageError(

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 
@@ -35,7 +35,7 @@ struct AzimuthSeries {
 /// @param take         gets each pair's series, in any order and from several threads
 /// @throws UsageError  most_orders out of range; Cancelled
 void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
-                    double tail_tolerance, int most_orders, const RunControl& control,
+                    double tail_tolerance, int most_orders, const Control& control,
                     const std::function<void(std::size_t pair, const AzimuthSeries&)>& take);
 
 }  // namespace miebrdf::exports

@@ -59,7 +59,7 @@ constexpr int kMostOrders = 512;
 /// index r counts from mu = -1; h and h + 1 are both mu = 0.
 class FourierTables {
   public:
-    FourierTables(const RgbSource& source, int intervals, const RunControl& control)
+    FourierTables(const RgbSource& source, int intervals, const Control& control)
         : h_(static_cast<std::size_t>(intervals)), nodes_(2 * h_ + 2) {
         for (std::size_t k = 0; k <= h_; ++k) {
             const double sine =

@@ -9,7 +9,7 @@
 #include <pugixml.hpp>
 
 #include <miebrdf/formats.h>
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 namespace {

@@ -219,7 +219,7 @@ void write_klems(const ExportJob& job, std::ostream& out) {
     std::map<std::tuple<int, int, int>, std::array<double, 3>> known;
     std::array<std::vector<float>, 3> matrices;
     for (const auto& [ring_out, k_out] : patches) {
-        if (job.control.cancelled != nullptr && *job.control.cancelled) throw Cancelled();
+        if (job.control.is_cancelled && job.control.is_cancelled()) throw Cancelled();
         for (const auto& [ring_in, k_in] : patches) {
             // Equal indices of incident and outgoing patches are mirror directions.
             const int turn = kPatches[ring_in] * kPatches[ring_out];

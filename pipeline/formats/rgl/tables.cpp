@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/solve/brdf_source.h"
+#include <miebrdf/brdf_source.h>
 
 namespace miebrdf::exports {
 namespace {

@@ -103,7 +103,7 @@ class RglGrid {
           angles_(static_cast<std::size_t>(options.extra.at("incident_angles"))),
           channels_(source.channels().size()) {}
 
-    void fill(const RunControl& control) {
+    void fill(const Control& control) {
         spectra_.assign(angles_ * channels_ * n_ * n_, 0.0f);
         luminance_.assign(angles_ * n_ * n_, 0.0f);
         for (std::size_t t = 0; t < angles_; ++t) fill_incidence(t, control);
@@ -141,7 +141,7 @@ class RglGrid {
         return kHalfPi * (1.0 - std::pow(1.0 - x, kCrowding));
     }
 
-    void fill_incidence(std::size_t t, const RunControl& control) {
+    void fill_incidence(std::size_t t, const Control& control) {
         const Eigen::Vector3d in = spherical(std::min(theta_in(t), kLargestAngle), 0.0);
         const HalfVectorTable table(n_, in);
         std::vector<Direction> directions;

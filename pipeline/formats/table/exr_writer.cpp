@@ -54,7 +54,7 @@ std::size_t incidences_at_a_time(const rte::Directions& grid) {
 
 /// One plane of pixels for each wavelength, then for R, G and B.
 std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview,
-                             const rte::Directions& part, const RunControl& control) {
+                             const rte::Directions& part, const Control& control) {
     const std::vector<double> table = tabulate(source, part, control);
     const std::size_t wavelengths = source.wavelength_nm().size(), pixels = size_of(part);
     std::vector<float> planes(table.begin(), table.end());

@@ -46,7 +46,7 @@ std::size_t size_of(const rte::Directions& directions) {
 }
 
 std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& grid,
-                             const RunControl& control) {
+                             const Control& control) {
     const std::size_t channels = source.channels().size();
     const std::size_t rows = grid.mu_out.size() * grid.azimuth_deg.size();
     const std::size_t size = size_of(grid);

@@ -23,7 +23,7 @@ std::size_t size_of(const rte::Directions& directions);
 
 /// [wavelength][mu_in][mu_out][azimuth], azimuth fastest. @throws Cancelled
 std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& directions,
-                             const RunControl& control);
+                             const Control& control);
 
 /// What all plain tables are to the list of formats.
 Format table_format(const char* name, const char* readers, const char* ending,

@@ -6,11 +6,11 @@
 //     if (!values.converged()) std::cerr << values.shortfall() << '\n';
 #pragma once
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/control.h>
 #include <miebrdf/scene.h>
 #include <miebrdf/solver.h>
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -74,12 +74,14 @@ struct ResultReport {
     std::vector<std::string> sources;  ///< where the figures come from, one line for each medium
 
     bool converged() const;
-    double error_estimate() const;                ///< largest over the wavelengths
-    const WavelengthReport& worst() const;        ///< of the error estimate
-    const WavelengthReport& noisiest() const;     ///< of phase_noise
+    double error_estimate() const;             ///< largest over the wavelengths
+    const WavelengthReport& worst() const;     ///< of the error estimate
+    const WavelengthReport& noisiest() const;  ///< of phase_noise
     /// What missed the tolerance and where, one line for each wavelength; empty when converged.
     std::vector<std::string> shortfalls() const;
-    std::string shortfall() const;                ///< the lines joined
+    std::string shortfall() const;  ///< the lines joined
+    /// One sentence: the estimate, and when the tolerance is missed, where and how widely.
+    std::string summary() const;
 };
 
 /// Values of the BRDF, 1/sr without the cosine, at every combination of directions.
@@ -97,7 +99,7 @@ class BrdfValues : public ResultReport {
     };
     std::vector<Slice> slices;  ///< one for each wavelength
 
-    /// @throws std::out_of_range  for an index beyond its list, and for a part not asked for
+    /// @throws UsageError  for an index beyond its list, and for a part not asked for
     double at(std::size_t wavelength, std::size_t in, std::size_t out, std::size_t azimuth,
               BrdfPart part = BrdfPart::total) const;
 };
@@ -112,16 +114,32 @@ class AlbedoValues : public ResultReport {
     double at(std::size_t wavelength, std::size_t in) const { return plane_albedo[wavelength][in]; }
 };
 
-/// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
-struct Direction {
-    double mu_in = 1.0;
-    double mu_out = 1.0;
-    double azimuth_deg = 0.0;
-};
-
-class BrdfTable;
 struct TableOptions {
     BrdfPart part = BrdfPart::total;
+    std::string command_line;  ///< for Provenance
+};
+
+/// A solved BRDF for those who evaluate millions of directions (exports, renderers): light
+/// scattered more than once is smooth and interpolated between 49 x 49 cosines; what has sharp
+/// features, the first order of scattering and the surface lobe, is evaluated at every direction.
+/// Made by Brdf::table; copies share their data.
+class BrdfTable : public BrdfSource {
+  public:
+    const std::vector<std::string>& channels() const override;
+    const std::vector<double>& wavelength_nm() const override;
+    const Provenance& provenance() const override;
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
+    std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const override;
+
+    /// How well the scene was solved, at directions of all kinds; not the interpolation.
+    const ResultReport& report() const;
+
+    struct State;
+    explicit BrdfTable(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+    const State& state() const { return *state_; }  ///< for the library itself
+
+  private:
+    std::shared_ptr<const State> state_;
 };
 
 /// A scene at some wavelengths. Copies share one solution; functions may be called from several
@@ -137,8 +155,8 @@ class Brdf {
     /// Fourier order 0 alone, without phase functions.
     AlbedoValues albedo(const std::vector<double>& mu_in) const;
 
-    /// For those who evaluate millions of directions (exports, renderers): light scattered more
-    /// than once is interpolated, what has sharp features is evaluated at every direction.
+    /// For those who evaluate millions of directions.
+    /// @throws UsageError  for the surface's part of a scene without one; Cancelled
     BrdfTable table(const TableOptions& options = {}) const;
 
     /// How well the scene is solved at directions of all kinds, steep and grazing.
@@ -151,6 +169,7 @@ class Brdf {
 
     struct State;
     explicit Brdf(std::shared_ptr<State> state) : state_(std::move(state)) {}
+    const State& state() const { return *state_; }  ///< for the library itself
 
   private:
     std::shared_ptr<State> state_;

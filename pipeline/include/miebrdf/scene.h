@@ -14,8 +14,8 @@ namespace miebrdf {
 
 /// What a medium says about its own spheres; what it leaves out is that of its scene.
 struct ParticleSizes {
-    std::optional<double> effective_radius_um;  ///< > 0
-    std::optional<double> effective_variance;   ///< > 0, up to 10; ignored for mono
+    std::optional<double> effective_radius_um;              ///< > 0
+    std::optional<double> effective_variance;               ///< > 0, up to 10; ignored for mono
     std::optional<mie::SizeDistributionKind> distribution;  ///< any but tabulated
 
     bool operator==(const ParticleSizes&) const = default;
@@ -24,11 +24,11 @@ struct ParticleSizes {
 /// What a layer is made of; medium() makes one from words.
 struct Medium {
     /// "material", "index", "isotropic", "rayleigh", "hg", "moments", ... (medium_forms)
-    std::string kind;
-    std::string name;                ///< material: NAME or source:KEY; moments: the file's path
-    std::vector<double> parameters;  ///< the numbers after the colon; moments: the albedo
-    std::vector<double> chi;         ///< moments: chi_0 = 1, chi_1, ...
-    ParticleSizes sizes;             ///< of media that go through Mie theory
+    std::string kind = {};
+    std::string name = {};  ///< material: NAME or source:KEY; moments: the file's path
+    std::vector<double> parameters = {};  ///< the numbers after the colon; moments: the albedo
+    std::vector<double> chi = {};         ///< moments: chi_0 = 1, chi_1, ...
+    ParticleSizes sizes = {};             ///< of media that go through Mie theory
 
     bool operator==(const Medium&) const = default;
 };

@@ -1,5 +1,5 @@
-// What radiative transfer needs to know of a medium: the border between single scattering
-// (from Mie theory, a formula or a file) and everything in this folder.
+// What radiative transfer needs to know: single scattering by each medium (from Mie theory, a
+// formula or a file), and what lies on what.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
@@ -11,8 +11,9 @@ namespace miebrdf::rte {
 /// Single scattering by a homogeneous medium.
 struct Optics {
     double single_scattering_albedo = 0.0;  ///< scattering / extinction, in [0, 1]
-    double one_minus_albedo = 1.0;    ///< absorption / extinction; its own number, so that it keeps
-                                      ///< its digits when the albedo is close to 1
+    /// Absorption / extinction: carried separately, so that it keeps its digits when the albedo is
+    /// close to 1.
+    double one_minus_albedo = 1.0;
     std::vector<double> chi = {1.0};  ///< Legendre moments chi_0 = 1, chi_1 = g, ...; zero beyond
     /// True: chi was cut short, the phase function has more moments than it lists. Then at most
     /// chi.size() - 1 of them are kept, so that delta-M knows the first one it leaves out.
@@ -20,29 +21,29 @@ struct Optics {
     /// Optional exact phase function P(cos Theta), mean over the sphere = 1, for the exact first
     /// order of scattering. Empty: the moments are the whole phase function.
     /// Functions with narrow features (glory, rainbows) need all their moments in chi as well: what
-    /// is beyond delta-M is corrected from them (forward_peak.h).
+    /// is beyond delta-M is corrected from them.
     std::function<double(double cos_theta)> phase;
 };
 
 /// Checks albedo, one_minus_albedo, chi_0 and |chi_l| <= 1.
-/// @throws std::invalid_argument  with the value and the allowed range
+/// @throws UsageError  naming what is out of range
 void validate(const Optics& optics);
 
 /// P = 1 in all directions: chi_0 alone, and no function beside it.
 /// @param single_scattering_albedo  in [0, 1]; one_minus_albedo is what subtraction gives
-/// @throws std::invalid_argument  for an albedo out of range
+/// @throws UsageError  for an albedo out of range
 Optics isotropic_optics(double single_scattering_albedo);
 /// P = 3/4 (1 + cos^2 Theta) = 1 + P_2(cos Theta) / 2: Rayleigh scattering of unpolarised light by
 /// spheres much smaller than the wavelength (Chandrasekhar 1960, ch. I, section 3). Three moments,
 /// chi = (1, 0, 1/10), are all of it.
 /// @param single_scattering_albedo  in [0, 1]
-/// @throws std::invalid_argument  for an albedo out of range
+/// @throws UsageError  for an albedo out of range
 Optics rayleigh_optics(double single_scattering_albedo);
 /// P = (1 - g^2) / (1 + g^2 - 2 g cos Theta)^(3/2) (Henyey and Greenstein 1941): chi_l = g^l up to
 /// where (2l + 1) g^l is below rounding, at most 2^20 of them, and the exact P.
 /// @param single_scattering_albedo  in [0, 1]
 /// @param asymmetry  g in (-1, 1)
-/// @throws std::invalid_argument  for an albedo or asymmetry out of range
+/// @throws UsageError  for an albedo or asymmetry out of range
 Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetry);
 
 /// One scatterer of a mixture.
@@ -53,8 +54,32 @@ struct MixtureComponent {
 
 /// Several scatterers in one layer: albedos average by extinction, moments and phase functions by
 /// scattering. The exact phase function is kept if any component has one.
-/// @throws std::invalid_argument  no component, an extinction that is negative or not finite, or a
-///         sum of zero
+/// @throws UsageError  for no component, an extinction that is negative or not finite, or a sum of
+///         zero
 Optics mix(const std::vector<MixtureComponent>& components);
+
+/// A homogeneous layer.
+struct Coat {
+    Optics optics;
+    double optical_depth = 0.0;  ///< of extinction, vertical, >= 0; may be infinite
+};
+
+enum class BaseKind {
+    half_space,  ///< a medium without end
+    lambertian,  ///< a ground that reflects `ground_albedo` of the flux alike in all directions
+    none,        ///< nothing: black
+};
+
+/// A base and its coats in painting order: the last one is on top.
+struct Stack {
+    Optics base = {};  ///< of the half-space; ignored for the other kinds
+    std::vector<Coat> coats = {};
+    BaseKind base_kind = BaseKind::half_space;
+    double ground_albedo = 0.0;  ///< in [0, 1], of the Lambertian ground
+};
+
+/// Checks every medium, optical depth and the ground's albedo.
+/// @throws UsageError  naming what is out of range
+void validate(const Stack& stack);
 
 }  // namespace miebrdf::rte

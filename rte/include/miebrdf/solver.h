@@ -8,35 +8,22 @@
 namespace miebrdf::rte {
 
 /// Zenith nodes per hemisphere.
-inline constexpr int fewest_nodes = 2;
-inline constexpr int most_nodes = 256;
-
-class SolvedHalfSpaces;
-struct StackMemory;
+inline constexpr int kFewestNodes = 2;
+inline constexpr int kMostNodes = 256;
 
 enum class GridKind { automatic, gauss, mapped_gauss, paper };
 enum class HalfSpaceMethod { automatic, fixed_point, doubling };
 enum class CoatMethod { automatic, first_order, first_order_patched, exponential };
 
 struct SolverOptions {
-    double tolerance = 1e-3;  ///< relative to the largest value at that incidence
+    double tolerance = 1e-3;  ///< in (0, 1), relative to the largest value at that incidence
     GridKind grid = GridKind::automatic;
     int streams = 0;  ///< zenith nodes per hemisphere, 2 to 256; 0: from the tolerance
     HalfSpaceMethod half_space_method = HalfSpaceMethod::automatic;
     CoatMethod coat_method = CoatMethod::automatic;
-    int coat_substeps = 1;  ///< for the stepwise coat methods
+    int coat_substeps = 1;  ///< of the stepwise coat methods, 1 to 1000000
     bool delta_m = true;
     bool single_scattering_correction = true;
-    /// Of half-spaces that are iterated; 0: a hundredth of `tolerance`. Stacks that are to share a
-    /// half-space need the same, whatever else their tolerances are.
-    double half_space_tolerance = 0.0;
-    /// Where stacks share half-spaces (solved_half_spaces.h); null: each solves its own. The result
-    /// is the same to the last bit.
-    SolvedHalfSpaces* half_spaces = nullptr;
-    /// Where stacks that are solved one after the other, wavelengths for instance, share matrices,
-    /// grids and Legendre tables (stack_memory.h); null: each solution has its own. Not for two
-    /// threads at a time. The result is the same to the last bit.
-    StackMemory* memory = nullptr;
 };
 
 /// Every combination of the three lists is wanted.
@@ -50,17 +37,17 @@ struct Directions {
 struct SolverReport {
     int streams = 0;
     int moments = 0;              ///< Legendre moments kept
-    int azimuthal_orders = 0;     ///< Fourier orders summed, m = 0 included
+    int fourier_orders = 0;       ///< summed, m = 0 included
     int iterations = 0;           ///< most of any order, for iterative methods
     double error_estimate = 0.0;  ///< relative to the largest value at that incidence
-    /// Share of the values whose own estimate meets the tolerance, and where in the result the
-    /// worst one is: a peak on the horizon may be wrong where everything else has long converged.
+    /// Share of the values whose own estimate meets the tolerance, and the index of the worst one:
+    /// a peak on the horizon may be wrong where everything else has long converged.
     double share_within_tolerance = 1.0;
     std::size_t worst_value = 0;
     double worst_mu_in = 0.0;   ///< its directions; 0: none is worse than another
     double worst_mu_out = 0.0;  ///< 0 for albedos
     double worst_azimuth_deg = 0.0;
-    bool converged = false;  ///< error_estimate <= tolerance
+    bool converged = false;  ///< error_estimate <= tolerance, and so has every step
     std::string method;
 };
 

@@ -1,6 +1,10 @@
-// How light meets a rough surface: the choices that a microfacet model leaves open.
+// Reflection by a rough surface, and what it lets through to the layers below.
+// Symbols, signs and normalisation: docs/conventions.md; derivations: docs/maths-surface.md.
 #pragma once
 
+#include <complex>
+#include <functional>
+#include <memory>
 #include <optional>
 
 namespace miebrdf::rte {
@@ -23,12 +27,6 @@ enum class FresnelKind {
     schlick,  ///< Schlick 1994 with the exact reflectance at normal incidence
 };
 
-/// How the layers below are weakened by what the surface reflects (rte/surface/layered_brdf.h).
-enum class SurfaceCoupling {
-    paper,       ///< 1 - rho(mu_in): Chen et al. 2013, eq. (5); not reciprocal
-    reciprocal,  ///< (1 - rho(mu_in)) (1 - rho(mu_out)), normalised
-};
-
 struct SurfaceOptions {
     double beckmann_alpha = 0.3;  ///< slope parameter of the distribution, in [1e-4, 4]
     MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
@@ -39,7 +37,115 @@ struct SurfaceOptions {
     std::optional<MicrofacetDistribution> shadowing_distribution = {};
 };
 
-/// @throws std::invalid_argument  for a slope parameter out of range, with its value
+/// @throws UsageError  for a slope parameter out of range
 void validate(const SurfaceOptions& options);
+
+/// An integral and how it came about.
+struct IntegralResult {
+    double value = 0.0;
+    double error_estimate = 0.0;  ///< absolute, from the last two doublings of the nodes
+    int nodes = 0;                ///< for each of the two dimensions
+    bool converged = false;       ///< error_estimate <= tolerance
+};
+
+/// rho_dt(mu_in): the integral of R_s mu_out over the outgoing hemisphere.
+///
+/// Taken over the slopes of the mirrors' normals instead of over mu_out, where the lobe has the
+/// same shape for every roughness and incidence; with the slopes measured along the plane of
+/// incidence (x, towards the light) and across it (y) and P their density,
+///     rho = integral of P(x, y) (1 + x tan(theta_in)) G F dx dy,  (x - tan)^2 + y^2 < 1 / mu_in^2.
+/// Gauss nodes in coordinates in which P is smooth and bounded; their number is doubled until the
+/// result moves by less than the tolerance. docs/maths-surface.md derives it and has the measured
+/// errors.
+///
+/// @param mu_in  in (0, 1]
+/// @param tolerance  absolute, > 0
+/// @throws UsageError  for an index, options, cosine or tolerance out of range
+IntegralResult directional_reflectance(std::complex<double> refractive_index,
+                                       const SurfaceOptions& options, double mu_in,
+                                       double tolerance = 1e-6);
+
+/// What the directions of incidence weigh in a mean over the hemisphere.
+enum class HemisphereMean {
+    solid_angle,  ///< all directions alike: integral over mu in (0, 1)
+    cosine,       ///< as a diffuse illumination arrives: 2 * integral over mu dmu
+};
+
+/// Mean of 1 - rho(mu). With `solid_angle` this is the averaged diffuse reflectance factor of
+/// Chen et al. 2013, Table 1 (which says neither which mean nor which G; <miebrdf/table1.h>).
+///
+/// Gauss nodes in t with mu = t^2, so that the steep end at grazing is resolved for small
+/// roughness too; doubled until the mean moves by less than the tolerance.
+///
+/// @param rho  directional reflectance, called for mu in (0, 1)
+/// @param tolerance  absolute, > 0; the error of `rho` itself is not seen
+IntegralResult mean_transmittance(const std::function<double(double mu)>& rho, HemisphereMean mean,
+                                  double tolerance = 1e-5);
+
+/// Torrance-Sparrow lobe R_s = D(h) G F / (4 mu_in mu_out) of one material at one wavelength.
+/// Reciprocal; reflects no more than it receives as long as D and Lambda belong together.
+class SurfaceLobe {
+  public:
+    /// @param refractive_index  n + ik of the top material, n > 0, k >= 0
+    /// @throws UsageError  for an index or options out of range
+    SurfaceLobe(std::complex<double> refractive_index, const SurfaceOptions& options);
+
+    /// R_s in 1/sr, without the cosine.
+    /// @param mu_in, mu_out  in (0, 1]
+    /// @param azimuth_deg  0 = mirror side, 180 = back towards the source
+    /// @throws UsageError  for a cosine out of range or an azimuth that is not finite
+    double brdf(double mu_in, double mu_out, double azimuth_deg) const;
+
+    /// rho_dt(mu_in), integral of R_s mu_out over the outgoing hemisphere, to 1e-6.
+    /// rte::directional_reflectance has the same with its error estimate.
+    double directional_reflectance(double mu_in) const;
+
+    /// Mean of 1 - rho_dt over directions of incidence, uniform in solid angle, to 1e-5:
+    /// Chen et al. 2013, Table 1.
+    double averaged_diffuse_reflectance_factor() const;
+
+    std::complex<double> refractive_index() const;
+    const SurfaceOptions& options() const;
+
+  private:
+    struct Model;
+    std::shared_ptr<const Model> model_;
+};
+
+/// How the layers below are weakened by what the surface reflects.
+enum class SurfaceCoupling {
+    paper,       ///< 1 - rho(mu_in): Chen et al. 2013, eq. (5); not reciprocal
+    reciprocal,  ///< (1 - rho(mu_in)) (1 - rho(mu_out)), normalised
+};
+
+/// What a surface does to light on its way in and out, as far as albedos of the layers see it.
+struct SurfaceWeights {
+    double in = 1.0;   ///< share of the light from mu that gets to the layers
+    double out = 1.0;  ///< what light that leaves the layers towards mu counts
+};
+
+/// How much of the subsurface BRDF R / pi is seen through the surface:
+///     f = R_s + in(mu_in) out(mu_out) R / pi.
+///
+/// `paper`, Chen et al. 2013, eq. (5): in = 1 - rho, out = 1. Every incidence reflects
+/// rho + (1 - rho) A, A being the layers' plane albedo, but f is not reciprocal.
+/// `reciprocal`: in = 1 - rho(mu_in), out = (1 - rho(mu_out)) / T with T = 2 integral of
+/// (1 - rho) mu dmu (Kelemen & Szirmay-Kalos 2001). For Lambertian layers of albedo A every
+/// incidence again reflects rho + (1 - rho) A; for other layers the mean over a diffuse
+/// illumination may differ from the paper's, up to max(1 - rho) / T (docs/maths-surface.md).
+class SurfaceTransmission {
+  public:
+    SurfaceTransmission(const SurfaceLobe& lobe, SurfaceCoupling coupling);
+
+    /// @param mu  in (0, 1]
+    double in(double mu) const;
+    double out(double mu) const;
+    SurfaceWeights weights(double mu) const;  ///< both, from one rho
+
+  private:
+    SurfaceLobe lobe_;
+    SurfaceCoupling coupling_;
+    double mean_transmittance_ = 1.0;
+};
 
 }  // namespace miebrdf::rte

@@ -19,17 +19,13 @@
 #include <string_view>
 #include <vector>
 
+#include <miebrdf/brdf_source.h>
+#include <miebrdf/control.h>
 #include <miebrdf/error.h>
 #include <miebrdf/solver.h>
 
-namespace miebrdf {
-struct RunControl;
-}
-
 namespace miebrdf::exports {
 
-struct Direction;
-class BrdfSource;
 class BrdfFile;
 struct ExportJob;
 struct Spectrum;
@@ -169,7 +165,7 @@ class TooCoarse : public Error {
 /// @throws TooCoarse   with the error, and a resolution that would do; Cancelled
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& format,
                                       const std::filesystem::path& path,
-                                      const ExportOptions& options, const RunControl& control);
+                                      const ExportOptions& options, const Control& control);
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::string& format,
                                       const std::filesystem::path& path,
                                       const ExportOptions& options = {});

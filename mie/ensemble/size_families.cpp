@@ -1,0 +1,140 @@
+#include "mie/ensemble/size_families.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mie/sphere/radial_functions.h"
+
+namespace miebrdf::mie {
+namespace {
+
+constexpr int kMostChunksOfFamily = 4;  // of each family
+constexpr int kLeastFamilyChunk = 16;
+
+// Sizes of level 0 by family, in units of the coarsest even count (3.4 ripple periods apart).
+constexpr double kFamilyShare[2] = {1.21, 1.29};
+constexpr int kLeastUnit = 32;  // without ripple: of each
+
+constexpr double kFinestSpacing = 0.1;    // in x
+constexpr double kResolvedSpacing = 0.8;  // in x, both families together
+constexpr double kDefaultTolerance = 1e-2;
+
+struct Chunk {
+    int family;
+    std::vector<SizeChunks::Block> blocks;
+};
+
+struct Intensity {
+    Eigen::VectorXd at_angles;
+    double scattered = 0;
+};
+
+Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes& sizes,
+                       const std::vector<SizeChunks::Block>& blocks,
+                       const AngularFunctionsOf<float>& angular) {
+    const auto& last = blocks.back();
+    SphereBlockOf<float> block;
+    block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
+                    kMostSizesPerBlock);
+    Intensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
+    for (const auto [first, count] : blocks) {
+        const std::size_t here = count;
+        const SphereSums spheres =
+            compute_spheres(relative_index, {sizes.parameters.data() + first, here},
+                            {sizes.weights.data() + first, here}, &block);
+        angular.add_intensity(block, sum.at_angles);
+        sum.scattered += 2 * spheres.scattered;
+    }
+    return sum;
+}
+
+}  // namespace
+
+SizeFamilies::SizeFamilies(std::complex<double> relative_index,
+                           const SizeDistribution& distribution, const RadiusRange& range,
+                           double wave_number_per_um, double size_tolerance)
+    : relative_index_(relative_index),
+      distribution_(distribution),
+      range_(range),
+      wave_number_per_um_(wave_number_per_um),
+      rippled_(
+          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)) {
+    if (distribution.kind.law().single_size) {
+        family_count_ = 1;
+        return;
+    }
+    const double width = wave_number_per_um * (range.largest_um - range.smallest_um);
+    if (rippled_) {
+        const int unit = std::max(kLeastUnit, coarsest_even_count(relative_index.real(), width));
+        for (int family : {0, 1}) {
+            first_counts_[family] = static_cast<int>(std::lround(kFamilyShare[family] * unit));
+        }
+    }
+    const int together = first_counts_[0] + first_counts_[1];
+    if (!rippled_) {
+        const double levels = std::log2(width / (kResolvedSpacing * together));
+        resolved_level_ = std::max(0, static_cast<int>(std::ceil(levels)));
+    }
+    const double finer = std::min(1.0, std::pow(size_tolerance / kDefaultTolerance, 1 / 1.5));
+    const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
+    while (together << (last_level_ + 1) <= most) ++last_level_;
+}
+
+WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
+    if (family_count_ == 1) return WeightedSizes({{range_.largest_um}, {1.0}}, wave_number_per_um_);
+    const int count = first_counts_[family];
+    return WeightedSizes(
+        rippled_ ? nested_size_nodes(distribution_, range_, count, level, SizeSpacing::equal)
+                 : nested_size_nodes(distribution_, range_, count, level == 0 ? family : level + 1,
+                                     SizeSpacing::geometric),
+        wave_number_per_um_);
+}
+
+FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<float>& angular,
+                                    const Executor& run) const {
+    const int first_family = rippled_ || level == 0 ? 0 : 1;
+    std::vector<WeightedSizes> sizes(family_count_);
+    std::vector<Chunk> chunks;
+    for (int family = first_family; family < family_count_; ++family) {
+        sizes[family] = sizes_of(family, level);
+        const SizeChunks parts(static_cast<int>(sizes[family].parameters.size()),
+                               kMostChunksOfFamily, kLeastFamilyChunk);
+        for (int i = 0; i < parts.count(); ++i) chunks.push_back({family, parts.blocks(i)});
+    }
+    // From small to large spheres.
+    std::stable_sort(chunks.begin(), chunks.end(), [](const Chunk& a, const Chunk& b) {
+        return a.blocks.front().first < b.blocks.front().first;
+    });
+    std::vector<Intensity> parts(chunks.size());
+    const int count = static_cast<int>(chunks.size());
+    run(count, [&](int job) {
+        const int i = chunk_of_job(job, count);
+        parts[i] =
+            intensity_of(relative_index_, sizes[chunks[i].family], chunks[i].blocks, angular);
+    });
+    FamilyIntensity total{Eigen::MatrixXd::Zero(angular.angle_count(), 2), {0, 0}};
+    const int families = family_count_ - first_family;
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+        total.intensity.col(chunks[i].family) += parts[i].at_angles / families;
+        total.scattered[chunks[i].family] += parts[i].scattered / families;
+    }
+    return total;
+}
+
+FamilyIntensity SizeFamilies::with_level(const FamilyIntensity& before,
+                                         const FamilyIntensity& level) const {
+    FamilyIntensity all = level;
+    if (rippled_) {
+        all.intensity += before.intensity;
+        for (int family : {0, 1}) all.scattered[family] += before.scattered[family];
+    } else {
+        all.intensity.col(0) = before.intensity.rowwise().sum();
+        all.scattered[0] = before.scattered[0] + before.scattered[1];
+    }
+    all.intensity *= 0.5;
+    for (double& scattered : all.scattered) scattered *= 0.5;
+    return all;
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,126 @@
+// Optics of an ensemble of spheres: Mie theory averaged over a size distribution.
+// Symbols, signs and normalisation: docs/conventions.md.
+#pragma once
+
+#include <miebrdf/sizes.h>
+
+#include <complex>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace miebrdf::mie {
+
+/// Calls job(0) ... job(count - 1), each once, in any order or at the same time, and returns when
+/// all are done. Pieces never depend on the executor and their results are merged in order, so that
+/// every executor gives the same bits.
+using Executor = std::function<void(int count, const std::function<void(int)>& job)>;
+
+inline void run_in_order(int count, const std::function<void(int)>& job) {
+    for (int i = 0; i < count; ++i) job(i);
+}
+
+/// What to compute; what is not asked for is not computed.
+struct EnsembleRequest {
+    SizeDistribution sizes = {};
+    std::complex<double> refractive_index = {};  ///< of the particles, n + ik, k >= 0
+    double host_index = 1.0;                     ///< real index of the medium between them
+    double wavelength_nm = 550.0;                ///< in vacuum
+    int highest_moment = -1;                     ///< chi_0 ... chi_L; -1: no moments
+    std::vector<double> angles_deg = {};  ///< scattering angles for the phase function, 0 to 180
+    double tolerance = 1e-4;              ///< relative, of albedo, q_ext and moments
+    double phase_tolerance = 1e-2;        ///< relative, of P at each angle listed, and rms over
+                                          ///< each panel of a phase table; points of P need many
+                                          ///< more sizes than moments do
+    double phase_floor = 0;               ///< a phase table's P below this is resolved relative to
+                                          ///< this: dim angles do not matter to radiative transfer
+    bool with_phase_table = false;        ///< P at every angle, as a PhaseTable
+    double table_tolerance = 1e-3;        ///< of its interpolation, relative within each panel
+};
+
+/// P(cos Theta) of an ensemble as polynomials on panels of the scattering angle.
+///
+/// Panels are narrow forward and backward, where diffraction and glory have the scale pi / x, and
+/// grow towards the sides; those whose polynomial does not converge are halved. Copies and calls
+/// from several threads are safe; usable as std::function<double(double)>.
+class PhaseTable {
+  public:
+    static constexpr int kPanelNodes = 8;  ///< Chebyshev points with both ends, in each panel
+
+    /// What a table consists of, to be stored and made into a table again.
+    struct Parts {
+        std::vector<double> edges;         ///< radians, ascending from 0 to pi
+        std::vector<double> coefficients;  ///< Chebyshev, kPanelNodes of each panel, panel by panel
+        double mean = 1;                   ///< of P over the sphere before it was normalised
+        /// Relative to the largest P of the panel, the worst panel.
+        double interpolation_error = 0;
+        /// Relative to P, from its finite number of sizes, the worst node.
+        double size_error = 0;
+        /// The same of each panel, rms over its nodes, relative to max(P, noise_floor); empty: 0.
+        std::vector<double> noise;
+        double noise_floor = 0;
+    };
+
+    PhaseTable() = default;
+    /// @throws UsageError  when edges and panels do not fit
+    explicit PhaseTable(Parts parts);
+
+    /// @param cos_theta  cosine of the scattering angle, taken as +-1 outside [-1, 1]
+    double operator()(double cos_theta) const;
+    /// What P there is expected to err by for its finite number of sizes (rms, absolute).
+    double noise(double cos_theta) const;
+
+    /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
+    double mean() const { return parts_.mean; }
+    double interpolation_error() const { return parts_.interpolation_error; }
+    double size_error() const { return parts_.size_error; }
+    int angle_count() const { return kPanelNodes * (static_cast<int>(parts_.edges.size()) - 1); }
+    const Parts& parts() const { return parts_; }
+
+    /// chi_0 = 1 ... chi_highest: integrals of the polynomials against P_l by Gauss rules dense
+    /// enough for order l. Absolute error about that of the table times the share of the light that
+    /// it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
+    /// @param highest_moment  >= 0
+    std::vector<double> moments(int highest_moment, const Executor& run = run_in_order) const;
+
+  private:
+    std::size_t panel_at(double theta) const;
+    double at_angle(double theta) const;
+
+    Parts parts_;
+};
+
+/// Averages by cross-section: albedo = <C_sca>/<C_ext>, chi_l = <C_sca chi_l>/<C_sca>.
+struct EnsembleOptics {
+    double single_scattering_albedo = 0.0;  ///< in [0, 1]; exactly 1 for k = 0
+    double one_minus_albedo = 1.0;          ///< absorption / extinction, summed, never a difference
+    double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>
+    double q_sca = 0.0;
+    double q_abs = 0.0;
+    double asymmetry = 0.0;                         ///< g = chi_1
+    std::vector<double> chi;                        ///< chi_0 = 1 ... chi_highest_moment
+    std::vector<double> phase;                      ///< P at angles_deg; mean over the sphere = 1
+    std::shared_ptr<const PhaseTable> phase_table;  ///< null unless asked for
+    double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
+    double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
+    int size_nodes = 0;
+    /// Both estimates within their tolerances, that of the moments for those of the band: moments
+    /// from the phase table (hundreds asked) are as good as its sizes allow, and are in
+    /// error_estimate only.
+    bool converged = false;
+};
+
+/// Averages Mie theory over the sizes.
+///
+/// @throws UsageError  for an index, wavelength, angle or distribution out of range,
+///         with the value and what is allowed. Not reaching the tolerance is an outcome: read
+///         `converged`.
+/// @param run  runs pieces of the work; the result does not depend on it, bit for bit
+EnsembleOptics average_over_sizes(const EnsembleRequest& request,
+                                  const Executor& run = run_in_order);
+
+/// Degree of the last Legendre moment that is not zero within rounding: twice the number of partial
+/// waves of the largest sphere.
+int highest_moment_of(const EnsembleRequest& request);
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,57 @@
+// Laws without ends: cut where their tails no longer matter, and sampled by quantiles.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "mie/sizes/size_law.h"
+
+namespace miebrdf::mie {
+
+/// The radii between which all but `tail` is scattered on either side.
+///
+/// @param area  n r^2 as a law of probability with Boost's cdf, pdf and quantile
+/// @param scattering  the same weighted by a further r^4: scattering in Rayleigh's limit
+/// @param mean_fourth_power  <r^4> of `area`
+template <typename Law>
+RadiusRange between_tails(const Law& area, const Law& scattering, double mean_fourth_power,
+                          double tail, double saturation) {
+    double largest = 0;
+    // As if all were small, and what is scattered really: mean of x^4 and of min(1, x^4).
+    const double as_small = saturation > 0 ? mean_fourth_power / std::pow(saturation, 4) : 0;
+    if (!(saturation > 0)) {
+        largest = quantile(complement(area, tail));
+    } else {
+        const double scattered =
+            cdf(complement(area, saturation)) + as_small * cdf(scattering, saturation);
+        // Each cut leaves out `tail` of what is scattered at most.
+        largest = as_small > 1 ? quantile(complement(area, tail * scattered))
+                               : quantile(complement(scattering, tail * scattered / as_small));
+    }
+    // A long tail of dust has no smallest radius; 1e-6 of the largest scatters nothing.
+    return {std::max(quantile(area, tail), 1e-6 * largest), largest};
+}
+
+template <typename Law>
+double share_within(const Law& area, const RadiusRange& range) {
+    return 1 - (cdf(area, range.smallest_um) + cdf(complement(area, range.largest_um)));
+}
+
+/// Radii whose density is that of a law of probability, within a range.
+template <typename Law>
+MappedRadius mapped_by_quantile(const Law& density, const RadiusRange& range, double t) {
+    const double below = cdf(density, range.smallest_um);
+    const double share = cdf(density, range.largest_um) - below;
+    const double radius = quantile(density, below + t * share);
+    return {radius, share / pdf(density, radius)};
+}
+
+/// The analytic continuation of a density is exp(log(n r^2)); its real values fix the constant.
+/// @returns the logarithm of the factor that is missing in `unscaled`
+template <typename Density>
+double log_norm_of(const Density& unscaled, double effective_radius_um) {
+    return std::log(unscaled.at(effective_radius_um) /
+                    unscaled.at(std::complex<double>(effective_radius_um)).real());
+}
+
+}  // namespace miebrdf::mie

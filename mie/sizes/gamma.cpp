@@ -1,0 +1,76 @@
+// The gamma distribution of Hansen & Travis (1974): n(r) ~ r^((1 - 3b)/b) exp(-r / (a b)), with the
+// effective radius a and the effective variance b.
+#include <boost/math/distributions/gamma.hpp>
+#include <cmath>
+
+#include "mie/sizes/endless_law.h"
+
+namespace miebrdf::mie {
+namespace {
+
+using Gamma = boost::math::gamma_distribution<>;
+
+// n r^2 is a gamma density of shape 1/b and scale a b.
+Gamma area_law(const SizeDistribution& d) {
+    return {1 / d.effective_variance, d.effective_radius_um * d.effective_variance};
+}
+
+double mean_fourth_power(const Gamma& area) {
+    const double s = area.shape();
+    return s * (s + 1) * (s + 2) * (s + 3) * std::pow(area.scale(), 4);
+}
+
+RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
+    const Gamma area = area_law(d);
+    const Gamma scattering(1 / d.effective_variance + 4,
+                           d.effective_radius_um * d.effective_variance);
+    return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
+}
+
+class GammaDensity : public AreaDensity {
+  public:
+    explicit GammaDensity(const SizeDistribution& d)
+        : a_(d.effective_radius_um), b_(d.effective_variance), law_(area_law(d)) {
+        log_norm_ = log_norm_of(*this, a_);
+    }
+
+    double at(double radius_um) const override { return pdf(law_, radius_um); }
+
+    std::complex<double> at(std::complex<double> radius_um) const override {
+        const std::complex<double> relative = radius_um / a_;
+        return std::exp((1 / b_ - 1) * std::log(relative) - (relative - 1.0) / b_ + log_norm_);
+    }
+
+  private:
+    double a_, b_;
+    Gamma law_;
+    double log_norm_ = 0;
+};
+
+// The cube root of a gamma density (shape s, scale c) is one of shape (s + 2)/3 and scale 3 c.
+MappedRadius radius_at(const SizeDistribution& d, const RadiusRange& range, double t, SizeSpacing) {
+    const double shape = 1 / d.effective_variance;
+    const Gamma density((shape + 2) / 3, 3 * d.effective_radius_um * d.effective_variance);
+    return mapped_by_quantile(density, range, t);
+}
+
+}  // namespace
+
+extern const SizeLaw kGamma;
+constinit const SizeLaw kGamma{
+    .name = "gamma",
+    .help = "n(r) ~ r^(1/b - 3) exp(-r / (a b)), effective radius a and variance b",
+    .has_ends = false,
+    .range = range,
+    .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
+        return std::make_unique<GammaDensity>(d);
+    },
+    .area_share_within =
+        [](const SizeDistribution& d, const RadiusRange& within) {
+            return share_within(area_law(d), within);
+        },
+    .radius_at = radius_at,
+    .continuation_height = height_of_narrow_density,
+};
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,81 @@
+// The log-normal distribution: n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r with s = ln(1 + v_eff) and
+// r_eff = r_g exp(5/2 s).
+#include <boost/math/distributions/lognormal.hpp>
+#include <cmath>
+
+#include "mie/sizes/endless_law.h"
+
+namespace miebrdf::mie {
+namespace {
+
+using LogNormal = boost::math::lognormal_distribution<>;
+
+// n r^2 is again log-normal, its location moved by 2 s.
+LogNormal area_law(const SizeDistribution& d) {
+    const double variance = std::log1p(d.effective_variance);
+    return {std::log(d.effective_radius_um) - 0.5 * variance, std::sqrt(variance)};
+}
+
+double mean_fourth_power(const LogNormal& area) {
+    return std::exp(4 * area.location() + 8 * area.scale() * area.scale());
+}
+
+RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
+    const LogNormal area = area_law(d);
+    const LogNormal scattering(area.location() + 4 * area.scale() * area.scale(), area.scale());
+    return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
+}
+
+class LogNormalDensity : public AreaDensity {
+  public:
+    explicit LogNormalDensity(const SizeDistribution& d)
+        : a_(d.effective_radius_um),
+          variance_(std::log1p(d.effective_variance)),
+          law_(area_law(d)) {
+        log_norm_ = log_norm_of(*this, a_);
+    }
+
+    double at(double radius_um) const override { return pdf(law_, radius_um); }
+
+    // exp(-(ln r - ln a + s/2)^2 / (2 s)) / r
+    std::complex<double> at(std::complex<double> radius_um) const override {
+        const std::complex<double> relative = radius_um / a_;
+        const std::complex<double> away = std::log(relative) + 0.5 * variance_;
+        return std::exp(-away * away / (2 * variance_) - std::log(relative) + log_norm_);
+    }
+
+  private:
+    double a_, variance_;
+    LogNormal law_;
+    double log_norm_ = 0;
+};
+
+// The cube root of a log-normal density (location u, variance s) is one of location u + 2 s and
+// variance 3 s.
+MappedRadius radius_at(const SizeDistribution& d, const RadiusRange& range, double t, SizeSpacing) {
+    const double variance = std::log1p(d.effective_variance);
+    const LogNormal density(std::log(d.effective_radius_um) + 1.5 * variance,
+                            std::sqrt(3 * variance));
+    return mapped_by_quantile(density, range, t);
+}
+
+}  // namespace
+
+extern const SizeLaw kLogNormal;
+constinit const SizeLaw kLogNormal{
+    .name = "log-normal",
+    .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
+    .has_ends = false,
+    .range = range,
+    .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
+        return std::make_unique<LogNormalDensity>(d);
+    },
+    .area_share_within =
+        [](const SizeDistribution& d, const RadiusRange& within) {
+            return share_within(area_law(d), within);
+        },
+    .radius_at = radius_at,
+    .continuation_height = height_of_narrow_density,
+};
+
+}  // namespace miebrdf::mie

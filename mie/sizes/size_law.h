@@ -1,0 +1,81 @@
+// What a law of size distributions has to say for averages over it. A new law is a file that fills
+// in a SizeLaw, and its name in the list of size_laws.cpp.
+#pragma once
+
+#include <complex>
+#include <limits>
+#include <memory>
+
+#include <miebrdf/sizes.h>
+
+namespace miebrdf::mie {
+
+/// How the geometric cross-section of an ensemble is shared out over the radii.
+class AreaDensity {
+  public:
+    virtual ~AreaDensity() = default;
+    /// Share per micrometre of radius: n(r) r^2 over its integral, inside the law's range.
+    virtual double at(double radius_um) const = 0;
+    /// Its analytic continuation, for Re radius > 0; not asked for where SizeLaw::analytic is
+    /// false.
+    virtual std::complex<double> at(std::complex<double> radius_um) const = 0;
+};
+
+/// A radius as a function of t, which runs from 0 to 1 over the range of radii.
+struct MappedRadius {
+    double radius_um;
+    double slope;  ///< dr/dt
+};
+
+/// How the sizes of a law that leaves it open are spread: equally, as ripple wants it (all
+/// resonances of one family are met alike), or in equal ratios, as averages that are smooth in size
+/// want it.
+enum class SizeSpacing { equal, geometric };
+
+void require_radius_and_variance(const SizeDistribution& distribution);
+MappedRadius evenly_spread(const SizeDistribution& distribution, const RadiusRange& range, double t,
+                           SizeSpacing spacing);
+
+/// The functions are called with distributions that `validate` has accepted.
+struct SizeLaw {
+    const char* name;  ///< "log-normal"
+    const char* help;  ///< n(r), in a line
+
+    bool has_variance = true;  ///< false: the effective variance is ignored
+    bool single_size = false;  ///< all spheres have the effective radius: no density is asked for
+    bool has_ends = true;      ///< false: averages choose how much of the tails they leave out
+    /// Whether the area density continues off the real axis, which gives the exact extinction of
+    /// rippling spheres. False also says that bends may slow down the convergence of averages.
+    bool analytic = true;
+
+    /// @throws UsageError
+    void (*validate)(const SizeDistribution&) = require_radius_and_variance;
+    /// As radius_range(); laws that have ends ignore tail and saturation radius.
+    RadiusRange (*range)(const SizeDistribution&, double tail, double saturation_radius_um);
+    std::unique_ptr<const AreaDensity> (*area_density)(const SizeDistribution&) = nullptr;
+    double (*area_share_within)(const SizeDistribution&, const RadiusRange&) =
+        [](const SizeDistribution&, const RadiusRange&) { return 1.0; };
+    double (*effective_radius_um)(const SizeDistribution&) = [](const SizeDistribution& d) {
+        return d.effective_radius_um;
+    };
+    /// Where even rules put their sizes. For laws without ends the density of sizes follows the
+    /// cube root of the area density: the least error of a rule whose error goes with the square of
+    /// the spacing.
+    MappedRadius (*radius_at)(const SizeDistribution&, const RadiusRange&, double t,
+                              SizeSpacing) = evenly_spread;
+    /// How far off the real axis, in effective radii, the continuation may be used. A narrow
+    /// density of variance v grows there like exp(h^2 / (2 v r^2)) at height h, and what has to
+    /// cancel again along a path would leave its rounding behind. The power law does not grow.
+    double (*continuation_height)(const SizeDistribution&) = [](const SizeDistribution&) {
+        return std::numeric_limits<double>::infinity();
+    };
+};
+
+/// The height at which a narrow density has grown by 1e3: 3.7 of its standard deviations, smooth on
+/// the nodes of a path.
+double height_of_narrow_density(const SizeDistribution& distribution);
+
+/// @throws UsageError  as radius_range; and for a single size, which has no density
+std::unique_ptr<const AreaDensity> area_density(const SizeDistribution& distribution);
+
+}  // namespace miebrdf::mie

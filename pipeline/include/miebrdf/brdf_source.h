@@ -1,0 +1,80 @@
+// What exports and pictures are made of: a spectral BRDF that can be asked at any directions. A
+// solved scene gives one (BrdfTable); a material of one's own is another.
+#pragma once
+
+#include <miebrdf/control.h>
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace miebrdf {
+
+/// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
+struct Direction {
+    double mu_in = 1.0;
+    double mu_out = 1.0;
+    double azimuth_deg = 0.0;
+};
+
+/// What every export says about where its numbers come from.
+struct Provenance {
+    std::string version;               ///< "miebrdf 0.1.0"
+    std::string command_line;          ///< as typed; may be empty
+    std::string title;                 ///< the scene in one line
+    std::string component = "total";   ///< total, subsurface or surface
+    std::string accuracy;              ///< of the values, in words; may be empty
+    std::vector<std::string> sources;  ///< of the refractive indices, one line for each
+};
+
+/// Three weights of each channel: what a colour is made of.
+using ColourWeights = std::vector<std::array<double, 3>>;
+
+/// Weighted sums of the channels of a source, for instance colours.
+class ChannelMix {
+  public:
+    virtual ~ChannelMix() = default;
+    /// values[3 * d + c] for direction d.
+    virtual void evaluate(std::span<const Direction> directions,
+                          std::span<double> values) const = 0;
+};
+
+/// A spectral BRDF, 1/sr without the cosine, isotropic about the normal. Const functions may be
+/// called from several threads.
+class BrdfSource {
+  public:
+    virtual ~BrdfSource() = default;
+
+    /// One name for each channel: "550 nm", or "R", "G", "B".
+    virtual const std::vector<std::string>& channels() const = 0;
+    /// Of each channel; empty when the channels are colours.
+    virtual const std::vector<double>& wavelength_nm() const = 0;
+    virtual const Provenance& provenance() const = 0;
+
+    /// values[d * channels().size() + c] for direction d. Directions in sequence that share
+    /// (mu_in, mu_out) may be evaluated faster.
+    virtual void evaluate(std::span<const Direction> directions,
+                          std::span<double> values) const = 0;
+
+    /// Sums over channels: of many channels a source may know them without evaluating each.
+    /// The result must not outlive the source.
+    virtual std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const;
+};
+
+/// How many directions, from the first on, share its cosines.
+std::size_t count_sharing_cosines(std::span<const Direction> directions);
+
+/// "550 nm" for each wavelength, in the shortest form that reads back to the same double.
+std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm);
+
+/// Evaluates in parallel; the result does not depend on the number of threads.
+/// @throws Cancelled
+std::vector<double> evaluate_all(const BrdfSource& source, std::span<const Direction> directions,
+                                 const std::string& stage, const Control& control);
+
+/// @throws UsageError  when the source has colours instead of wavelengths
+void require_wavelengths(const BrdfSource& source, const std::string& format);
+
+}  // namespace miebrdf

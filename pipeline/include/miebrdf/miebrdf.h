@@ -1,0 +1,21 @@
+// Everything: from names of materials to a spectral BRDF and the files made of it.
+#pragma once
+
+#include <miebrdf/brdf.h>
+#include <miebrdf/brdf_source.h>
+#include <miebrdf/colour.h>
+#include <miebrdf/control.h>
+#include <miebrdf/database.h>
+#include <miebrdf/ensemble.h>
+#include <miebrdf/error.h>
+#include <miebrdf/formats.h>
+#include <miebrdf/index.h>
+#include <miebrdf/optics.h>
+#include <miebrdf/plan.h>
+#include <miebrdf/scene.h>
+#include <miebrdf/sizes.h>
+#include <miebrdf/solver.h>
+#include <miebrdf/sphere.h>
+#include <miebrdf/surface.h>
+#include <miebrdf/table1.h>
+#include <miebrdf/version.h>

@@ -1,0 +1,47 @@
+// What a request will cost, what of it is left out, and why, before anything is computed: the rules
+// that the solver itself asks.
+#pragma once
+
+#include <miebrdf/brdf.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace miebrdf {
+
+struct PlannedStep {
+    std::string stage;
+    std::string what;
+    std::size_t jobs = 0;
+    double seconds = 0.0;  ///< estimate for one thread, right to a factor of about three
+};
+
+struct Omission {
+    std::string rule;      ///< its name, the same for every request
+    std::string reason;    ///< why it holds here
+    double saved_s = 0.0;  ///< estimate for one thread
+};
+
+struct Plan {
+    std::vector<PlannedStep> steps;
+    std::vector<Omission> omissions;
+
+    double seconds() const;
+    bool leaves_out(const std::string& rule) const;
+};
+
+/// What the results of one run have done before the next one is planned (Control::memo).
+struct EarlierWork {
+    std::set<std::string> optics;  ///< names of Mie jobs
+};
+
+/// What brdf.evaluate(directions, parts) would do; the cache of its Control is looked into.
+/// @param earlier  of the same run; this request's own work is added. Null: it is the only one
+Plan plan_evaluate(const Brdf& brdf, const Directions& directions, const BrdfParts& parts = {},
+                   EarlierWork* earlier = nullptr);
+/// What brdf.albedo(mu_in) would do.
+Plan plan_albedo(const Brdf& brdf, const std::vector<double>& mu_in,
+                 EarlierWork* earlier = nullptr);
+
+}  // namespace miebrdf

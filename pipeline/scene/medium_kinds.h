@@ -1,0 +1,42 @@
+// The kinds of media, in one list: what their words are, and what optics they bring.
+#pragma once
+
+#include <miebrdf/optics.h>
+#include <miebrdf/scene.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace miebrdf {
+
+/// One of the numbers after the colon.
+struct MediumParameter {
+    std::string name;     ///< "single-scattering albedo"
+    std::string allowed;  ///< "[0, 1]"
+    bool (*is_allowed)(double value);
+};
+
+/// A new kind of medium is one object of this type and one line in medium_kinds().
+struct MediumKind {
+    std::string name;  ///< before the colon: "hg"
+    std::string form;  ///< how it is written: "hg:ALBEDO,G"
+    std::string example;
+    std::string help;
+    std::vector<MediumParameter> parameters = {};
+    /// Reads what follows the colon into name, parameters and chi; empty: `parameters`, numbers
+    /// separated by commas.
+    std::function<void(const std::string& values, Medium& medium)> read = {};
+    /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
+    /// theory. The first parameter is then the single-scattering albedo.
+    std::function<rte::Optics(const Medium& medium)> optics = {};
+    /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.
+    std::function<int(const Medium& medium)> most_fourier_orders = [](const Medium&) { return 0; };
+};
+
+const std::vector<MediumKind>& medium_kinds();
+
+/// @throws UsageError  for a kind that is not in the list
+const MediumKind& kind_of(const Medium& medium);
+
+}  // namespace miebrdf

@@ -1,0 +1,387 @@
+#include "pipeline/scene/scene_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
+#include "pipeline/scene/particle_sizes.h"
+
+namespace miebrdf {
+namespace {
+
+using Values = std::span<const WordValue>;
+
+/// The only value of a word.
+const WordValue& one_value(const SceneWord& word, Values values) {
+    if (values.size() != 1)
+        throw UsageError(fmt::format("{}: takes one value; given: {}", word.name, values.size()));
+    return values.front();
+}
+
+double number(const WordValue& value, const std::string& what) {
+    const auto* given = std::get_if<double>(&value);
+    if (given == nullptr) return parse_number(text_of(value), what);
+    if (std::isfinite(*given)) return *given;
+    throw UsageError(fmt::format("{}: {} is not a finite number", what, *given));
+}
+
+int whole_number(const WordValue& value, const std::string& what) {
+    const double found = number(value, what);
+    if (found != std::floor(found) || std::abs(found) > 1e9)
+        throw UsageError(fmt::format("{}: {} is not a whole number", what, found));
+    return int(found);
+}
+
+bool is_on(const SceneWord& word, const WordValue& value) {
+    if (const auto* on = std::get_if<bool>(&value)) return *on;
+    throw UsageError(fmt::format("{} is true or false", word.name));
+}
+
+/// Names of the values of an enumeration, in the order in which help texts list them.
+template <typename Value>
+using Names = std::vector<std::pair<const char*, Value>>;
+
+const Names<rte::SurfaceCoupling> kCouplings = {{"paper", rte::SurfaceCoupling::paper},
+                                                {"reciprocal", rte::SurfaceCoupling::reciprocal}};
+const Names<rte::GridKind> kGrids = {{"auto", rte::GridKind::automatic},
+                                     {"gauss", rte::GridKind::gauss},
+                                     {"mapped-gauss", rte::GridKind::mapped_gauss},
+                                     {"paper", rte::GridKind::paper}};
+const Names<rte::HalfSpaceMethod> kHalfSpaceMethods = {
+    {"auto", rte::HalfSpaceMethod::automatic},
+    {"fixed-point", rte::HalfSpaceMethod::fixed_point},
+    {"doubling", rte::HalfSpaceMethod::doubling}};
+const Names<rte::CoatMethod> kCoatMethods = {
+    {"auto", rte::CoatMethod::automatic},
+    {"first-order", rte::CoatMethod::first_order},
+    {"first-order-patched", rte::CoatMethod::first_order_patched},
+    {"exponential", rte::CoatMethod::exponential}};
+
+template <typename Value>
+std::string list_of(const Names<Value>& names) {
+    std::string text;
+    for (const auto& [name, value] : names) text += (text.empty() ? "" : ", ") + std::string(name);
+    return text;
+}
+
+/// The value of this name; a message lists them all.
+template <typename Value>
+Value one_of(const Names<Value>& names, const SceneWord& word, Values values) {
+    const std::string asked = text_of(one_value(word, values));
+    for (const auto& [name, value] : names) {
+        if (asked == name) return value;
+    }
+    throw UsageError(fmt::format("unknown {} '{}'; allowed: {}", word.name, asked, list_of(names)));
+}
+
+void set_roughness(const SceneWord& word, Values values, Request& request) {
+    const double alpha = number(one_value(word, values), word.name);
+    if (!(alpha >= 0.0 && alpha <= 2.0)) throw UsageError(word.field, alpha, "0 (no lobe) to 2");
+    request.scene.surface.reset();
+    if (alpha > 0.0) request.scene.surface = rte::SurfaceOptions{.beckmann_alpha = alpha};
+}
+
+void set_wavelengths(const SceneWord& word, Values values, Request& request) {
+    std::vector<double>& list = request.wavelength_nm;
+    list.clear();
+    for (const WordValue& value : values) {
+        if (std::holds_alternative<double>(value)) {
+            list.push_back(number(value, word.name));
+            if (!(list.back() > 0.0)) throw UsageError(word.field, list.back(), "> 0");
+        } else {
+            const std::vector<double> some = parse_wavelengths_nm(text_of(value));
+            list.insert(list.end(), some.begin(), some.end());
+        }
+    }
+}
+
+/// A word for one number that is stored as it is.
+template <typename Number>
+void set_number(const SceneWord& word, Values values, Number& number_of_request) {
+    if constexpr (std::is_same_v<Number, int>) {
+        number_of_request = whole_number(one_value(word, values), word.name);
+    } else {
+        number_of_request = number(one_value(word, values), word.name);
+    }
+}
+
+std::vector<SceneWord> layer_words() {
+    return {
+        {.name = "base",
+         .placeholder = "MEDIUM",
+         .help = "what lies at the bottom, infinitely deep: " + forms_of_media(),
+         .field = "base",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.base = medium(text_of(one_value(word, values)));
+             }},
+        {.name = "coat",
+         .placeholder = "MEDIUM@OPTICAL_DEPTH",
+         .help = "a layer on top of the base and of the coats before it; repeat it for more. A "
+                 "coat of depth inf hides everything below",
+         .kind = WordKind::repeated,
+         .field = "layers",
+         .set =
+             [](const SceneWord&, Values values, Request& request) {
+                 request.scene.layers.clear();
+                 for (const WordValue& value : values)
+                     request.scene.layers.push_back(layer(text_of(value)));
+             }},
+        {.name = "wavelengths",
+         .placeholder = "LIST",
+         .help =
+             "numbers, or ranges first:last:step, in nm unless they have a unit: 450,550,650 or "
+             "400:700:10 or 0.55um or 2.25eV; rgb is 620,535,480",
+         .default_text = "rgb",
+         .field = "wavelength_nm",
+         .unit = "nm",
+         .set = set_wavelengths},
+        {.name = "database",
+         .placeholder = "FILE",
+         .help = "database of your own materials, beside those that are built in; default: "
+                 "$MIEBRDF_DATABASE, else $XDG_DATA_HOME/miebrdf/materials.sqlite",
+         .field = "database",
+         .set = [](const SceneWord& word, Values values, Request& request) {
+             request.scene.database = text_of(one_value(word, values));
+         }}};
+}
+
+std::vector<SceneWord> surface_words() {
+    const std::string group = "Surface";
+    return {
+        {.name = "roughness",
+         .placeholder = "ALPHA",
+         .help = "rough surface on top, with this Beckmann slope parameter; 0: no surface",
+         .group = group,
+         .default_text = "0",
+         .field = "roughness",
+         .set = set_roughness},
+        {.name = "coupling",
+         .placeholder = "NAME",
+         .help = "how the surface weakens the light that goes into the layers and comes out: paper "
+                 "(eq. 5: on the way in alone) or reciprocal (both ways)",
+         .group = group,
+         .default_text = kCouplings.front().first,
+         .field = "coupling",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.coupling = one_of(kCouplings, word, values);
+             }},
+        {.name = "surface-index",
+         .placeholder = "N,K",
+         .help = "refractive index of the surface; default: that of the top medium",
+         .group = group,
+         .field = "surface_index",
+         .set = [](const SceneWord&, Values values, Request& request) {
+             request.scene.surface_index = parse_index(values, "surface-index");
+         }}};
+}
+
+std::vector<SceneWord> particle_words() {
+    const std::string group = "Particles (of media that go through Mie theory)";
+    const ParticleOptions defaults;
+    return {{.name = "effective-radius",
+             .placeholder = "UM",
+             .help = "effective radius <r^3>/<r^2> in um, of media that do not say their own",
+             .group = group,
+             .default_text = fmt::format("{}", defaults.sizes.effective_radius_um),
+             .field = "effective_radius_um",
+             .unit = "um",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     set_number(word, values, request.scene.particles.sizes.effective_radius_um);
+                 }},
+            {.name = "effective-variance",
+             .placeholder = "V",
+             .help = "effective variance of the radii, of media that do not say their own",
+             .group = group,
+             .default_text = fmt::format("{}", defaults.sizes.effective_variance),
+             .field = "effective_variance",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     set_number(word, values, request.scene.particles.sizes.effective_variance);
+                 }},
+            {.name = "size-distribution",
+             .placeholder = "NAME",
+             .help = "power-law, gamma, log-normal or mono",
+             .group = group,
+             .default_text = name_of(defaults.sizes.kind),
+             .field = "size_distribution",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     request.scene.particles.sizes.kind =
+                         mie::parse_size_distribution(text_of(one_value(word, values)));
+                 }},
+            {.name = "host-index",
+             .placeholder = "N",
+             .help = "refractive index of what lies between the particles",
+             .group = group,
+             .default_text = fmt::format("{}", defaults.host_index),
+             .field = "host_index",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     set_number(word, values, request.scene.particles.host_index);
+                 }},
+            {.name = "k-floor",
+             .placeholder = "K",
+             .help = "smallest absorption index k: smaller ones of a material are raised to this",
+             .group = group,
+             .default_text = fmt::format("{}", defaults.k_floor),
+             .field = "k_floor",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     set_number(word, values, request.scene.particles.k_floor);
+                 }},
+            {.name = "mie-tolerance",
+             .placeholder = "ERROR",
+             .help = "relative error of averages over sizes; 0: a share of the tolerance",
+             .group = group,
+             .default_text = fmt::format("{}", defaults.tolerance),
+             .field = "mie_tolerance",
+             .set = [](const SceneWord& word, Values values, Request& request) {
+                 set_number(word, values, request.scene.particles.tolerance);
+             }}};
+}
+
+std::vector<SceneWord> method_words() {
+    const std::string group = "Method";
+    const rte::SolverOptions defaults;
+    return {
+        {.name = "tolerance",
+         .placeholder = "ERROR",
+         .help = "largest error, relative to the largest BRDF value at the same incidence",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.tolerance),
+         .field = "tolerance",
+         .set = [](const SceneWord& word, Values values,
+                   Request& request) { set_number(word, values, request.solver.tolerance); }},
+        {.name = "streams",
+         .placeholder = "N",
+         .help =
+             fmt::format("directions (zenith nodes) of each hemisphere, {} to {}; 0: as many as "
+                         "the tolerance needs",
+                         rte::fewest_nodes, rte::most_nodes),
+         .group = group,
+         .default_text = fmt::format("{}", defaults.streams),
+         .field = "streams",
+         .set = [](const SceneWord& word, Values values,
+                   Request& request) { set_number(word, values, request.solver.streams); }},
+        {.name = "grid",
+         .placeholder = "NAME",
+         .help = "where these directions lie: " + list_of(kGrids),
+         .group = group,
+         .default_text = kGrids.front().first,
+         .field = "grid",
+         .set = [](const SceneWord& word, Values values,
+                   Request& request) { request.solver.grid = one_of(kGrids, word, values); }},
+        {.name = "half-space-method",
+         .placeholder = "NAME",
+         .help = "how the base is solved: " + list_of(kHalfSpaceMethods),
+         .group = group,
+         .default_text = kHalfSpaceMethods.front().first,
+         .field = "half_space_method",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.solver.half_space_method = one_of(kHalfSpaceMethods, word, values);
+             }},
+        {.name = "coat-method",
+         .placeholder = "NAME",
+         .help = "how coats are solved: " + list_of(kCoatMethods),
+         .group = group,
+         .default_text = kCoatMethods.front().first,
+         .field = "coat_method",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.solver.coat_method = one_of(kCoatMethods, word, values);
+             }},
+        {.name = "coat-substeps",
+         .placeholder = "N",
+         .help = "steps for each coat, of a coat method that goes in steps",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.coat_substeps),
+         .field = "coat_substeps",
+         .set = [](const SceneWord& word, Values values,
+                   Request& request) { set_number(word, values, request.solver.coat_substeps); }},
+        {.name = "no-delta-m",
+         .help = "do not truncate the forward peak of the phase function",
+         .group = group,
+         .kind = WordKind::flag,
+         .field = "delta_m",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.solver.delta_m = !is_on(word, one_value(word, values));
+             }},
+        {.name = "no-single-scattering-correction",
+         .help = "do not replace light that is scattered once by its exact value",
+         .group = group,
+         .kind = WordKind::flag,
+         .field = "single_scattering_correction",
+         .set = [](const SceneWord& word, Values values, Request& request) {
+             request.solver.single_scattering_correction = !is_on(word, one_value(word, values));
+         }}};
+}
+
+}  // namespace
+
+std::string forms_of_media() {
+    std::string text;
+    for (const MediumForm& form : medium_forms()) text += (text.empty() ? "" : ", ") + form.form;
+    return text +
+           "; particles may have sizes of their own: "
+           "TiO2,radius=0.2,variance=0.1,distribution=gamma";
+}
+
+const std::vector<SceneWord>& scene_words() {
+    static const std::vector<SceneWord> words = [] {
+        std::vector<SceneWord> all;
+        for (auto& some : {layer_words(), surface_words(), particle_words(), method_words()})
+            all.insert(all.end(), some.begin(), some.end());
+        return all;
+    }();
+    return words;
+}
+
+const SceneWord* find_scene_word(std::string_view name) {
+    for (const SceneWord& word : scene_words()) {
+        if (word.name == name) return &word;
+    }
+    return nullptr;
+}
+
+void apply(const SceneWord& word, std::span<const WordValue> values, Request& request) {
+    word.set(word, values, request);
+}
+
+std::string text_of(const WordValue& value) {
+    if (const auto* text = std::get_if<std::string>(&value)) return *text;
+    if (const auto* given = std::get_if<double>(&value)) return fmt::format("{}", *given);
+    return std::get<bool>(value) ? "true" : "false";
+}
+
+std::complex<double> parse_index(std::span<const WordValue> values, const std::string& what) {
+    std::vector<double> parts;
+    for (const WordValue& value : values) {
+        if (std::holds_alternative<double>(value)) {
+            parts.push_back(number(value, what));
+            continue;
+        }
+        for (const std::string& part : split_list(text_of(value)))
+            parts.push_back(parse_number(part, what));
+    }
+    if (parts.empty() || parts.size() > 2) {
+        throw UsageError(
+            fmt::format("{}: {} numbers; write N,K, e.g. 1.5,0, or N alone", what, parts.size()));
+    }
+    const double n = parts[0], k = parts.size() == 2 ? parts[1] : 0.0;
+    if (!(n > 0.0 && k >= 0.0)) {
+        throw UsageError(
+            fmt::format("{}: {} + {}i is out of range; allowed: n > 0, k >= 0", what, n, k));
+    }
+    return {n, k};
+}
+
+}  // namespace miebrdf

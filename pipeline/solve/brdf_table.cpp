@@ -1,0 +1,159 @@
+// BrdfTable: a scene solved at all its wavelengths for many directions.
+#include <miebrdf/version.h>
+
+#include <algorithm>
+
+#include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/parallel.h"
+#include "pipeline/solve/wavelength_table.h"
+
+namespace miebrdf {
+namespace {
+
+/// Smooth parts are mixed once; sharp ones whose wavelengths have no weight are left out.
+class SolvedMix : public ChannelMix {
+  public:
+    SolvedMix(const std::vector<WavelengthTable>& tables, const std::vector<SharpPart>& sharp,
+              const ColourWeights& weights) {
+        for (std::size_t w = 0; w < tables.size(); ++w) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                if (weights[w][c] != 0.0) smooth_[c].add(tables[w].smooth(), weights[w][c]);
+            }
+        }
+        auto next = weights.begin();
+        for (const SharpPart& part : sharp) {
+            const auto last = next + static_cast<std::ptrdiff_t>(part.wavelengths());
+            const ColourWeights own(next, last);
+            next = last;
+            const bool counts = std::any_of(own.begin(), own.end(), [](const auto& weight) {
+                return weight != std::array{0.0, 0.0, 0.0};
+            });
+            if (counts) parts_.push_back({&part, own});
+        }
+    }
+
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        std::fill(values.begin(), values.end(), 0.0);
+        std::vector<double> sharp;
+        for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
+            const auto rest = directions.subspan(first);
+            count = count_sharing_cosines(rest);
+            double* const target = values.data() + 3 * first;
+            for (std::size_t c = 0; c < 3; ++c)
+                add_smooth(smooth_[c], rest.first(count), target + c, 3);
+            for (const Part& part : parts_) {
+                const std::size_t wavelengths = part.weight.size();
+                sharp.resize(count * wavelengths);
+                part.sharp->evaluate(rest.first(count), sharp);
+                for (std::size_t i = 0; i < sharp.size(); ++i) {
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        target[i / wavelengths * 3 + c] +=
+                            part.weight[i % wavelengths][c] * sharp[i];
+                    }
+                }
+            }
+        }
+    }
+
+  private:
+    struct Part {
+        const SharpPart* sharp;
+        ColourWeights weight;
+    };
+    std::vector<Part> parts_;
+    std::array<SmoothPart, 3> smooth_;
+};
+
+/// Solves every wavelength, in parallel.
+std::vector<WavelengthTable> solve_wavelengths(const BrdfTable::State& state,
+                                               const Control& control) {
+    const ResolvedScene& scene = state.scene;
+    const std::size_t count = scene.wavelength_nm.size();
+    std::vector<SceneOptics> optics(count);
+    if (state.part != BrdfPart::surface) {
+        const auto demand = demand_of(state.solver, scene.particles.tolerance, PhaseDemand::whole);
+        optics = visible_optics(scene, probe_directions(), state.solver.tolerance,
+                                all_wavelengths(scene), demand, control);
+    }
+    std::vector<std::optional<WavelengthTable>> solved(count);
+    run_parallel("radiative transfer", count, control, [&](std::size_t w) {
+        solved[w].emplace(scene, w, optics[w], state.solver, state.part);
+    });
+    std::vector<WavelengthTable> tables;
+    for (auto& table : solved) tables.push_back(std::move(*table));
+    return tables;
+}
+
+/// The first order of all wavelengths, some at a time, in parallel.
+std::vector<SharpPart> make_sharp_parts(const BrdfTable::State& state, const Control& control) {
+    constexpr std::size_t kMost = SharpPart::kMostWavelengths;
+    const std::span<const WavelengthTable> tables = state.tables;
+    std::vector<std::optional<SharpPart>> made((tables.size() + kMost - 1) / kMost);
+    run_parallel("first order", made.size(), control, [&](std::size_t p) {
+        const std::size_t first = p * kMost, count = std::min(kMost, tables.size() - first);
+        made[p].emplace(tables.subspan(first, count), state.solver);
+    });
+    std::vector<SharpPart> parts;
+    for (auto& part : made) parts.push_back(std::move(*part));
+    return parts;
+}
+
+}  // namespace
+
+std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,
+                                                   const std::string& title,
+                                                   const SolverOptions& solver,
+                                                   const TableOptions& options,
+                                                   const Control& control) {
+    auto state = std::make_shared<BrdfTable::State>();
+    state->scene = scene;
+    state->solver = solver;
+    state->part = options.part;
+    state->channels = channel_names(scene.wavelength_nm);
+    state->tables = solve_wavelengths(*state, control);
+    state->report.tolerance = solver.tolerance;
+    state->report.sources = scene.sources;
+    for (const WavelengthTable& table : state->tables)
+        state->report.wavelengths.push_back(table.report());
+    state->provenance = {std::string("miebrdf ") + kVersion,
+                         options.command_line,
+                         title,
+                         name_of(options.part),
+                         state->report.summary(),
+                         scene.sources};
+    state->sharp = make_sharp_parts(*state, control);
+    return state;
+}
+
+const std::vector<std::string>& BrdfTable::channels() const { return state_->channels; }
+const std::vector<double>& BrdfTable::wavelength_nm() const { return state_->scene.wavelength_nm; }
+const Provenance& BrdfTable::provenance() const { return state_->provenance; }
+const ResultReport& BrdfTable::report() const { return state_->report; }
+
+void BrdfTable::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+    const std::size_t stride = state_->tables.size();
+    std::vector<double> sharp;
+    for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
+        const auto rest = directions.subspan(first);
+        count = count_sharing_cosines(rest);
+        double* target = values.data() + first * stride;
+        for (const SharpPart& part : state_->sharp) {
+            const std::size_t wavelengths = part.wavelengths();
+            sharp.resize(count * wavelengths);
+            part.evaluate(rest.first(count), sharp);
+            for (std::size_t i = 0; i < sharp.size(); ++i)
+                target[i / wavelengths * stride + i % wavelengths] = sharp[i];
+            target += wavelengths;
+        }
+        for (std::size_t w = 0; w < stride; ++w) {
+            add_smooth(state_->tables[w].smooth(), rest.first(count),
+                       values.data() + first * stride + w, stride);
+        }
+    }
+}
+
+std::unique_ptr<ChannelMix> BrdfTable::mix(const ColourWeights& weights) const {
+    return std::make_unique<SolvedMix>(state_->tables, state_->sharp, weights);
+}
+
+}  // namespace miebrdf

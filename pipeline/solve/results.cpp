@@ -1,0 +1,113 @@
+// What results say about themselves.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+
+namespace miebrdf {
+
+BrdfPart parse_brdf_part(const std::string& name) {
+    for (const BrdfPart part : {BrdfPart::total, BrdfPart::subsurface, BrdfPart::surface}) {
+        if (name == name_of(part)) return part;
+    }
+    throw UsageError(
+        fmt::format("unknown component '{}'; allowed: total, subsurface, surface", name));
+}
+
+const char* name_of(BrdfPart part) {
+    switch (part) {
+        case BrdfPart::subsurface:
+            return "subsurface";
+        case BrdfPart::surface:
+            return "surface";
+        case BrdfPart::total:
+            break;
+    }
+    return "total";
+}
+
+bool ResultReport::converged() const {
+    return std::all_of(wavelengths.begin(), wavelengths.end(),
+                       [](const WavelengthReport& report) { return report.converged; });
+}
+
+const WavelengthReport& ResultReport::worst() const {
+    return *std::max_element(wavelengths.begin(), wavelengths.end(),
+                             [](const WavelengthReport& a, const WavelengthReport& b) {
+                                 return a.error_estimate < b.error_estimate;
+                             });
+}
+
+const WavelengthReport& ResultReport::noisiest() const {
+    return *std::max_element(wavelengths.begin(), wavelengths.end(),
+                             [](const WavelengthReport& a, const WavelengthReport& b) {
+                                 return a.phase_noise.largest < b.phase_noise.largest;
+                             });
+}
+
+double ResultReport::error_estimate() const { return worst().error_estimate; }
+
+std::vector<std::string> ResultReport::shortfalls() const {
+    std::vector<std::string> lines;
+    for (const WavelengthReport& report : wavelengths) {
+        if (report.converged) continue;
+        std::string& line = lines.emplace_back(fmt::format(
+            "{} nm: error estimate {:.2e}", report.wavelength_nm, report.error_estimate));
+        const rte::SolverReport& solver = report.solver;
+        if (!(solver.worst_mu_out > 0.0)) continue;  // an albedo
+        line += fmt::format(
+            " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within the tolerance",
+            solver.worst_mu_in, solver.worst_mu_out, solver.worst_azimuth_deg,
+            100.0 * solver.share_within_tolerance);
+    }
+    return lines;
+}
+
+std::string ResultReport::shortfall() const {
+    return fmt::format("{}", fmt::join(shortfalls(), "\n"));
+}
+
+std::string ResultReport::summary() const {
+    const WavelengthReport& least = worst();
+    const std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",
+                                             least.error_estimate, tolerance);
+    if (converged()) return estimate;
+    double share = 0.0;
+    for (const WavelengthReport& report : wavelengths)
+        share += report.solver.share_within_tolerance / static_cast<double>(wavelengths.size());
+    return fmt::format(
+        "not converged: {}, largest at {} nm, mu_in {}, mu_out {}, azimuth {} degrees; single "
+        "scattering's part of it {:.1e}; {:.3g} % of the directions compared are within tolerance",
+        estimate, least.wavelength_nm, least.solver.worst_mu_in, least.solver.worst_mu_out,
+        least.solver.worst_azimuth_deg, least.mie_error_estimate, 100.0 * share);
+}
+
+const std::vector<double>& BrdfValues::Slice::of(BrdfPart part) const {
+    switch (part) {
+        case BrdfPart::subsurface:
+            return subsurface;
+        case BrdfPart::surface:
+            return surface;
+        case BrdfPart::total:
+            break;
+    }
+    return total;
+}
+
+double BrdfValues::at(std::size_t wavelength, std::size_t in, std::size_t out, std::size_t azimuth,
+                      BrdfPart part) const {
+    const std::vector<double>& values = slices.at(wavelength).of(part);
+    const std::size_t outs = directions.mu_out.size(), azimuths = directions.azimuth_deg.size();
+    if (values.empty() || in >= directions.mu_in.size() || out >= outs || azimuth >= azimuths) {
+        throw UsageError(
+            fmt::format("no value of '{}' at [{}, {}, {}, {}]; there are {} wavelengths, {} mu_in, "
+                        "{} mu_out, {} azimuths",
+                        name_of(part), wavelength, in, out, azimuth, slices.size(),
+                        directions.mu_in.size(), outs, azimuths));
+    }
+    return values[(in * outs + out) * azimuths + azimuth];
+}
+
+}  // namespace miebrdf

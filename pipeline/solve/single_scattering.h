@@ -1,0 +1,90 @@
+// Single scattering: from n + ik and sizes to what radiative transfer needs, each different job
+// once.
+#pragma once
+
+#include <miebrdf/control.h>
+#include <miebrdf/optics.h>
+#include <miebrdf/solver.h>
+
+#include <complex>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <miebrdf/ensemble.h>
+#include "pipeline/solve/resolved_scene.h"
+
+namespace miebrdf {
+
+/// How much of a medium's optics is wanted; the rest is not computed.
+struct OpticsDemand {
+    int highest_moment = -1;  ///< chi_0 ... chi_L; -1: none
+    /// The phase function at every angle, and all the moments it has (up to kMostMoments).
+    bool whole_phase_function = false;
+    std::vector<double> angles_deg = {};  ///< P at these angles, for MediumOptics::phase
+    double tolerance = 1e-4;              ///< relative, of the size average
+};
+
+enum class PhaseDemand { moments_only, whole };
+
+/// What radiative transfer with these options makes use of.
+/// @param mie_tolerance  of the size average; 0: its share of the solver's tolerance
+OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase);
+
+/// The cost of moments grows with their square; beyond this many (spheres of about 0.5 mm in
+/// visible light) the list is cut short.
+constexpr int kMostMoments = 12'000;
+
+struct MediumOptics {
+    rte::Optics optics;
+    std::vector<double> phase;    ///< P at the demanded angles_deg, in their order
+    double asymmetry = 0.0;       ///< chi_1
+    std::optional<double> q_ext;  ///< extinction efficiency; empty if analytic
+    double error_estimate = 0.0;  ///< relative, of the size average; 0 if analytic
+    bool converged = true;
+};
+
+/// Everything that the optics of a medium depend on: scenes that share it share the result.
+/// @param w  index of the wavelength
+std::string optics_hash(const ResolvedMedium& medium, std::size_t w, const OpticsDemand& demand);
+
+/// One medium at one wavelength, computed.
+/// @param run  for the pieces of one Mie average (parallel.h)
+/// @throws UsageError  for sizes that the average cannot be taken over at this wavelength
+MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std::size_t w,
+                            const OpticsDemand& demand,
+                            const mie::Executor& run = mie::run_in_order);
+
+/// The optics of every medium at some of the scene's wavelengths: [place in `wavelengths`][medium].
+/// Equal jobs are done once, different ones in parallel; what Control remembers is looked up.
+/// @param media  indices of the media wanted
+std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
+                                                 const std::vector<std::size_t>& media,
+                                                 const std::vector<std::size_t>& wavelengths,
+                                                 const OpticsDemand& demand,
+                                                 const Control& control);
+
+/// Results as a row of numbers, for the cache.
+std::vector<double> packed(const MediumOptics& optics);
+MediumOptics unpacked_optics(const std::vector<double>& numbers);
+
+/// Optics that several scenes of one run have in common, up to a limit of memory. Thread-safe.
+class OpticsMemo {
+  public:
+    explicit OpticsMemo(std::size_t limit_bytes) : free_bytes_(limit_bytes) {}
+
+    std::shared_ptr<const MediumOptics> find(const std::string& hash);
+    void keep(const std::string& hash, const MediumOptics& optics);
+    int found() const;  ///< how often something was there
+
+  private:
+    mutable std::mutex mutex_;
+    std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
+    std::size_t free_bytes_;
+    int found_ = 0;
+};
+
+}  // namespace miebrdf

@@ -1,0 +1,160 @@
+#include "pipeline/solve/wavelength_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <miebrdf/surface.h>
+#include "pipeline/solve/checks.h"
+#include "rte/grid/discretisation.h"
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/fourier_sum.h"
+#include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
+
+namespace miebrdf {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
+Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
+    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(orders), static_cast<Eigen::Index>(n + 1));
+    for (std::size_t m = 0; m < orders; ++m) {
+        for (std::size_t j = 0; j <= n; ++j) {
+            const double angle =
+                kPi * static_cast<double>((m * j) % (2 * n)) / static_cast<double>(n);
+            matrix(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(j)) =
+                (j == 0 || j == n ? 0.5 : 1.0) * (m == 0 ? 1.0 : 2.0) / static_cast<double>(n) *
+                std::cos(angle);
+        }
+    }
+    return matrix;
+}
+
+/// The solver's table of (in, out, azimuth) as Fourier series.
+SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples) {
+    const std::vector<double>& nodes = SmoothPart::nodes();
+    const auto orders = static_cast<std::size_t>(std::max(1, multiple.fourier_orders));
+    std::vector<double> modes(nodes.size() * nodes.size() * orders);
+    const Eigen::MatrixXd analysis = analysis_matrix(orders, samples);
+    for (std::size_t pair = 0; pair < nodes.size() * nodes.size(); ++pair) {
+        const Eigen::Map<const Eigen::VectorXd> values(&multiple.reflection[pair * (samples + 1)],
+                                                       static_cast<Eigen::Index>(samples + 1));
+        Eigen::Map<Eigen::VectorXd>(&modes[pair * orders], static_cast<Eigen::Index>(orders)) =
+            (nodes[pair / nodes.size()] + nodes[pair % nodes.size()]) * (analysis * values);
+    }
+    if (!multiple.physical) {
+        std::fill(modes.begin(), modes.end(), std::numeric_limits<double>::quiet_NaN());
+    }
+    return {std::move(modes), orders};
+}
+
+FirstOrder first_order_of(std::span<const WavelengthTable> tables, const SolverOptions& solver) {
+    std::vector<std::vector<rte::ScaledMedium>> stacks;
+    for (const WavelengthTable& table : tables) stacks.push_back(table.media());
+    return {stacks, solver.single_scattering_correction, solver.tolerance};
+}
+
+}  // namespace
+
+const Directions& probe_directions() {
+    static const Directions directions{
+        {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
+    return directions;
+}
+
+WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
+                                 const SceneOptics& optics, const SolverOptions& solver,
+                                 BrdfPart part) {
+    report_.converged = report_.solver.converged = true;
+    if (part != BrdfPart::surface) solve(optics, solver);
+    report_.wavelength_nm = scene.wavelength_nm[w];
+    if (scene.surface && part != BrdfPart::subsurface) {
+        lobe_.emplace(scene.surface_index[w], *scene.surface);
+        const rte::SurfaceTransmission transmission(*lobe_, scene.coupling);
+        for (const double mu : SmoothPart::nodes()) {
+            factor_in_.push_back(transmission.in(mu));
+            factor_out_.push_back(transmission.out(mu));
+        }
+        smooth_.scale(factor_in_, factor_out_);
+    }
+}
+
+void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solver) {
+    const rte::Stack& stack = optics.stack;
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return;  // black
+    const std::vector<double>& nodes = SmoothPart::nodes();
+    SolverOptions options = solver;
+    options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
+    report_.solver = rte::reflect(stack, probe_directions(), options).report;
+
+    options.streams = report_.solver.streams;
+    const rte::ScaledStack scaled =
+        rte::scale_stack(stack, report_.solver.moments, options.delta_m);
+    const rte::ZenithGrid grid = rte::make_zenith_grid(
+        rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
+    rte::RequestedDirections requested;
+    requested.mu =
+        Eigen::Map<const Eigen::VectorXd>(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
+    for (int k = 0; k < static_cast<int>(nodes.size()); ++k) {
+        requested.in.push_back(k);
+        requested.out.push_back(k);
+    }
+    // At most as many orders as moments; so many samples in azimuth determine them exactly.
+    const auto samples = static_cast<std::size_t>(std::max(2, scaled.moments));
+    std::vector<double> azimuth_deg;
+    for (std::size_t j = 0; j <= samples; ++j) {
+        azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
+    }
+    const rte::MultipleScattering multiple = rte::sum_fourier_orders(
+        scaled, grid, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
+    media_ = scaled.media;
+    smooth_ = tabulate(multiple, samples);
+    report_.solver.fourier_orders = multiple.fourier_orders;
+    report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
+    judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
+}
+
+double WavelengthTable::lobe(const Direction& direction) const {
+    return lobe_ ? lobe_->brdf(direction.mu_in, direction.mu_out, direction.azimuth_deg) : 0.0;
+}
+
+double WavelengthTable::transmitted(double mu_in, double mu_out) const {
+    return lobe_ ? at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out) : 1.0;
+}
+
+SharpPart::SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver)
+    : tables_(tables), first_order_(first_order_of(tables, solver)) {}
+
+void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+    const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
+    const std::size_t count = tables_.size();
+    std::vector<double> cos_azimuth;
+    cos_azimuth.reserve(directions.size());
+    for (const Direction& d : directions)
+        cos_azimuth.push_back(std::cos(d.azimuth_deg * (kPi / 180)));
+    first_order_.evaluate(mu_in, mu_out, cos_azimuth, values);
+    for (std::size_t w = 0; w < count; ++w) {
+        const WavelengthTable& table = tables_[w];
+        const double transmitted = table.transmitted(mu_in, mu_out) / kPi;
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            double& value = values[d * count + w];
+            value *= transmitted;
+            if (table.has_surface()) value += table.lobe(directions[d]);
+        }
+    }
+}
+
+void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
+                std::size_t stride) {
+    std::vector<double> series;
+    smooth.series_at(directions[0].mu_in, directions[0].mu_out, series);
+    for (std::size_t a = 0; a < directions.size(); ++a) {
+        const double cos_azimuth = std::cos(directions[a].azimuth_deg * kPi / 180);
+        values[a * stride] += cosine_sum(series, cos_azimuth) / kPi;
+    }
+}
+
+}  // namespace miebrdf

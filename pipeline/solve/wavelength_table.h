@@ -1,0 +1,92 @@
+// A scene at one wavelength, solved once and then evaluated at any directions: the parts of a
+// BrdfTable.
+#pragma once
+
+#include <miebrdf/brdf.h>
+
+#include <optional>
+#include <vector>
+
+#include <miebrdf/surface.h>
+#include "pipeline/solve/first_order.h"
+#include "pipeline/solve/scene_optics.h"
+#include "pipeline/solve/smooth_part.h"
+#include "rte/first_order/first_order.h"
+
+namespace miebrdf {
+
+/// Directions of all kinds: where streams and moments of a BRDF are chosen that is solved once and
+/// then asked anywhere, and where its error is estimated. Directions at the very horizon would ask
+/// for many more streams.
+const Directions& probe_directions();
+
+/// Light scattered more than once is smooth and comes from a table (SmoothPart). What has sharp
+/// features, the first order of scattering (FirstOrder) and the surface lobe, is evaluated exactly
+/// at every direction. The BRDF is the sum of all.
+class WavelengthTable {
+  public:
+    /// @param optics  the visible layers; not looked at for BrdfPart::surface
+    /// @param w       index of the wavelength
+    WavelengthTable(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
+                    const SolverOptions& solver, BrdfPart part);
+
+    /// The surface's transmission included.
+    const SmoothPart& smooth() const { return smooth_; }
+    /// What scatters light once, without the surface; empty for the surface alone.
+    const std::vector<rte::ScaledMedium>& media() const { return media_; }
+
+    /// The surface lobe's BRDF; 0 without one.
+    double lobe(const Direction& direction) const;
+    /// What the surface lets through of light from below; 1 without one.
+    double transmitted(double mu_in, double mu_out) const;
+    bool has_surface() const { return lobe_.has_value(); }
+
+    const WavelengthReport& report() const { return report_; }
+
+  private:
+    void solve(const SceneOptics& optics, const SolverOptions& solver);
+
+    std::vector<rte::ScaledMedium> media_;
+    SmoothPart smooth_;
+    std::optional<rte::SurfaceLobe> lobe_;
+    std::vector<double> factor_in_, factor_out_;  ///< of the surface, at the nodes
+    WavelengthReport report_;
+};
+
+/// The first order of scattering, as far as a surface lets it through, and the surface lobe, of
+/// some wavelengths.
+class SharpPart {
+  public:
+    /// Wavelengths that share their tables: few enough that parts can be made in parallel.
+    static constexpr std::size_t kMostWavelengths = 16;
+
+    /// @param tables  at most kMostWavelengths; must outlive this
+    SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver);
+
+    std::size_t wavelengths() const { return tables_.size(); }
+
+    /// BRDF at directions that share their cosines: values[d * wavelengths() + w].
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const;
+
+  private:
+    std::span<const WavelengthTable> tables_;
+    FirstOrder first_order_;
+};
+
+/// Adds a smooth part to values of the BRDF at directions that share their cosines.
+void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
+                std::size_t stride);
+
+/// What a BrdfTable holds.
+struct BrdfTable::State {
+    ResolvedScene scene;
+    SolverOptions solver;
+    BrdfPart part = BrdfPart::total;
+    std::vector<std::string> channels;
+    Provenance provenance;
+    std::vector<WavelengthTable> tables;
+    std::vector<SharpPart> sharp;  ///< of the tables in their order, some at a time
+    ResultReport report;
+};
+
+}  // namespace miebrdf

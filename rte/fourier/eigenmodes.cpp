@@ -1,0 +1,237 @@
+#include "rte/fourier/eigenmodes.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace miebrdf::rte {
+namespace {
+
+// Below this absorption the diffusion mode is so slow that squaring it in the eigenproblem costs
+// digits (docs/numerics.md).
+constexpr double kDeflateBelow = 1e-3;
+
+// Of FourierMedium::strongest: up to here two steps of refinement may do (measured at tolerances
+// of 1e-5 to 1e-7, HG 0.7 and 0.8).
+constexpr double kScattersLittle = 0.05;
+
+struct DiffusionEigenmode {
+    Eigen::VectorXd vector;  ///< f, normalised to f^T V f = 1
+    double rate_squared = 0.0;
+};
+
+// What the eigensolver alone leaves in X of an order above 0 (measured: Rayleigh, HG 0.75 and 0.99,
+// albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has slow
+// eigenmodes that amplify it, and must conserve energy.
+double left_by_eigensolver(Eigen::Index nodes) { return 2e-17 * std::pow(double(nodes), 4); }
+
+// Smallest eigenpair of U g = k0^2 V^-1 g. Without absorption it is known: U g0 = 0 for
+// g0 = (W M)^(1/2) 1. With a little, inverse iteration from there; k0^2 from the Rayleigh quotient
+// written so that nothing cancels: with U = Uc + (1 - alpha) sum beta y y^T and g = g0 + d,
+//     g^T U g = d^T Uc d + (1 - alpha) sum beta (y.g)^2.
+DiffusionEigenmode find_diffusion_eigenmode(const Eigen::MatrixXd& U,
+                                            const Eigen::MatrixXd& V_matrix,
+                                            const FourierMode& mode, const FourierMedium& medium,
+                                            const ZenithGrid& grid) {
+    const double one_minus_albedo = medium.one_minus_albedo;
+    const Eigen::LLT<Eigen::MatrixXd> V(V_matrix);
+    const Eigen::VectorXd g0 = (grid.weights.array() * grid.mu.array()).sqrt();
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(g0.size());
+    if (one_minus_albedo > 0.0) {
+        const Eigen::LDLT<Eigen::MatrixXd> U_factor(U);
+        Eigen::VectorXd g = g0;
+        for (int step = 0; step < 12; ++step) {
+            g = U_factor.solve(V.solve(g));
+            g *= g0.squaredNorm() / g0.dot(g);
+            const double change = (g - g0 - d).norm();
+            d = g - g0;
+            if (change <= 1e-15 * g0.norm()) break;
+        }
+    }
+    const Eigen::VectorXd g = g0 + d;
+    const Eigen::VectorXd f = V.solve(g);
+    const double norm = g.dot(f);
+    const auto even = even_columns(mode.scaled_nodes);
+    const Eigen::ArrayXd beta = even_part(medium.strengths).array() / (1.0 - one_minus_albedo);
+    const double absorbed_d = (beta * (even.transpose() * d).array().square()).sum();
+    const double absorbed_g = (beta * (even.transpose() * g).array().square()).sum();
+    const double quotient = d.dot(U * d) + one_minus_albedo * (absorbed_g - absorbed_d);
+    return {f / std::sqrt(norm), std::max(0.0, quotient / norm)};
+}
+
+}  // namespace
+
+void EigenmodeSolver::form_matrices(const FourierMode& mode,
+                                    const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                                    const ZenithGrid& grid) {
+    const Eigen::Index n = grid.size();
+    const auto form = [&](const auto& degrees, const auto& weights, Eigen::MatrixXd& result) {
+        scaled_ = degrees * weights.asDiagonal();
+        result.resize(n, n);
+        result.noalias() = -scaled_ * degrees.transpose();
+        result.diagonal() += grid.mu.cwiseInverse();
+    };
+    form(even_columns(mode.scaled_nodes), even_part(strengths), eigenmodes_.even);
+    form(odd_columns(mode.scaled_nodes), odd_part(strengths), eigenmodes_.odd);
+}
+
+// One step of iterative refinement (Ogita & Aishima 2018, for a pencil): with R = I - F^T V F and
+// S = (V F)^T U (V F), the vectors become F (I + E), E_ij = (S_ij + lambda_j R_ij) /
+// (lambda_j - lambda_i). Householder reduction mixes rows of very different size (1/mu^2 spans 14
+// decades on a fine mapped grid) and leaves 1e-12 to 1e-8 in the slow eigenmodes; this takes them
+// back to rounding for a few matrix products (docs/numerics.md). Returns the largest correction;
+// its square is the error that is left. `steepest`: as of find_correction.
+double EigenmodeSolver::refine(double steepest) {
+    Eigen::MatrixXd& F = eigenmodes_.vectors;
+    VF_.noalias() = eigenmodes_.odd * F;
+    R_.noalias() = -F.transpose() * VF_;
+    R_.diagonal().array() += 1.0;
+    const double largest = find_correction(steepest);
+    product_.noalias() = F * R_;
+    F += product_;
+    return largest;
+}
+
+// From R and V F: the rates, and E in place of R. Returns the largest element of E.
+// Rates closer than 1 / `steepest` of their coupling need no rotation: any function is the same
+// for both.
+double EigenmodeSolver::find_correction(double steepest) {
+    Eigen::VectorXd& rates_squared = eigenmodes_.rates;
+    const Eigen::Index n = R_.rows();
+    product_.noalias() = U_ * VF_;
+    S_.noalias() = VF_.transpose() * product_;
+    for (Eigen::Index i = 0; i < n; ++i) rates_squared[i] = S_(i, i) / (1.0 - R_(i, i));
+    double largest = 0.0;
+    for (Eigen::Index j = 0; j < n; ++j) {
+        auto E = R_.col(j).array();
+        const auto rotation = S_.col(j).array() + rates_squared[j] * E;
+        const auto gap = rates_squared[j] - rates_squared.array();
+        E = (rotation.abs() < steepest * gap.abs()).select(rotation / gap, 0.5 * E);
+        largest = std::max(largest, E.abs().maxCoeff());
+    }
+    return largest;
+}
+
+// Where little is scattered the eigenmodes are nearly the nodes themselves, F = M^(1/2) and k = 1 /
+// mu, and refinement from there takes less than an eigenproblem. False if it does not converge.
+bool EigenmodeSolver::refine_nodes(const ZenithGrid& grid, double tolerance) {
+    const Eigen::Index n = grid.size();
+    root_ = grid.mu.cwiseSqrt();
+    for (Eigen::MatrixXd* square : {&product_, &VF_, &R_, &S_}) square->resize(n, n);
+    eigenmodes_.rates.resize(n);
+    VF_ = eigenmodes_.odd * root_.asDiagonal();
+    R_ = -(root_.asDiagonal() * VF_);
+    R_.diagonal().array() += 1.0;
+    constexpr double steepest = 1.0;
+    double largest = find_correction(steepest);
+    if (!(std::pow(largest, 6) <= tolerance)) return false;  // an eigenproblem is cheaper
+    R_.diagonal().array() += 1.0;
+    eigenmodes_.vectors = root_.asDiagonal() * R_;
+    for (int step = 0; step < 2 && largest * largest > tolerance; ++step) {
+        largest = refine(steepest);
+    }
+    return largest * largest <= tolerance && eigenmodes_.rates.minCoeff() > 0.0;
+}
+
+void EigenmodeSolver::append(const Eigen::VectorXd& vector, double rate_squared) {
+    const Eigen::Index n = vector.size();
+    const Eigen::RowVectorXd overlaps =
+        (eigenmodes_.odd * vector).transpose() * eigenmodes_.vectors;
+    eigenmodes_.vectors -= vector * overlaps;
+    eigenmodes_.vectors.conservativeResize(Eigen::NoChange, n + 1);
+    eigenmodes_.vectors.col(n) = vector;
+    eigenmodes_.rates.conservativeResize(n + 1);
+    eigenmodes_.rates[n] = std::sqrt(rate_squared);
+}
+
+const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMedium& medium,
+                                        const ZenithGrid& grid, double tolerance) {
+    const Eigen::Index n = grid.size();
+    eigenmodes_.physical = false;
+    form_matrices(mode, medium.strengths, grid);
+    if (mode.fourier_order > 0 && medium.strongest() < kScattersLittle) {
+        U_ = eigenmodes_.even;
+        eigenmodes_.physical = refine_nodes(grid, 0.1 * tolerance);
+        if (eigenmodes_.physical) {
+            eigenmodes_.rates = eigenmodes_.rates.cwiseSqrt();
+            return eigenmodes_;
+        }
+    }
+    L_ = eigenmodes_.odd;
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> V_factor(L_);
+    if (V_factor.info() != Eigen::Success) return eigenmodes_;
+    L_.triangularView<Eigen::StrictlyUpper>().setZero();
+    const bool deflate = mode.fourier_order == 0 && medium.one_minus_albedo < kDeflateBelow;
+    U_ = eigenmodes_.even;
+    DiffusionEigenmode diffusion;
+    if (deflate) {
+        diffusion = find_diffusion_eigenmode(U_, eigenmodes_.odd, mode, medium, grid);
+        U_ += (1.0 - diffusion.rate_squared) * diffusion.vector * diffusion.vector.transpose();
+    }
+
+    // U = F k^2 F^T and V^-1 = F F^T: with V = L L^T, L^T U L = Q k^2 Q^T, F = L^-T Q.
+    for (Eigen::MatrixXd* square : {&product_, &C_, &VF_, &R_, &S_}) square->resize(n, n);
+    product_.noalias() = U_ * L_;
+    C_.noalias() = L_.transpose() * product_;
+    if (!eigen_.compute(C_) || !(eigen_.values()[0] > 0.0)) return eigenmodes_;
+
+    math::invert_lower(L_);
+    eigenmodes_.vectors.resize(n, n);
+    eigenmodes_.vectors.noalias() = L_.transpose() * eigen_.vectors();
+    eigenmodes_.rates = eigen_.values();
+    const bool is_good_enough = mode.fourier_order > 0 && left_by_eigensolver(n) <= 0.1 * tolerance;
+    const int steps = is_good_enough ? 0 : 4;
+    for (int step = 0; step < steps; ++step) {
+        if (refine(1e-3) <= 1e-8) break;
+    }
+    eigenmodes_.rates = eigenmodes_.rates.cwiseMax(0.0).cwiseSqrt();
+    if (deflate) append(diffusion.vector, diffusion.rate_squared);
+    eigenmodes_.physical = true;
+    return eigenmodes_;
+}
+
+PhaseRows phase_rows(const FourierMedium& medium, const FourierMode& mode) {
+    return {even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal() *
+                even_columns(mode.scaled_nodes).transpose(),
+            odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal() *
+                odd_columns(mode.scaled_nodes).transpose()};
+}
+
+void EigenmodeSources::find(const FourierMedium& medium, const FourierMode& mode,
+                            const Eigenmodes& eigenmodes) {
+    const Eigen::Index requested = mode.at_requested.rows();
+    const Eigen::Index nodes = mode.scaled_nodes.rows();
+    const auto even_degrees = even_columns(mode.scaled_nodes);
+    const auto odd_degrees = odd_columns(mode.scaled_nodes);
+    weighted_.resize(requested, even_degrees.cols());
+    weighted_ = even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal();
+    even.resize(requested, eigenmodes.vectors.cols());
+    odd.resize(requested, eigenmodes.vectors.cols());
+    // From the side that has fewer rows: the degrees (few in high orders) or the cosines.
+    const bool few_cosines = requested < mode.at_requested.cols() / 2;
+    if (few_cosines) {
+        degrees_.resize(requested, nodes);
+        degrees_.noalias() = weighted_ * even_degrees.transpose();
+        product_.resize(requested, nodes);
+        product_.noalias() = degrees_ * eigenmodes.odd;
+        even.noalias() = product_ * eigenmodes.vectors;
+    } else {
+        product_.resize(even_degrees.cols(), nodes);
+        product_.noalias() = even_degrees.transpose() * eigenmodes.odd;
+        degrees_.resize(even_degrees.cols(), eigenmodes.vectors.cols());
+        degrees_.noalias() = product_ * eigenmodes.vectors;
+        even.noalias() = weighted_ * degrees_;
+    }
+    weighted_.resize(requested, odd_degrees.cols());
+    weighted_ = odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal();
+    if (few_cosines) {
+        product_.noalias() = weighted_ * odd_degrees.transpose();
+        odd.noalias() = product_ * eigenmodes.vectors;
+    } else {
+        degrees_.resize(odd_degrees.cols(), eigenmodes.vectors.cols());
+        degrees_.noalias() = odd_degrees.transpose() * eigenmodes.vectors;
+        odd.noalias() = weighted_ * degrees_;
+    }
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,107 @@
+// The eigenmodes of the radiance inside one homogeneous medium, what light each of them sends to
+// the requested cosines, and the memory in which Fourier orders are solved.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "rte/fourier/fourier_mode.h"
+#include "rte/math/decay_integrals.h"
+#include "rte/math/matrices.h"
+
+namespace miebrdf::rte {
+
+/// The discrete equation of transfer in symmetric form. With i = (W M)^(1/2) I, s = i_up + i_down
+/// and a = i_down - i_up it reads ds/dtau = -V a, da/dtau = -U s,
+///     U = M^-1 - sum_{l-m even} alpha (2l+1) chi_l y y^T,  y = (W/M)^(1/2) Y_l^m,
+///     V = M^-1 - sum_{l-m odd}  (the same).
+/// Both are symmetric positive definite (U is singular for m = 0 without absorption), and
+///     U = F k^2 F^T,  V^-1 = F F^T,
+/// so that any function of the medium is F h(k) F^T.
+///
+/// For m = 0 and little absorption the slowest eigenmode (diffusion, f, k0 -> 0) comes from inverse
+/// iteration with the absorption as a number of its own; the eigenproblem is solved with k0
+/// moved to 1, and the other vectors are made V-orthogonal to f, so that energy is conserved to
+/// rounding whatever the eigensolver left behind. F has then n + 1 columns, one of them (nearly)
+/// zero.
+struct Eigenmodes {
+    Eigen::MatrixXd vectors;  ///< F, n x K with K = n or n + 1
+    Eigen::VectorXd rates;    ///< k >= 0, K
+    Eigen::MatrixXd even;     ///< U, n x n
+    Eigen::MatrixXd odd;      ///< V, n x n
+    bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
+};
+
+/// Finds the eigenmodes of one Fourier order after the other in the same memory.
+class EigenmodeSolver {
+  public:
+    /// @param tolerance  of X: orders above 0 are left as the eigensolver or a short refinement
+    ///                   finds them when that is ten times better
+    const Eigenmodes& find(const FourierMode& mode, const FourierMedium& medium,
+                           const ZenithGrid& grid, double tolerance);
+
+    const Eigenmodes& eigenmodes() const { return eigenmodes_; }
+
+    /// F diag(h) F^T for values h_j = h(k_j); `result` is resized to n x n.
+    template <typename Values>
+    void function(const Eigen::ArrayBase<Values>& values, Eigen::MatrixXd& result) {
+        scaled_ = eigenmodes_.vectors * values.matrix().asDiagonal();
+        result.resize(scaled_.rows(), scaled_.rows());
+        result.noalias() = scaled_ * eigenmodes_.vectors.transpose();
+    }
+
+  private:
+    void form_matrices(const FourierMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                       const ZenithGrid& grid);
+    bool refine_nodes(const ZenithGrid& grid, double tolerance);
+    double refine(double steepest);
+    double find_correction(double steepest);
+    void append(const Eigen::VectorXd& vector, double rate_squared);
+
+    Eigenmodes eigenmodes_;
+    math::ScratchMatrix scaled_;
+    Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
+    Eigen::VectorXd root_;  ///< of the nodes
+    math::SymmetricEigen eigen_;
+};
+
+/// sum_l a_l Y_l(mu) y_l^T over the degrees of one parity of l - m, requested x n: what scatters
+/// into the requested cosines out of s = i_up + i_down (even) and a = i_down - i_up (odd).
+struct PhaseRows {
+    Eigen::MatrixXd even;
+    Eigen::MatrixXd odd;
+};
+PhaseRows phase_rows(const FourierMedium& medium, const FourierMode& mode);
+
+/// The same out of the eigenmodes, requested x K: even F^-T = even V F, and odd F.
+class EigenmodeSources {
+  public:
+    void find(const FourierMedium& medium, const FourierMode& mode, const Eigenmodes& eigenmodes);
+
+    Eigen::MatrixXd even;
+    Eigen::MatrixXd odd;
+
+  private:
+    math::ScratchMatrix weighted_, product_, degrees_;
+};
+
+/// Intermediate results of solve_half_space, solve_layer and put_on. One is enough for all media
+/// of a stack, all Fourier orders and one number of nodes after the other: what it holds matters
+/// only to the function that runs. Not thread-safe.
+struct FourierWork {
+    EigenmodeSolver eigenmode_solver;
+    EigenmodeSources sources;
+    PairProducts products;
+    math::DecayIntegrator decays;     ///< of the layer solved last
+    math::ScratchVector alternating;  ///< strengths with the sign of their column
+    math::ScratchMatrix phi, weighted, phi_requested, moments;  ///< cosines x degrees
+    math::ScratchMatrix beam, through, incoming, down, up;      ///< nodes x cosines
+    math::ScratchMatrix pairs;
+    Eigen::VectorXd flux_weights, mu_over_flux_weights;
+    Eigen::VectorXd near, far, tanh_rates, sinh_rates;
+    Eigen::MatrixXd square, other_square, below, joint;  ///< n x n
+    Eigen::MatrixXd rows, seen;                          ///< cosines x n
+    Eigen::PartialPivLU<Eigen::MatrixXd> bounces;
+};
+
+}  // namespace miebrdf::rte

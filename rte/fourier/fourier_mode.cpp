@@ -1,0 +1,129 @@
+#include "rte/fourier/fourier_mode.h"
+
+#include <cmath>
+
+#include "rte/math/legendre.h"
+
+namespace miebrdf::rte {
+namespace {
+
+void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
+    for (Eigen::Index lowest = 0; lowest < std::min<Eigen::Index>(2, mode.at_nodes.cols());
+         ++lowest) {
+        const Eigen::VectorXd weighted = mode.at_nodes.col(lowest).cwiseProduct(grid.weights);
+        const double norm = weighted.dot(mode.at_nodes.col(lowest));
+        for (Eigen::Index c = lowest + 2; c < mode.at_nodes.cols(); c += 2) {
+            const double overlap = weighted.dot(mode.at_nodes.col(c)) / norm;
+            mode.at_nodes.col(c) -= overlap * mode.at_nodes.col(lowest);
+            mode.at_requested.col(c) -= overlap * mode.at_requested.col(lowest);
+        }
+    }
+}
+
+}  // namespace
+
+void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
+                 math::ScratchMatrix& result) {
+    result.resize(Eigen::Index(which.size()), table.cols());
+    for (Eigen::Index c = 0; c < table.cols(); ++c) {
+        for (std::size_t k = 0; k < which.size(); ++k) {
+            result(Eigen::Index(k), c) = table(which[k], c);
+        }
+    }
+}
+
+void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
+                       const RequestedDirections& requested, FourierMode& mode) {
+    mode.fourier_order = fourier_order;
+    math::legendre_functions(fourier_order, degrees, grid.mu, mode.at_nodes);
+    math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
+    if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
+    mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
+    for (Eigen::Index p = 0; p < grid.size(); ++p) {
+        mode.scaled_nodes.row(p) = std::sqrt(grid.weights[p] / grid.mu[p]) * mode.at_nodes.row(p);
+    }
+    gather_rows(mode.at_requested, requested.out, mode.at_out);
+    gather_rows(mode.at_requested, requested.in, mode.at_in);
+}
+
+ColumnsOfOneParity even_columns(const Eigen::Ref<const Eigen::MatrixXd>& table) {
+    return {table.data(), table.rows(), (table.cols() + 1) / 2,
+            Eigen::OuterStride<>(2 * table.rows())};
+}
+
+ColumnsOfOneParity odd_columns(const Eigen::Ref<const Eigen::MatrixXd>& table) {
+    return {table.data() + (table.cols() > 1 ? table.rows() : 0), table.rows(), table.cols() / 2,
+            Eigen::OuterStride<>(2 * table.rows())};
+}
+
+ElementsOfOneParity even_part(const Eigen::Ref<const Eigen::VectorXd>& strengths) {
+    return {strengths.data(), (strengths.size() + 1) / 2};
+}
+
+ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths) {
+    return {strengths.data() + (strengths.size() > 1 ? 1 : 0), strengths.size() / 2};
+}
+
+void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result) {
+    result = strengths;
+    for (Eigen::Index c = 1; c < result.size(); c += 2) result[c] = -result[c];
+}
+
+math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths) {
+    math::ScratchVector result;
+    alternating(strengths, result);
+    return result;
+}
+
+void PairProducts::gather(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                          const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                          const RequestedDirections& requested) {
+    gather_rows(extra, requested.out, extra_out_);
+    gather_rows(extra, requested.in, extra_in_);
+    weighted_.resize(extra_in_.rows(), extra_in_.cols());
+    weighted_ = extra_in_ * strengths.asDiagonal();
+}
+
+void PairProducts::add(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                       const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                       const Eigen::Ref<const Eigen::MatrixXd>& first_out,
+                       const Eigen::Ref<const Eigen::MatrixXd>& first_in,
+                       const RequestedDirections& requested, Eigen::MatrixXd& sum) {
+    gather(strengths, extra, requested);
+    sum.noalias() += first_out * weighted_.transpose();
+    weighted_ += first_in * strengths.asDiagonal();
+    sum.noalias() += extra_out_ * weighted_.transpose();
+}
+
+void PairProducts::subtract_below(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                                  const Eigen::Ref<const Eigen::VectorXd>& direct,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& first_out,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& first_in,
+                                  const RequestedDirections& requested, Eigen::MatrixXd& sum) {
+    gather(strengths, extra, requested);
+    product_.resize(sum.rows(), sum.cols());
+    product_.noalias() = first_out * weighted_.transpose();
+    for (Eigen::Index i = 0; i < sum.cols(); ++i) {
+        for (Eigen::Index o = 0; o < sum.rows(); ++o) {
+            sum(o, i) -= direct[requested.out[std::size_t(o)]] * product_(o, i);
+        }
+    }
+    for (Eigen::Index c = 0; c < weighted_.cols(); ++c) {
+        for (Eigen::Index i = 0; i < weighted_.rows(); ++i) {
+            weighted_(i, c) += direct[requested.in[std::size_t(i)]] * strengths[c] * first_in(i, c);
+        }
+    }
+    sum.noalias() -= extra_out_ * weighted_.transpose();
+}
+
+void divide_by_cosines(const RequestedDirections& requested, Eigen::MatrixXd& reflection) {
+    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
+        const double mu_in = requested.mu[requested.in[std::size_t(i)]];
+        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
+            reflection(o, i) /= 4.0 * (requested.mu[requested.out[std::size_t(o)]] + mu_in);
+        }
+    }
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,107 @@
+// One Fourier order in azimuth: the Legendre tables that every medium, wavelength and layer on a
+// grid shares, what a medium scatters in that order, and sums over degrees.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "rte/grid/directions.h"
+#include "rte/math/matrices.h"
+
+namespace miebrdf::rte {
+
+/// Legendre functions Y_l^m of one Fourier order m, columns l = m ... L - 1, rows = directions.
+/// Columns alternate in parity: (-1)^(l-m) = +1 for column 0, 2, ...
+struct FourierMode {
+    int fourier_order = 0;             ///< m
+    math::ScratchMatrix at_nodes;      ///< n x (L - m)
+    math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
+    math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
+    math::ScratchMatrix at_out;        ///< the rows of at_requested of outgoing cosines
+    math::ScratchMatrix at_in;         ///< and of incident ones
+};
+
+/// Rows of a table: result(k, .) = table(which[k], .).
+void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
+                 math::ScratchMatrix& result);
+
+/// Tables for one Fourier order m.
+///
+/// For m = 0 the functions are made orthogonal to Y_0 (even l) and Y_1 (odd l) under the grid's own
+/// quadrature, at the nodes and by the same combination everywhere else. On a rule that integrates
+/// products of two kept degrees exactly this changes nothing; on any other it restores conservation
+/// of energy and of the diffusive flux, which half-range quadrature otherwise loses.
+void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
+                       const RequestedDirections& requested, FourierMode& mode);
+
+using ColumnsOfOneParity = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+using ElementsOfOneParity = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<2>>;
+
+/// Columns l - m = 0, 2, ... and 1, 3, ... of a table, without copying.
+ColumnsOfOneParity even_columns(const Eigen::Ref<const Eigen::MatrixXd>& table);
+ColumnsOfOneParity odd_columns(const Eigen::Ref<const Eigen::MatrixXd>& table);
+
+/// Elements 0, 2, ... and 1, 3, ... of the strengths that belong to the columns, without copying.
+ElementsOfOneParity even_part(const Eigen::Ref<const Eigen::VectorXd>& strengths);
+ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths);
+
+/// The strengths with the sign (-1)^(l-m) of their column.
+math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths);
+void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result);
+
+/// What the solvers need to know of a medium in one Fourier order.
+struct FourierMedium {
+    math::ScratchVector strengths;  ///< alpha (2l+1) chi_l, l = m ... L - 1
+    double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
+    int lowest_degree = 0;          ///< m
+
+    /// Largest alpha |chi_l|, l >= m: bounds what part of a field one scattering returns, and how
+    /// far the equations are from those without scattering.
+    double strongest() const {
+        double largest = 0.0;
+        for (Eigen::Index c = 0; c < strengths.size(); ++c) {
+            const double degree = double(lowest_degree + c);
+            largest = std::max(largest, std::abs(strengths[c]) / (2.0 * degree + 1.0));
+        }
+        return largest;
+    }
+};
+
+/// Sums of sum_l s_l phi_l(mu_out) phi_l(mu_in) with phi = first + extra, without first * first:
+/// that is the first order of scattering, which is known in closed form and would cancel digits.
+class PairProducts {
+  public:
+    /// @param strengths  s_l
+    /// @param extra      at all requested cosines
+    /// @param first_out  at the outgoing ones; first_in at the incident ones
+    /// @param sum        out x in, added to
+    void add(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+             const Eigen::Ref<const Eigen::MatrixXd>& extra,
+             const Eigen::Ref<const Eigen::MatrixXd>& first_out,
+             const Eigen::Ref<const Eigen::MatrixXd>& first_in,
+             const RequestedDirections& requested, Eigen::MatrixXd& sum);
+
+    /// Subtracts the same with `direct` * first in place of first: of light that has been weakened
+    /// on its way, by one factor for each requested cosine.
+    void subtract_below(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                        const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                        const Eigen::Ref<const Eigen::VectorXd>& direct,
+                        const Eigen::Ref<const Eigen::MatrixXd>& first_out,
+                        const Eigen::Ref<const Eigen::MatrixXd>& first_in,
+                        const RequestedDirections& requested, Eigen::MatrixXd& sum);
+
+  private:
+    /// Fills extra_out_, extra_in_ and weighted_ = s_l extra_in_.
+    void gather(const Eigen::Ref<const Eigen::VectorXd>& strengths,
+                const Eigen::Ref<const Eigen::MatrixXd>& extra,
+                const RequestedDirections& requested);
+
+    math::ScratchMatrix extra_out_, extra_in_, weighted_, product_;
+};
+
+/// Divides by 4 (mu_out + mu_in).
+void divide_by_cosines(const RequestedDirections& requested, Eigen::MatrixXd& reflection);
+
+}  // namespace miebrdf::rte

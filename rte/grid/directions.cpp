@@ -1,0 +1,102 @@
+#include "rte/grid/directions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <miebrdf/error.h>
+#include "rte/math/quadrature.h"
+
+namespace miebrdf::rte {
+namespace {
+
+void require_count(int count) {
+    if (!(count >= kFewestNodes && count <= kMostNodes)) {
+        throw UsageError("streams", count, fmt::format("{} to {}", kFewestNodes, kMostNodes));
+    }
+}
+
+bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>& indices) {
+    return std::all_of(indices.begin(), indices.end(),
+                       [&](int index) { return requested.mu[index] == 1.0; });
+}
+
+}  // namespace
+
+ZenithGrid make_gauss_grid(int count) {
+    require_count(count);
+    const auto rule = math::gauss_legendre(count, 0.0, 1.0);
+    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+    for (int i = 0; i < count; ++i) {
+        grid.mu[i] = rule.nodes[i];
+        grid.weights[i] = rule.weights[i];
+    }
+    return grid;
+}
+
+ZenithGrid make_mapped_gauss_grid(int count) {
+    ZenithGrid grid = make_gauss_grid(count);
+    const Eigen::ArrayXd t = grid.mu.array();
+    grid.weights.array() *= t * (4.0 - 3.0 * t);  // dmu / dt
+    grid.mu = (t.square() * (2.0 - t)).matrix();
+    return grid;
+}
+
+ZenithGrid make_paper_grid(int count) {
+    require_count(count);
+    const double quarter_pi = 0.25 * std::numbers::pi;
+    const auto rule = math::gauss_legendre(count, -1.0, 1.0);
+    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+    for (int i = 0; i < count; ++i) {
+        const int k = count - 1 - i;  // the cosine descends where G ascends
+        grid.mu[i] = std::cos(quarter_pi * (rule.nodes[k] + 1.0));
+        grid.weights[i] =
+            quarter_pi * rule.weights[k] * std::sin(quarter_pi * (rule.nodes[k] + 1.0));
+    }
+    grid.weights /= grid.weights.sum();  // only matters below 6 nodes
+    return grid;
+}
+
+ZenithGrid make_zenith_grid(GridKind kind, int count) {
+    switch (kind) {
+        case GridKind::gauss:
+            return make_gauss_grid(count);
+        case GridKind::mapped_gauss:
+            return make_mapped_gauss_grid(count);
+        case GridKind::paper:
+            return make_paper_grid(count);
+        case GridKind::automatic:
+            break;
+    }
+    throw UsageError("grid", std::string("automatic"), "gauss, mapped_gauss, paper");
+}
+
+RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out) {
+    std::vector<double> cosines = mu_in;
+    cosines.insert(cosines.end(), mu_out.begin(), mu_out.end());
+    std::sort(cosines.begin(), cosines.end());
+    cosines.erase(std::unique(cosines.begin(), cosines.end()), cosines.end());
+    const auto position = [&](double mu) {
+        return int(std::lower_bound(cosines.begin(), cosines.end(), mu) - cosines.begin());
+    };
+    RequestedDirections requested;
+    requested.mu = Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size()));
+    for (const double mu : mu_in) requested.in.push_back(position(mu));
+    for (const double mu : mu_out) requested.out.push_back(position(mu));
+    return requested;
+}
+
+bool only_fourier_order_zero(const RequestedDirections& requested) {
+    return all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
+}
+
+bool fourier_order_vanishes(int fourier_order, std::span<const double> azimuth_deg) {
+    return std::all_of(azimuth_deg.begin(), azimuth_deg.end(), [fourier_order](double azimuth) {
+        return std::abs(std::remainder(fourier_order * azimuth, 180.0)) == 90.0;
+    });
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,47 @@
+// How the tolerance of a result is shared between the steps that lead to it, and when a result has
+// converged.
+#pragma once
+
+namespace miebrdf {
+
+// Each share is a fraction of the tolerance of the whole result, which is relative to the largest
+// value at an incidence. What is left, most of it, is for the number of streams: that error is
+// estimated by comparing two numbers of nodes, and it is the only one that costs much to reduce.
+
+/// Averages over sphere sizes, unless a tolerance of their own is given.
+inline constexpr double kMieShare = 0.2;
+/// Fourier orders that are left out at the end of the sum.
+inline constexpr double kFourierTailShare = 0.25;
+/// Fourier orders of a solution with fewer nodes are taken over once they agree to this.
+inline constexpr double kCoarserOrdersShare = 0.01;
+/// The equations of one Fourier order: iterated half-spaces, refined eigenmodes, and what lies
+/// below a coat that counts as a half-space in that order.
+inline constexpr double kEquationShare = 0.01;
+/// What lies below a coat that hides it (rte/stack/hidden_layers.h).
+inline constexpr double kHiddenLayersShare = 0.1;
+/// Narrow features of the first order: interpolation and the terms left out.
+inline constexpr double kNarrowFeaturesShare = 0.1;
+/// Tables of exact phase functions against the angle, relative to the largest coefficient of a
+/// piece: so small that steps between the pieces stay below whatever is made of the values
+/// (azimuthal series, for instance).
+inline constexpr double kPhaseTableShare = 0.01;
+
+// Phase functions from Mie theory are noisy at single angles: a finite number of sphere sizes does
+// not average out every ripple, and single angles count for little in a reflection.
+
+/// Points of P may err by this times what the moments may (1e-2 at a tolerance of 1e-3), within the
+/// two limits.
+inline constexpr double kPhasePerMoment = 50.0;
+inline constexpr double kLeastPhaseTolerance = 2e-4;
+inline constexpr double kMostPhaseTolerance = 3e-2;
+/// Of the error that points of P may have, the part that interpolation between them may.
+inline constexpr double kPhaseInterpolationShare = 0.5;
+
+/// The one decision of what has converged: the estimate is within the tolerance, and every step on
+/// the way has converged itself. An estimate of NaN has not.
+template <typename... Steps>
+constexpr bool has_converged(double error_estimate, double tolerance, Steps... steps) {
+    return (... && steps) && error_estimate <= tolerance;
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,130 @@
+#include "rte/phase/scaled_medium.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+namespace miebrdf::rte {
+namespace {
+
+// The running mean of split_forward_peak: wider than the beat of a glory in l, narrower than the
+// peak; cut off at four sigma.
+constexpr double kSigma = 12.0;
+constexpr int kHalfWindow = 48;
+// The rest counts when it could move first-order light by this much (times 1 / (1 - alpha f)).
+constexpr double kNegligible = 1e-7;
+
+double chi_at(const Optics& optics, std::size_t degree) {
+    return degree < optics.chi.size() ? optics.chi[degree] : 0.0;
+}
+
+// The peak that L moments cannot carry. Every remaining chi'_l must stay within [-1, 1]:
+// (chi - f) / (1 - f) >= -1 is f <= (1 + chi) / 2.
+double forward_fraction(const Optics& optics, std::size_t moments) {
+    const double f = chi_at(optics, moments);
+    if (!(f > 0.0 && chi_at(optics, moments + 1) >= 0.0)) return 0.0;
+    for (std::size_t l = 0; l < moments; ++l) {
+        if (!(f <= 0.5 * (1.0 + chi_at(optics, l)))) return 0.0;
+    }
+    // A peak whose last moment rounds to 1 leaves nothing to scale by.
+    return std::min(f, 1.0 - 1e-9);
+}
+
+// How much truncation matters.
+double peak_strength(double f) {
+    constexpr double weak = 1e-4;
+    constexpr double strong = 0.2;
+    return f > weak ? std::min(1.0, std::log(f / weak) / std::log(strong / weak)) : 0.0;
+}
+
+// K: the more light the peak holds, the wider the window of cutoffs.
+int first_cutoff(double f, int moments) {
+    constexpr double widest_share = 0.45;
+    return std::max(1, moments - int(std::lround(widest_share * peak_strength(f) * moments)));
+}
+
+// Weight of one cutoff of the window: zero towards both ends, so that the share that is scaled away
+// sets in and ends without a kink.
+double cutoff_weight(int index, int cutoffs) {
+    return std::sin(std::numbers::pi * (index + 1) / (cutoffs + 1));
+}
+
+}  // namespace
+
+double ScaledOptics::share_scaled_away(int degree) const {
+    const int last = int(chi.size());
+    if (degree < first_cutoff) return 0.0;
+    if (degree >= last) return 1.0;
+    // sum_{i=1}^p sin(i h) in closed form, relative to that of all the cutoffs.
+    const double half = 0.5 * std::numbers::pi / (last - first_cutoff + 2);
+    const int p = degree - first_cutoff + 1;
+    return std::sin(p * half) * std::sin((p + 1) * half) / std::cos(half);
+}
+
+Eigen::VectorXd ScaledOptics::strengths() const {
+    Eigen::VectorXd result(chi.size());
+    for (Eigen::Index l = 0; l < chi.size(); ++l) result[l] = albedo * (2.0 * l + 1.0) * chi[l];
+    return result;
+}
+
+ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
+    ScaledOptics scaled;
+    const double sharp = delta_m ? forward_fraction(optics, moments) : 0.0;
+    scaled.first_cutoff = first_cutoff(sharp, moments);
+    scaled.chi = Eigen::VectorXd::Zero(moments);  // (1 - f) chi' until f is known
+    double sum = 0.0;
+    double weights = 0.0;
+    const int cutoffs = moments - scaled.first_cutoff + 1;
+    for (int cutoff = moments; cutoff >= scaled.first_cutoff; --cutoff) {
+        const double f = cutoff == moments ? sharp : chi_at(optics, cutoff);
+        const double weight = cutoff_weight(cutoff - scaled.first_cutoff, cutoffs);
+        weights += weight;
+        sum += weight * f;
+        for (int l = 0; l < cutoff; ++l) scaled.chi[l] += weight * (chi_at(optics, l) - f);
+    }
+    const double f = scaled.truncated = sum / weights;
+    scaled.chi /= double(scaled.chi[0]);  // = weights (1 - f), and exactly 1 afterwards
+    // 1 - alpha f = (1 - f) + (1 - alpha) f: no digits lost when both are close to 1.
+    scaled.depth_factor = (1.0 - f) + optics.one_minus_albedo * f;
+    scaled.one_minus_albedo = optics.one_minus_albedo / scaled.depth_factor;
+    scaled.albedo = optics.single_scattering_albedo * (1.0 - f) / scaled.depth_factor;
+    return scaled;
+}
+
+ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
+    ForwardPeak split;
+    split.first_degree = moments;
+    const int count = int(chi.size());
+    if (count <= moments + 1) return split;
+
+    const Eigen::VectorXd kernel =
+        (-0.5 / (kSigma * kSigma) *
+         Eigen::ArrayXd::LinSpaced(2 * kHalfWindow + 1, -kHalfWindow, kHalfWindow).square())
+            .exp();
+    const Eigen::Map<const Eigen::VectorXd> moment(chi.data(), count);
+    const Eigen::VectorXd logarithm = moment.unaryExpr(
+        [](double x) { return x > 0.0 ? std::log(x) : std::numeric_limits<double>::quiet_NaN(); });
+
+    double largest = 0.0;
+    for (int l = moments; l < count; ++l) {
+        // Near the end the window shrinks on both sides, so that a slope does not become a bias.
+        const int reach = std::min({kHalfWindow, l, count - 1 - l});
+        const auto weights = kernel.segment(kHalfWindow - reach, 2 * reach + 1);
+        const double weight = weights.sum();
+        const double log_mean = weights.dot(logarithm.segment(l - reach, weights.size()));
+        // NaN: not positive throughout the window.
+        const double smooth = std::isnan(log_mean)
+                                  ? weights.dot(moment.segment(l - reach, weights.size())) / weight
+                                  : std::exp(log_mean / weight);
+        split.peak.push_back(smooth);
+        split.rest.push_back(chi[std::size_t(l)] - smooth);
+        largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));
+    }
+    if (largest <= kNegligible) split.rest.clear();
+    return split;
+}
+
+}  // namespace miebrdf::rte

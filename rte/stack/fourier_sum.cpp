@@ -1,0 +1,195 @@
+#include "rte/stack/fourier_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rte/math/tolerance_budget.h"
+#include "rte/stack/stack_solver.h"
+
+namespace miebrdf::rte {
+namespace {
+
+// Slower series are not trusted to be geometric.
+constexpr double kSlowestRatio = 0.7;
+// The rest of a series that is not geometric, in terms of the larger of its last two.
+constexpr double kSeveral = 2.5;
+// Orders in a row that must agree with those of a coarser solution before the rest is taken over.
+constexpr int kEnoughAlike = 2;
+// Orders of larger tables are not kept: 30 of them would take 10 MB.
+constexpr std::size_t kMostPairs = 40000;
+
+double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
+
+}  // namespace
+
+double FourierSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
+    const Eigen::VectorXd largest = reflection.cwiseAbs().colwise().maxCoeff().transpose();
+    if (of_order_zero_.size() == 0) of_order_zero_ = largest;
+    double size = 0.0;
+    for (Eigen::Index i = 0; i < largest.size(); ++i) {
+        if (largest[i] > 0.0) size = std::max(size, largest[i] / of_order_zero_[i]);
+    }
+    return size;
+}
+
+bool FourierTail::ends_with(double largest) {
+    if (count_ == 0) order_zero_ = largest;
+    const double fall = std::max(ratio(largest, last_), ratio(last_, before_last_));
+    const bool is_geometric = count_ >= 3 && fall <= kSlowestRatio;
+    remaining_ = kSeveral * ratio(std::max(largest, count_ > 0 ? last_ : largest), order_zero_);
+    if (is_geometric) {
+        const double envelope = std::max(largest, fall * last_);
+        remaining_ = 2.0 * ratio(envelope, order_zero_) * fall / (1.0 - fall);
+    }
+    if (order_zero_ == 0.0) remaining_ = 0.0;
+    const bool ends = count_ > 0 && remaining_ <= tolerance_;
+    before_last_ = last_;
+    last_ = largest;
+    ++count_;
+    return ends;
+}
+
+namespace {
+
+// Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
+double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
+                       const RequestedDirections& requested) {
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
+        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
+            const double sum = requested.mu[requested.out[o]] + requested.mu[requested.in[i]];
+            largest = std::max(largest, sum * std::abs(reflection(o, i)));
+        }
+    }
+    return largest;
+}
+
+}  // namespace
+
+void CoarserFourierOrders::compare(int fourier_order, const Eigen::MatrixXd& finer,
+                                   const RequestedDirections& requested) {
+    if (fourier_order == 0) order_zero_ = largest_bounded(finer, requested);
+    const auto at = std::size_t(fourier_order);
+    if (at >= orders_.size() || orders_[at].size() != finer.size()) return;
+    const double difference = largest_bounded(finer - orders_[at], requested);
+    const bool is_alike = difference <= tolerance_ * order_zero_;
+    alike_ = is_alike ? alike_ + 1 : 0;
+    // Other orders are apart up to this times as far as order 0.
+    constexpr double other_orders = 10.0;
+    const bool is_first =
+        fourier_order == 0 && other_orders * difference <= tolerance_ * order_zero_;
+    if (is_first && order_zero_ > 0.0) {
+        alike_ = kEnoughAlike;
+        difference_ = other_orders * difference / order_zero_;
+        return;
+    }
+    if (!is_alike || order_zero_ == 0.0) {
+        difference_ = 0.0;
+    } else {
+        difference_ = std::max(difference_, difference / order_zero_);
+    }
+}
+
+const Eigen::MatrixXd* CoarserFourierOrders::settled(int fourier_order) const {
+    const auto at = std::size_t(fourier_order);
+    if (alike_ < kEnoughAlike || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
+    return &orders_[at];
+}
+
+namespace {
+
+// Adds (2 - delta_m0) R^m cos(m azimuth).
+void add_fourier_order(int m, std::span<const double> azimuth_deg,
+                       const Eigen::Block<const Eigen::MatrixXd>& multiple,
+                       Eigen::VectorXd& cosines, std::vector<double>& reflection) {
+    cosines.resize(Eigen::Index(azimuth_deg.size()));
+    for (Eigen::Index a = 0; a < cosines.size(); ++a) {
+        const double azimuth = azimuth_deg[std::size_t(a)] * (std::numbers::pi / 180.0);
+        cosines[a] = m == 0 ? 1.0 : 2.0 * std::cos(m * azimuth);
+    }
+    double* next = reflection.data();
+    for (Eigen::Index i = 0; i < multiple.cols(); ++i) {
+        for (Eigen::Index o = 0; o < multiple.rows(); ++o) {
+            for (const double cosine : cosines) *next++ += cosine * multiple(o, i);
+        }
+    }
+}
+
+// Nothing that matters is cut off: every order converges like the first ones.
+bool is_smooth(const ScaledStack& stack) {
+    constexpr double no_peak = 1e-4;
+    return std::all_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
+        return medium.scaled.truncated <= no_peak;
+    });
+}
+
+// How the equations of one order were solved, and the plane albedos from order 0.
+void note(const Reflector& reflector, int fourier_order, const RequestedDirections& requested,
+          MultipleScattering& sum) {
+    sum.iterations = std::max(sum.iterations, reflector.iterations);
+    sum.residual = std::max(sum.residual, reflector.residual);
+    sum.converged = sum.converged && reflector.converged;
+    if (fourier_order > 0) return;
+    // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
+    for (std::size_t i = 0; i < requested.asked_in(); ++i) {
+        sum.plane_albedo.push_back(reflector.sky_at_requested[requested.in[i]]);
+    }
+}
+
+// What was asked for, without probes.
+auto asked_part(const Eigen::MatrixXd& multiple, const RequestedDirections& requested) {
+    return multiple.topLeftCorner(Eigen::Index(requested.asked_out()),
+                                  Eigen::Index(requested.asked_in()));
+}
+
+}  // namespace
+
+MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                                      const RequestedDirections& requested,
+                                      std::span<const double> azimuth_deg, double tail_tolerance,
+                                      const SolverOptions& options, StackMemory* memory,
+                                      const FourierOrders& coarser_orders) {
+    StackMemory own;
+    const std::size_t azimuths = azimuth_deg.size();
+    MultipleScattering sum;
+    sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
+    const int highest = only_fourier_order_zero(requested) ? 1 : stack.moments;
+    const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostPairs;
+
+    StackSolver solver(stack, grid, requested, options, memory != nullptr ? *memory : own);
+    FourierTail tail(tail_tolerance);
+    FourierSizes sizes;
+    CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
+    Eigen::VectorXd cosines;
+    int m = 0;
+    for (bool ended = false; m < highest && !ended; ++m) {
+        if (m > 0 && fourier_order_vanishes(m, azimuth_deg)) continue;
+        const Eigen::MatrixXd* multiple = coarser.settled(m);
+        if (multiple == nullptr) {
+            const Reflector& reflector =
+                m == 0 ? solver.solve(m, ReflectorParts::sky, flux_weights(grid))
+                       : solver.solve(m, ReflectorParts::pairs);
+            if (!reflector.physical) {
+                sum.physical = false;
+                return sum;
+            }
+            note(reflector, m, requested, sum);
+            multiple = &reflector.multiple;
+            coarser.compare(m, *multiple, requested);
+        }
+        sum.fourier_orders = m + 1;
+        const auto asked = asked_part(*multiple, requested);
+        add_fourier_order(m, azimuth_deg, asked, cosines, sum.reflection);
+        ended = tail.ends_with(sizes.next(asked));
+        if (keep) {
+            sum.by_fourier_order.resize(std::size_t(m) + 1);
+            sum.by_fourier_order.back() = *multiple;
+        }
+    }
+    sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
+    if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
+    return sum;
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,120 @@
+// The sum over Fourier orders in azimuth, until the directions asked for no longer notice: when it
+// may stop, and which orders a solution with fewer nodes has settled already.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include <miebrdf/solver.h>
+#include "rte/grid/directions.h"
+
+namespace miebrdf::rte {
+
+/// Sizes of successive Fourier orders: |R^m|, the largest at each incidence relative to that of
+/// order 0, and of these the largest. By incidence, as errors are: a bright zenith in the same
+/// request says nothing of grazing light.
+class FourierSizes {
+  public:
+    /// @param reflection  R^m, out x in; m = 0 first
+    double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
+
+  private:
+    Eigen::VectorXd of_order_zero_;
+};
+
+/// Watches the sizes of successive Fourier orders and says when those still to come are below a
+/// tolerance relative to order 0.
+///
+/// Orders of a smooth phase function fall like r^m: once two steps in a row have fallen by r <= 0.7
+/// or more, the rest is a geometric series, 2 v r / (1 - r) with the 2 of 2 R^m cos(m azimuth). v
+/// is the envelope max(v_m, r v_(m-1)), because one small order may be an accident of parity. Where
+/// the orders fall otherwise, the rest is taken as 2.5 times the larger of the last two.
+class FourierTail {
+  public:
+    explicit FourierTail(double tolerance) : tolerance_(tolerance) {}
+
+    /// Takes the size of the next order. True once the rest no longer matters.
+    bool ends_with(double largest);
+
+    /// What the orders still to come amount to, relative to order 0.
+    double remaining() const { return remaining_; }
+
+  private:
+    double tolerance_;
+    int count_ = 0;
+    double order_zero_ = 0.0;
+    double before_last_ = 0.0;
+    double last_ = 0.0;
+    double remaining_ = 0.0;
+};
+
+/// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.
+using FourierOrders = std::vector<Eigen::MatrixXd>;
+
+/// A finer solution repeats the Fourier orders of a coarser one until two in a row differ by less
+/// than a tolerance, relative to order 0, or order 0 itself by less than a tenth of it; the rest it
+/// takes over. Both converge alike in every order as long as the phase functions are smooth: of 442
+/// random coated scenes with 10 to 48 nodes, compared at 25 pairs, the worst order was apart 0.2
+/// times as far as order 0 in the median, 3.3 times in one of a hundred, 7.6 times at most. Where a
+/// peak is cut off they do not, and nothing must be taken over. Few pairs may agree by accident:
+/// they need probes (RequestedDirections).
+class CoarserFourierOrders {
+  public:
+    /// @param orders  of the coarser solution; empty: nothing is taken over
+    CoarserFourierOrders(const FourierOrders& orders, double tolerance)
+        : orders_(orders), tolerance_(tolerance) {}
+
+    /// Takes note of one order of the finer solution.
+    void compare(int fourier_order, const Eigen::MatrixXd& finer,
+                 const RequestedDirections& requested);
+
+    /// The coarser R^m, or null where the finer one has to be computed.
+    const Eigen::MatrixXd* settled(int fourier_order) const;
+
+    /// How far the orders that agreed were apart, relative to order 0: no order that was taken over
+    /// is known better.
+    double difference() const { return difference_; }
+
+  private:
+    const FourierOrders& orders_;
+    double tolerance_;
+    double order_zero_ = 0.0;
+    double difference_ = 0.0;
+    int alike_ = 0;
+};
+
+struct ScaledStack;
+struct StackMemory;
+
+/// Reflection without the first order of scattering, and how it was found.
+struct MultipleScattering {
+    std::vector<double> reflection;  ///< [(i * out + o) * azimuths + a]
+    /// At the incident cosines, all orders of scattering: what Fourier order 0 knows anyway.
+    std::vector<double> plane_albedo;
+    int fourier_orders = 0;  ///< the highest one summed, plus 1
+    int iterations = 0;
+    double residual = 0.0;
+    /// Fourier orders not summed, or the doubt in those taken over, relative to order 0: largest
+    /// (mu + mu') R.
+    double tail = 0.0;
+    bool converged = true;
+    bool physical = true;
+    /// For a finer solution, probes too; empty where none may be taken over.
+    FourierOrders by_fourier_order;
+};
+
+/// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
+///
+/// Stops where the orders still to come are below `tail_tolerance`. Only m = 0 is computed when all
+/// incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders whose cosine is zero
+/// at every azimuth (the odd ones across the plane of incidence) are left out.
+/// @param memory   for its matrices (stack_solver.h); null: of its own
+/// @param coarser  by_fourier_order of a solution with fewer nodes, or empty
+MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid& grid,
+                                      const RequestedDirections& requested,
+                                      std::span<const double> azimuth_deg, double tail_tolerance,
+                                      const SolverOptions& options, StackMemory* memory = nullptr,
+                                      const FourierOrders& coarser = {});
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,45 @@
+// Whether a coat hides what lies below it: all questions about it that the solver, the choice of
+// visible layers and the plan ask.
+#pragma once
+
+#include <miebrdf/optics.h>
+#include <miebrdf/solver.h>
+
+namespace miebrdf::rte {
+
+struct FourierMedium;
+
+/// Whether light that went straight through a coat and back is below the tolerance. A coat that
+/// lets more through hides nothing, and no optics are needed to know it.
+/// @param directions  may be without mu_out: only albedos are wanted
+bool may_hide(double optical_depth, const Directions& directions, double tolerance);
+
+/// Whether nothing below a coat shows within its share of the tolerance (kHiddenLayersShare).
+///
+/// Over a Lambertian ground of albedo 1 and over a black one a coat's plane albedos A differ by
+/// V(mu) = T(mu) T / (1 - S), its reflection functions by T(mu) T(mu_0) / (1 - S) =
+/// V(mu) V(mu_0) / V with the spherical V = T^2 / (1 - S) (T: transmission, S: reflection from
+/// below). Two solutions of Fourier order 0 give them. No base returns more light than the white
+/// ground; that it may send it elsewhere is what the factor of safety (10) is for.
+/// @param directions  without mu_out: only albedos are wanted
+bool hides_what_is_below(const Optics& coat, double optical_depth, const Directions& directions,
+                         double tolerance);
+
+/// Whether a coat counts as a half-space in one Fourier order: a bound, asked by the solver of
+/// every coat and order.
+/// @param tolerance  of the equations of that order
+bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,
+                            double tolerance);
+
+/// A coat without bottom is a half-space: nothing below it exists for the solver.
+bool is_bottomless(double optical_depth);
+
+/// A scaled optical depth that the equations can bear. What lies below a coat of depth 1e100 does
+/// not show in double precision, absorbing or not, and the square of the depth does not overflow;
+/// infinity stays infinity.
+double bounded_depth(double scaled_optical_depth);
+
+/// Media of albedo 0 at the bottom of a stack return nothing: a black ground takes their place.
+Stack with_black_ground(Stack stack);
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,148 @@
+#include "pipeline/solve/checks.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mie/ensemble/phase_table.h"
+#include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+
+using namespace miebrdf;
+using support::scene_of;
+using support::under_surface;
+
+namespace {
+
+// P = 1 everywhere, in two panels whose noise differs.
+rte::Optics noisy_isotropic(double albedo, double forward, double backward) {
+    rte::Optics optics = rte::isotropic_optics(albedo);
+    constexpr double pi = std::numbers::pi;
+    optics.phase =
+        mie::PhaseTable({0, pi / 2, pi}, Eigen::MatrixXd::Ones(8, 2), 0, 0, {forward, backward}, 0);
+    return optics;
+}
+
+WavelengthReport judged(double solver_error, bool solver_converged, double mie_error,
+                        bool mie_converged) {
+    WavelengthReport report;
+    report.solver.error_estimate = solver_error;
+    report.solver.converged = solver_converged;
+    judge(report, mie_error, mie_converged, 1e-3);
+    return report;
+}
+
+}  // namespace
+
+TEST_CASE("converged is what both estimates together and every step say", "[pipeline][budget]") {
+    CHECK(judged(5e-4, true, 4e-4, true).converged);
+    CHECK(judged(5e-4, true, 4e-4, true).error_estimate == Approx(9e-4));
+    CHECK(judged(5e-4, true, 4e-4, true).mie_error_estimate == 4e-4);
+    CHECK_FALSE(judged(7e-4, true, 4e-4, true).converged);
+    CHECK_FALSE(judged(5e-4, false, 4e-4, true).converged);
+    CHECK_FALSE(judged(5e-4, true, 4e-4, false).converged);
+    CHECK_FALSE(judged(std::nan(""), true, 0, true).converged);
+}
+
+TEST_CASE("streams get what Mie theory leaves of the tolerance, half of it at least",
+          "[pipeline][budget]") {
+    CHECK(rest_of_tolerance(1e-3, 0) == 1e-3);
+    CHECK(rest_of_tolerance(1e-3, 2e-4) == Approx(8e-4));
+    CHECK(rest_of_tolerance(1e-3, 9e-4) == 5e-4);
+    CHECK(rest_of_tolerance(1e-3, 1) == 5e-4);
+}
+
+TEST_CASE("noise of P comes through single scattering", "[pipeline][noise]") {
+    const double albedo = 0.8, mu_in = 0.5, mu_out = 0.25;
+    const Directions towards_source{{mu_in}, {mu_out}, {180}};
+    const rte::Stack base{.base = noisy_isotropic(albedo, 0.5, 0.01)};
+    const double R = 0.3;
+    const double direct = albedo * 0.01 / (4 * (mu_in + mu_out)) / R;
+    const PhaseNoise noise = largest_phase_noise(base, towards_source, {R}, 32);
+    CHECK(std::abs(noise.largest / direct - 1) <= 1e-12);
+    CHECK(noise.mu_in == mu_in);
+    CHECK(noise.mu_out == mu_out);
+    CHECK(noise.azimuth_deg == 180);
+    // Of a coat only what its depth scatters.
+    const double depth = 0.1;
+    const rte::Stack coat{.coats = {{noisy_isotropic(albedo, 0.5, 0.01), depth}},
+                          .base_kind = rte::BaseKind::none};
+    const double share = 1 - std::exp(-depth * (1 / mu_in + 1 / mu_out));
+    const PhaseNoise of_coat = largest_phase_noise(coat, towards_source, {R}, 32);
+    CHECK(std::abs(of_coat.largest / (direct * share) - 1) <= 1e-12);
+    // Formulas have none.
+    const rte::Stack formula{.base = rte::henyey_greenstein_optics(0.9, 0.5)};
+    CHECK(largest_phase_noise(formula, towards_source, {R}, 32).largest == 0);
+}
+
+TEST_CASE("the noise that a result states covers its change with more sizes", "[pipeline][noise]") {
+    const auto [index, radius_um] =
+        GENERATE(table<double, double>({{1.5, 5}, {2.6, 5}, {1.33, 10}}));
+    CAPTURE(index, radius_um);
+    Scene scene = scene_of(fmt::format("index:{},0,radius={}", index, radius_um));
+    const Directions directions = {{0.3, 0.7, 1.0}, {0.2, 0.5, 0.9}, {0, 45, 90, 135, 180}};
+    const SolverOptions options{.streams = 16};
+    const BrdfValues values = solve(scene, {550}, options).evaluate(directions);
+    scene.particles.tolerance = 1e-5;  // P to 5e-4
+    const BrdfValues finer = solve(scene, {550}, options).evaluate(directions);
+    const PhaseNoise noise = values.noisiest().phase_noise;
+    REQUIRE(noise.largest > 0);
+    CHECK(finer.noisiest().phase_noise.largest <= 0.5 * noise.largest);
+    double largest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        double brightest = 0, change = 0;
+        for (std::size_t o = 0; o < 3; ++o) {
+            for (std::size_t a = 0; a < 5; ++a) {
+                const double better = finer.at(0, i, o, a);
+                brightest = std::max(brightest, better);
+                change = std::max(change, std::abs(values.at(0, i, o, a) - better));
+            }
+        }
+        largest = std::max(largest, change / brightest);
+    }
+    // Three times an rms, and what the moments may change.
+    CHECK(largest <= 3 * noise.largest + 2 * values.wavelengths[0].mie_error_estimate);
+}
+
+TEST_CASE("the physics of a table: defect among pairs that are there both ways, least value",
+          "[pipeline][physics]") {
+    // mu_in {0.2, 0.5} x mu_out {0.5, 0.2, 0.9}: pairs (0.2, 0.5) and (0.5, 0.2) swap.
+    const Directions directions{{0.2, 0.5}, {0.5, 0.2, 0.9}, {0}};
+    const PhysicsReport report = physics_of({4, 1, 7, 2, 3, -5}, directions);
+    REQUIRE(report.reciprocity_defect);
+    CHECK(std::abs(*report.reciprocity_defect - 1.0 / 7) <= 1e-15);  // |4 - 3| / 7
+    CHECK(report.least_value == -5);
+    CHECK_FALSE(physics_of({1, 2}, {{0.2}, {0.5, 0.9}, {0}}).reciprocity_defect);
+}
+
+TEST_CASE(
+    "layers are reciprocal to rounding and keep energy; the paper's coupling is not reciprocal",
+    "[pipeline][physics]") {
+    Scene scene = under_surface(scene_of("index:1.7,0.01,radius=2", {"hg:0.8,0.6@0.5"}), 0.3,
+                                std::complex(1.7, 0.01));
+    const Directions directions = {{0.2, 0.6, 1.0}, {0.2, 0.6, 1.0}, {0, 60, 180}};
+    const auto slice = [&] { return solve(scene, {550}).evaluate(directions).slices[0]; };
+    const BrdfValues::Slice paper = slice();
+    // Sums of a few dozen orders with condition numbers of the matrices below 1e4.
+    CHECK(*paper.layers_physics.reciprocity_defect <= 1e-10);
+    CHECK(*paper.physics.reciprocity_defect > 1e-6);
+    CHECK(*paper.layers_physics.largest_albedo > 0);
+    CHECK(*paper.physics.largest_albedo > *paper.layers_physics.largest_albedo);
+    CHECK(*paper.physics.largest_albedo <= 1);
+    CHECK(paper.physics.least_value > 0);
+
+    scene.coupling = rte::SurfaceCoupling::reciprocal;
+    CHECK(*slice().physics.reciprocity_defect <= 1e-10);
+}
+
+TEST_CASE("the albedo in a physics report is the one that albedo computes", "[pipeline][physics]") {
+    const Brdf brdf = solve(scene_of("hg:0.95,0.7"), {550});
+    const BrdfValues values = brdf.evaluate({{0.3, 1.0}, {0.5}, {0}});
+    const AlbedoValues albedo = brdf.albedo({0.3, 1.0});
+    const double largest = std::max(albedo.at(0, 0), albedo.at(0, 1));
+    // Different numbers of nodes, both within the tolerance.
+    CHECK(std::abs(*values.slices[0].physics.largest_albedo / largest - 1) <= 2 * values.tolerance);
+}

@@ -1,0 +1,143 @@
+// miebrdf bench: error against run time, as a table, a page and plots.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <functional>
+
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
+#include "pipeline/scene/number_list.h"
+#include "tools/bench/curve_plot.h"
+#include "tools/bench/report.h"
+#include "tools/bench/results.h"
+#include "tools/bench/suites.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchArguments {
+    std::string suites = "mie,half-space,coat,surface,pipeline,rules";
+    std::string compare_with;
+    std::string read;
+    std::string docs;
+    int repeats = 5;
+    double longest = 4.0;
+};
+
+void write_file(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+    AtomicFile file(path);
+    write(file.stream());
+    file.commit();
+}
+
+/// "half-space", "g 0.9, albedo 1" -> "half-space-g-0.9-albedo-1.svg"
+std::string file_name(const std::string& suite, const std::string& test_case) {
+    std::string name;
+    for (const char c : fmt::format("{} {}", suite, test_case)) {
+        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.';
+        if (plain) {
+            name += c;
+        } else if (!name.empty() && name.back() != '-') {
+            name += '-';
+        }
+    }
+    return name + ".svg";
+}
+
+bench::Results measured(const BenchArguments& arguments, const Shell& shell) {
+    if (!arguments.read.empty()) return bench::read_results(arguments.read);
+    std::vector<bench::BenchCase> cases;
+    for (const std::string& name : split_list(arguments.suites)) {
+        for (auto& c : bench::suite(name)) cases.push_back(std::move(c));
+    }
+    const bench::MeasureOptions options{.repeats = arguments.repeats,
+                                        .longest_total = arguments.longest};
+    auto results =
+        bench::run_cases(cases, options, [&](const std::string& name) { shell.note(name); });
+    results.facts.emplace_back("command", shell.command_line());
+    return results;
+}
+
+void write_folder(const fs::path& folder, const bench::Results& results,
+                  const std::vector<bench::Change>& changes) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    write_file(folder / "results.csv",
+               [&](std::ostream& out) { bench::write_results(results, out); });
+    write_file(folder / "index.html",
+               [&](std::ostream& out) { out << bench::report_page(results, changes); });
+    const bench::MethodStyles styles(results.measurements);
+    for (const auto& [suite, name] : bench::cases_of(results)) {
+        if (bench::is_about_rules(suite)) continue;  // a table, no curve
+        const auto points = bench::of_case(results, suite, name);
+        write_file(
+            folder / file_name(suite, name), [&, suite = suite, name = name](std::ostream& out) {
+                out << bench::curve_plot_svg(fmt::format("{}: {}", suite, name), points, styles);
+            });
+    }
+    if (!changes.empty()) {
+        write_file(folder / "comparison.csv",
+                   [&](std::ostream& out) { bench::write_comparison(changes, out); });
+    }
+}
+
+int run(const BenchArguments& arguments, const Shell& shell) {
+    if (shell.common().output.empty())
+        throw UsageError("bench writes several files: give a folder with -o DIR");
+    if (arguments.repeats < 1)
+        throw UsageError(fmt::format("{} repeats; at least 1", arguments.repeats));
+    std::vector<bench::Change> changes;
+    bench::Results before;
+    if (!arguments.compare_with.empty()) before = bench::read_results(arguments.compare_with);
+    const auto results = measured(arguments, shell);
+    if (!arguments.compare_with.empty()) changes = bench::compare(before, results);
+    write_folder(shell.common().output, results, changes);
+    for (const auto& c : changes) {
+        if (c.verdict != "same") {
+            shell.note(fmt::format("{} / {}, {} {}: {}", c.after.suite, c.after.test_case,
+                                   c.after.method, c.after.parameter, c.verdict));
+        }
+    }
+    if (!arguments.docs.empty()) bench::update_bench_documents(arguments.docs, results);
+    shell.tell_written({.facts = {{"points", double(results.measurements.size())}},
+                        .columns = {"folder"},
+                        .rows = {{shell.common().output}}});
+    shell.note(fmt::format("{} points in {}", results.measurements.size(), shell.common().output));
+    return kGood;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<BenchArguments>();
+    command
+        .add_option("--suite", arguments->suites,
+                    "mie, half-space, coat, surface, pipeline, rules; default all")
+        ->type_name("LIST");
+    command
+        .add_option("--compare", arguments->compare_with,
+                    "compare with the results.csv of an earlier run")
+        ->type_name("OLD.csv");
+    command.add_option("--repeats", arguments->repeats,
+                       "how often every method is timed; default 5");
+    command.add_option("--longest", arguments->longest,
+                       "longest CPU time in seconds for repeating one measurement; default 4");
+    command
+        .add_option("--read", arguments->read,
+                    "do not measure; draw plots and page from this results.csv")
+        ->type_name("FILE");
+    command
+        .add_option("--docs", arguments->docs,
+                    "rewrite the generated parts of accuracy.md and performance.md in this folder")
+        ->type_name("FOLDER");
+    shell.add_common_options(command, Writes::folder);
+    command.footer(
+        "Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n"
+        "  miebrdf bench --suite half-space -o bench-results");
+    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,36 @@
+// What a run found, for people: one HTML page, and the generated parts of pages in docs/.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/bench/results.h"
+
+namespace miebrdf::bench {
+
+/// The errors that the "what to choose" tables answer for.
+const std::vector<double>& wanted_errors();
+
+/// Curves of every case (inline SVG), what to choose for a wanted error, the comparison with an
+/// earlier run if there is one, machine and versions. Opens without network; a small inline script
+/// shows and hides methods.
+std::string report_page(const Results& results, const std::vector<Change>& changes = {});
+
+/// Markdown of the "what to choose" table of one suite, for the documentation.
+std::string choice_table_markdown(const Results& results, const std::string& suite);
+
+/// `page` with everything between its two marks of this name replaced.
+/// @throws miebrdf::InputError  when a mark is missing
+std::string with_generated_part(const std::string& page, const std::string& name,
+                                const std::string& text);
+
+/// Puts choice tables, error tables and plots of these results into accuracy.md and performance.md
+/// of a folder, and the plots into its subfolder plots/.
+void update_bench_documents(const std::filesystem::path& folder, const Results& results);
+
+/// Replaces one generated part of a file.
+void update_document(const std::filesystem::path& file, const std::string& name,
+                     const std::string& text);
+
+}  // namespace miebrdf::bench

@@ -1,0 +1,212 @@
+// miebrdf materials nk, plot: n and k at wavelengths, as a table and as a picture.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <miebrdf/error.h>
+#include "pipeline/plot/spectra.h"
+#include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/materials_command.h"
+
+namespace miebrdf::program {
+namespace {
+
+using materials::Extrapolation;
+using materials::Interpolation;
+
+struct NkArguments {
+    DatabaseArgument database;
+    std::string name;
+    std::string wavelengths;
+    std::string interpolation = "pchip";
+    std::string extrapolate = "refuse";
+    double k_floor = 0.0;
+    bool missing_k_zero = false;
+};
+
+materials::IndexOptions options_of(const NkArguments& arguments) {
+    materials::IndexOptions options;
+    if (arguments.interpolation == "linear")
+        options.interpolation = Interpolation::linear_in_wavelength;
+    if (arguments.interpolation == "linear-energy") {
+        options.interpolation = Interpolation::linear_in_energy;
+    }
+    if (arguments.extrapolate == "clamp") options.extrapolation = Extrapolation::clamp;
+    options.missing_k_is_zero = arguments.missing_k_zero;
+    return options;
+}
+
+void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArguments& arguments) {
+    auto& facts = table.facts;
+    facts.emplace_back("units",
+                       "wavelength_nm: nm in vacuum; n, k: dimensionless, exp(-i omega t)");
+    facts.emplace_back("dataset", dataset.material + "/" + dataset.label);
+    facts.emplace_back("source", dataset.reference.empty()
+                                     ? dataset.source
+                                     : dataset.source + "; " + dataset.reference);
+    facts.emplace_back("interpolation", arguments.interpolation);
+    for (const std::string& correction : dataset.corrections)
+        facts.emplace_back("correction", correction);
+    if (!dataset.k_known) facts.emplace_back("k", "unknown (not measured); taken as 0");
+    if (dataset.k_known && arguments.missing_k_zero)
+        facts.emplace_back("k", "taken as 0 where it is unknown");
+    if (arguments.k_floor > 0) facts.emplace_back("k floor", arguments.k_floor);
+}
+
+int run_nk(const NkArguments& arguments, const Shell& shell) {
+    const std::vector<double> wavelengths_nm = parse_wavelengths_nm(arguments.wavelengths);
+    const materials::Database database = arguments.database.open();
+    const materials::DatasetInfo dataset = database.dataset_info(arguments.name);
+    const std::string full_name = dataset.material + "/" + dataset.label;
+    Table table;
+    add_facts(table, dataset, arguments);
+    table.columns = {"wavelength_nm", "n", "k"};
+    try {
+        const auto index = database.refractive_index(full_name, options_of(arguments));
+        for (const double wavelength_nm : wavelengths_nm) {
+            const auto m = index.at(wavelength_nm);
+            if (!index.covers(wavelength_nm)) {
+                table.facts.emplace_back(
+                    "extrapolated",
+                    fmt::format("{} nm is outside {} to {} nm: value of "
+                                "the nearer end",
+                                wavelength_nm, index.shortest_nm(), index.longest_nm()));
+            }
+            table.rows.push_back({wavelength_nm, m.real(), std::max(m.imag(), arguments.k_floor)});
+        }
+    } catch (const std::logic_error& error) {  // out of range, or a dataset without n
+        throw InputError(error.what());
+    }
+    shell.write(std::move(table));
+    return kGood;
+}
+
+struct PlotArguments {
+    DatabaseArgument database;
+    std::vector<std::string> names;
+    std::string range;
+    double scale = 2.0;
+};
+
+/// As many points as make a smooth curve, the ends of the data among them.
+std::vector<double> wavelengths_of(const materials::RefractiveIndex& index, double from,
+                                   double to) {
+    constexpr int kPoints = 400;
+    std::vector<double> wavelengths;
+    const double first = std::max(from, index.shortest_nm()),
+                 last = std::min(to, index.longest_nm());
+    if (!(first <= last)) return wavelengths;
+    for (int i = 0; i <= kPoints; ++i) {
+        wavelengths.push_back(i == kPoints ? last : first + (last - first) * i / kPoints);
+    }
+    return wavelengths;
+}
+
+plot::IndexCurve curve_of(const materials::Database& database, const std::string& name, double from,
+                          double to) {
+    const auto dataset = database.dataset_info(name);
+    plot::IndexCurve curve;
+    curve.label = dataset.material + "/" + dataset.label;
+    try {
+        const auto index = database.refractive_index(curve.label);
+        for (const double wavelength_nm : wavelengths_of(index, from, to)) {
+            const auto m = index.at(wavelength_nm);
+            curve.wavelength_nm.push_back(wavelength_nm);
+            curve.n.push_back(m.real());
+            curve.k.push_back(m.imag());
+        }
+        if (curve.n.empty()) {
+            throw InputError(fmt::format("{} covers {} to {} nm: nothing to draw", curve.label,
+                                         index.shortest_nm(), index.longest_nm()));
+        }
+    } catch (const std::logic_error& error) {
+        throw InputError(error.what());
+    }
+    return curve;
+}
+
+int run_plot(const PlotArguments& arguments, const Shell& shell) {
+    const std::string& output = shell.common().output;
+    if (output.empty() || output == "-")
+        throw UsageError("a plot needs -o FILE.svg or -o FILE.png");
+    double from = 0.0, to = std::numeric_limits<double>::infinity();
+    if (!arguments.range.empty()) {
+        const std::vector<std::string> ends = split_list(arguments.range, ':');
+        if (ends.size() != 2)
+            throw UsageError(fmt::format("--range '{}': expected A:B", arguments.range));
+        from = parse_wavelength_nm(ends[0]);
+        to = parse_wavelength_nm(ends[1]);
+        if (from > to) std::swap(from, to);
+    }
+    const materials::Database database = arguments.database.open();
+    std::vector<plot::IndexCurve> curves;
+    for (const std::string& name : arguments.names) {
+        curves.push_back(curve_of(database, name, from, to));
+    }
+    const plot::Caption caption{"", shell.command_line()};
+    plot::save_picture(plot::draw_nk(std::move(curves), caption), output, arguments.scale);
+    shell.tell_written({.columns = {"file"}, .rows = {{output}}});
+    return kGood;
+}
+
+void add_nk(CLI::App& materials, Shell& shell) {
+    auto arguments = std::make_shared<NkArguments>();
+    auto* command = materials.add_subcommand("nk", "n and k of a material at wavelengths");
+    command->add_option("name", arguments->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    command
+        ->add_option(
+            "--wavelengths", arguments->wavelengths,
+            "list or range; nm, or with a unit: nm, um, A, eV, cm-1, THz; rgb is 620,535,480")
+        ->type_name("LIST")
+        ->required();
+    command
+        ->add_option("--interpolation", arguments->interpolation,
+                     "pchip: monotone in photon energy; linear: in wavelength, as other tools; "
+                     "linear-energy")
+        ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}))
+        ->capture_default_str();
+    command
+        ->add_option(
+            "--extrapolate", arguments->extrapolate,
+            "outside the data: refuse, or clamp to the nearer end (and say so in the output)")
+        ->check(CLI::IsMember({"refuse", "clamp"}))
+        ->capture_default_str();
+    command
+        ->add_option("--k-floor", arguments->k_floor,
+                     "smallest k: smaller values are raised to this")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--missing-k-zero", arguments->missing_k_zero,
+                      "k = 0 where n is known and k is not, instead of an error");
+    arguments->database.add_to(*command);
+    shell.add_common_options(*command);
+    command->footer("Example:\n  miebrdf materials nk GaP --wavelengths 400:700:10,2.25eV");
+    shell.on_run(*command, [arguments, &shell] { return run_nk(*arguments, shell); });
+}
+
+void add_plot(CLI::App& materials, Shell& shell) {
+    auto arguments = std::make_shared<PlotArguments>();
+    auto* command = materials.add_subcommand("plot", "n and k over wavelength, as SVG or PNG");
+    command
+        ->add_option("names", arguments->names, "NAME, NAME/DATASET or SOURCE:KEY; several overlay")
+        ->required();
+    command->add_option("--range", arguments->range, "only wavelengths A:B (nm or units)")
+        ->type_name("A:B");
+    command->add_option("--scale", arguments->scale, "PNG pixels for each SVG unit")
+        ->check(CLI::Range(0.1, 20.0))
+        ->capture_default_str();
+    arguments->database.add_to(*command);
+    shell.add_common_options(*command, Writes::file);
+    command->footer("Example:\n  miebrdf materials plot GaP TiO2 -o nk.svg");
+    shell.on_run(*command, [arguments, &shell] { return run_plot(*arguments, shell); });
+}
+
+}  // namespace
+
+void add_materials_nk_commands(CLI::App& materials, Shell& shell) {
+    add_nk(materials, shell);
+    add_plot(materials, shell);
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,195 @@
+// miebrdf sphere, optics, phase: single scattering by a sphere, by a medium.
+#include <fmt/format.h>
+
+#include <miebrdf/error.h>
+#include <miebrdf/sphere.h>
+#include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/scene_options.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct SphereArguments {
+    std::string index;
+    std::string size_parameters;
+    std::string angles;
+};
+
+Table efficiencies(std::complex<double> index, const std::vector<double>& size_parameters,
+                   bool& all_reached) {
+    Table table;
+    table.columns = {"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"};
+    for (const double x : size_parameters) {
+        const mie::SphereOptics sphere = mie::scatter_by_sphere(index, x);
+        all_reached = all_reached && sphere.reached;
+        table.rows.push_back({index.real(), index.imag(), x, sphere.q_ext, sphere.q_sca,
+                              sphere.q_abs, sphere.q_back, sphere.asymmetry});
+    }
+    return table;
+}
+
+Table amplitudes(std::complex<double> index, const std::vector<double>& size_parameters,
+                 const std::vector<double>& angles_deg) {
+    Table table;
+    table.facts.emplace_back("units", "angle_deg in degrees; S1, S2 for time factor exp(-i w t)");
+    table.columns = {"n", "k", "size_parameter", "angle_deg", "s1_re", "s1_im", "s2_re", "s2_im"};
+    for (const double x : size_parameters) {
+        const mie::Amplitudes a = mie::scattering_amplitudes(index, x, angles_deg);
+        for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+            table.rows.push_back({index.real(), index.imag(), x, angles_deg[i], a.s1[i].real(),
+                                  a.s1[i].imag(), a.s2[i].real(), a.s2[i].imag()});
+        }
+    }
+    return table;
+}
+
+int run(const SphereArguments& arguments, const Shell& shell) {
+    const std::complex<double> index =
+        parse_index(std::vector<WordValue>{arguments.index}, "index");
+    const auto sizes = parse_number_list(arguments.size_parameters, "size parameter");
+    bool all_reached = true;
+    Table table = arguments.angles.empty()
+                      ? efficiencies(index, sizes, all_reached)
+                      : amplitudes(index, sizes,
+                                   parse_number_list(arguments.angles, "scattering angle (degrees)",
+                                                     0.0, 180.0));
+    if (!all_reached)
+        table.facts.emplace_back("not converged", "some series were not summed to rounding");
+    shell.write(std::move(table));
+    return all_reached ? kGood : kNotConverged;
+}
+
+constexpr double kDefaultMieTolerance = 1e-4;
+
+struct MediumArguments {
+    std::string medium;
+    int highest_moment = -1;
+    std::string angles;
+    MediaArguments media;
+
+    MediaSpectra look_up(const std::vector<double>& angles_deg) const {
+        return media.look_up({medium}, {.highest_moment = highest_moment,
+                                        .angles_deg = angles_deg,
+                                        .tolerance = kDefaultMieTolerance});
+    }
+};
+
+void add_facts(Table& table, const MediaSpectra& spectra, const std::string& units) {
+    table.facts.emplace_back("units", units);
+    table.facts.emplace_back("source", spectra.scene.sources.front());
+    if (!spectra.particles.empty()) table.facts.emplace_back("particles", spectra.particles);
+    if (!spectra.converged())
+        table.facts.emplace_back("not converged", "the size average missed its tolerance");
+}
+
+Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
+
+std::vector<Cell> optics_row(const MediaSpectra& spectra, std::size_t w) {
+    const MediumOptics& o = spectra.optics[w].front();
+    const auto& index = spectra.scene.media.front().index;
+    std::vector<Cell> row = {spectra.scene.wavelength_nm[w],
+                             index.empty() ? Cell() : Cell(index[w].real()),
+                             index.empty() ? Cell() : Cell(index[w].imag()),
+                             o.optics.single_scattering_albedo,
+                             o.asymmetry,
+                             cell_of(o.q_ext),
+                             o.error_estimate};
+    const auto& chi = o.optics.chi;
+    for (int l = 0; l <= spectra.demand.highest_moment; ++l)
+        row.emplace_back(l < static_cast<int>(chi.size()) ? chi[l] : 0.0);
+    return row;
+}
+
+int write_optics(MediaSpectra spectra, const Shell& shell) {
+    spectra.compute(shell.control());
+    Table table;
+    add_facts(table, spectra, "wavelength_nm: nm in vacuum; all others dimensionless");
+    table.columns = {"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
+                     "error_estimate"};
+    for (int l = 0; l <= spectra.demand.highest_moment; ++l)
+        table.columns.push_back(fmt::format("chi_{}", l));
+    for (std::size_t w = 0; w < spectra.optics.size(); ++w)
+        table.rows.push_back(optics_row(spectra, w));
+    shell.write(std::move(table));
+    return spectra.converged() ? kGood : kNotConverged;
+}
+
+int write_phase(MediaSpectra spectra, const Shell& shell) {
+    spectra.compute(shell.control());
+    Table table;
+    add_facts(table, spectra,
+              "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1");
+    table.columns = {"wavelength_nm", "angle_deg", "phase"};
+    const std::vector<double>& angles = spectra.demand.angles_deg;
+    for (std::size_t w = 0; w < spectra.optics.size(); ++w) {
+        for (std::size_t a = 0; a < angles.size(); ++a) {
+            table.rows.push_back(
+                {spectra.scene.wavelength_nm[w], angles[a], spectra.optics[w].front().phase[a]});
+        }
+    }
+    shell.write(std::move(table));
+    return spectra.converged() ? kGood : kNotConverged;
+}
+
+void add_medium_options(CLI::App& command, Shell& shell, MediumArguments& arguments) {
+    command.add_option("medium", arguments.medium, forms_of_media())
+        ->type_name("MEDIUM")
+        ->required();
+    arguments.media.add_to(command, shell, "rgb");
+}
+
+}  // namespace
+
+void add_sphere(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<SphereArguments>();
+    command
+        .add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
+        ->type_name("N,K")
+        ->required();
+    command
+        .add_option("--size-parameter", arguments->size_parameters,
+                    "2 pi radius / wavelength in the host, list or range")
+        ->type_name("LIST")
+        ->required();
+    command
+        .add_option("--angles", arguments->angles,
+                    "scattering angles in degrees: print amplitudes S1, S2 there instead")
+        ->type_name("LIST");
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
+    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
+}
+
+void add_optics(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<MediumArguments>();
+    add_medium_options(command, shell, *arguments);
+    command.add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
+        ->type_name("L")
+        ->check(CLI::Range(0, 100000));
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        return [spectra = arguments->look_up({}), &shell] { return write_optics(spectra, shell); };
+    });
+}
+
+void add_phase(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<MediumArguments>();
+    add_medium_options(command, shell, *arguments);
+    arguments->angles = "0:180:1";
+    command.add_option("--angles", arguments->angles, "scattering angles in degrees")
+        ->type_name("LIST")
+        ->capture_default_str();
+    shell.add_common_options(command);
+    command.footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        const auto angles_deg =
+            parse_number_list(arguments->angles, "scattering angle (degrees)", 0.0, 180.0);
+        return [spectra = arguments->look_up(angles_deg), &shell] {
+            return write_phase(spectra, shell);
+        };
+    });
+}
+
+}  // namespace miebrdf::program

@@ -1,0 +1,52 @@
+// Progress on standard error, and what Ctrl-C and SIGTERM do.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace miebrdf::program {
+
+enum class ProgressStyle { none, line, json };
+
+/// `auto` (a line on a terminal, else nothing), `none`, `json`.
+/// @throws UsageError
+ProgressStyle parse_progress_style(const std::string& text);
+
+/// Prints at most ten times a second, and the end of every stage.
+class ProgressLine {
+  public:
+    explicit ProgressLine(ProgressStyle style) : style_(style) {}
+    ~ProgressLine() { end(); }
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+    /// The work begins now: the clock of its first stage starts.
+    void begin();
+    void update(const std::string& stage, std::size_t done, std::size_t total);
+    /// Wipes the line, so that what follows starts on a clean one.
+    void end();
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    void print(std::size_t done, std::size_t total, double elapsed_s);
+
+    ProgressStyle style_;
+    std::string stage_;
+    /// A stage begins where the one before it ended: its first job counts too.
+    Clock::time_point stage_start_ = Clock::now();
+    Clock::time_point last_update_ = stage_start_;
+    Clock::time_point last_print_;
+    bool line_shown_ = false;
+};
+
+/// From now on the first SIGINT or SIGTERM raises the flag. A program that has not ended by itself
+/// half a second later (one job can take longer) removes its temporary files and ends; what the
+/// cache has is on disk already. A second signal ends the program at once.
+const std::atomic<bool>& watch_for_interrupts();
+
+/// Exit code of a program ended by the signal that came: 128 + its number.
+int interrupt_exit_code();
+
+}  // namespace miebrdf::program
