@@ -1,11 +1,12 @@
 // Every format through a reader that owes nothing to this project, against the BRDF itself at
 // random directions. Bounds are twice what a correct writer of the format reached on this material.
+#include <miebrdf/brdf.h>
+
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "pipeline/formats/check/check.h"
-#include "pipeline/solve/solved_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/outside/outside_file.h"
 #include "tests/support/sampling.h"
@@ -22,14 +23,8 @@ constexpr double kAny = std::numeric_limits<double>::max();
 
 /// The same kind of half-space, solved.
 const BrdfSource& solved() {
-    static const SolvedSource instance(
-        [] {
-            Request request;
-            request.scene.base = HenyeyGreensteinMedium{0.9, 0.4};
-            request.wavelength_nm = {480, 535, 620};
-            return request;
-        }(),
-        Component::total, "", {});
+    static const BrdfTable instance =
+        miebrdf::solve({.base = miebrdf::medium("hg:0.9,0.4")}, {480, 535, 620}).table();
     return instance;
 }
 

@@ -10,9 +10,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include <miebrdf/brdf.h>
 #include <miebrdf/formats.h>
 #include "pipeline/scene/number_list.h"
-#include "pipeline/solve/solved_source.h"
+#include "pipeline/scene/request.h"
 #include "tools/bench/process_memory.h"
 
 namespace {
@@ -65,7 +66,9 @@ void print_row(const Format& format, const fs::path& folder, const BrdfSource& s
 /// Each format in a process of its own, whose peak of memory is that of the format.
 void print_table(const char* title, const Request& request, const fs::path& folder) {
     const double start = cpu_seconds();
-    const SolvedSource source(request, Component::total, "bench_exports", kControl);
+    const BrdfTable source =
+        miebrdf::solve(request.scene, request.wavelength_nm, request.solver, kControl)
+            .table({BrdfPart::total, "bench_exports"});
     fmt::print("{} (the solution takes {:.1f} s of CPU time):\n\n", title, cpu_seconds() - start);
     fmt::print(
         "| format | bytes | mu > 0.2 | mu 0.05-0.2 | mu < 0.05 | near mirror | albedo | "
@@ -92,10 +95,10 @@ int main() {
     fs::create_directory(folder);
     Request request;
     request.wavelength_nm = parse_wavelengths_nm("400:700:10");
-    request.scene.base = HenyeyGreensteinMedium{0.9, 0.4};
+    request.scene.base = medium("hg:0.9,0.4");
     print_table("A Henyey-Greenstein half-space of albedo 0.9, g = 0.4", request, folder);
-    request.scene.base = parse_medium("TiO2");
-    request.scene.coats = {{parse_medium("AlGaAs7"), 0.1}};
+    request.scene.base = medium("TiO2");
+    request.scene.layers = {layer("AlGaAs7@0.1")};
     print_table("AlGaAs7 of optical depth 0.1 on TiO2 (50 um spheres)", request, folder);
     fs::remove_all(folder);
 }

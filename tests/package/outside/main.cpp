@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <miebrdf/miebrdf.h>
 #include <miebrdf/sphere.h>
-#include "materials/database/database.h"
-#include "pipeline/solve/table1.h"
-#include "rte/stack/layered_reflection.h"
 
 using namespace miebrdf;
 
@@ -36,12 +34,21 @@ int main() {
           mie::scatter_by_sphere(1.5, x).q_sca / rayleigh, 1.0, 1e-5);
 
     // Chandrasekhar 1960: an isotropic half-space of albedo 1 reflects everything.
-    const rte::AlbedoTable white = rte::albedo({rte::isotropic_optics(1.0), {}}, {0.3});
-    check("plane albedo of a white half-space", white.plane_albedo[0], 1.0, 1e-9);
+    const Brdf white = solve({.base = medium("isotropic:1")}, {550});
+    check("plane albedo of a white half-space", white.albedo({0.3}).at(0, 0), 1.0, 1e-9);
+
+    // Chandrasekhar 1960, ch. V: at albedo a the plane albedo is 1 - H(mu) sqrt(1 - a);
+    // H(1) = 1.850098 at a = 0.9 (tests/reference/rte).
+    const Brdf grey = solve({.base = medium("isotropic:0.9")}, {550}, {.tolerance = 1e-5});
+    check("plane albedo of a grey half-space", grey.albedo({1.0}).at(0, 0),
+          1.0 - 1.850098 * std::sqrt(0.1), 1e-5);
+    const BrdfValues values = grey.evaluate({{0.5}, {0.5, 1.0}, {0}});
+    check("reciprocity", values.at(0, 0, 1, 0), grey.evaluate({{1.0}, {0.5}, {0}}).at(0, 0, 0, 0),
+          1e-9);
 
     // Chen et al. 2013, Table 1.
     Table1Request request;
-    request.conventions = {rte::table1_conventions().front()};
+    request.conventions = {table1_conventions().front()};
     double largest = 0;
     for (const Table1Entry& entry : compute_table1(request).entries) {
         largest = std::max(largest, std::abs(entry.factor - entry.paper.value()));
