@@ -146,7 +146,7 @@ std::size_t bytes_of(const MediumOptics& optics) {
 
 }  // namespace
 
-OpticsDemand demand_of(const SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
+OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
     OpticsDemand demand;
     demand.tolerance =
         mie_tolerance > 0.0 ? mie_tolerance : kToleranceShares.mie * solver.tolerance;

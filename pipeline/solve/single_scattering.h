@@ -4,6 +4,7 @@
 
 #include <miebrdf/control.h>
 #include <miebrdf/optics.h>
+#include <miebrdf/solver.h>
 
 #include <complex>
 #include <cstdint>
@@ -31,7 +32,7 @@ enum class PhaseDemand { moments_only, whole };
 
 /// What radiative transfer with these options makes use of.
 /// @param mie_tolerance  of the size average; 0: its share of the solver's tolerance
-OpticsDemand demand_of(const SolverOptions& solver, double mie_tolerance, PhaseDemand phase);
+OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase);
 
 /// The cost of moments grows with their square; beyond this many (spheres of about 0.5 mm in
 /// visible light) the list is cut short.
