@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::mie {
 
 /// Calls job(0) ... job(count - 1), each once, in any order or at the same time, and returns when
@@ -124,3 +125,4 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request,
 int highest_moment_of(const EnsembleRequest& request);
 
 }  // namespace miebrdf::mie
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::mie {
 
 struct SizeLaw;
@@ -79,3 +80,4 @@ double area_share_within(const SizeDistribution& distribution, const RadiusRange
 double effective_radius_of(const SizeDistribution& distribution);
 
 }  // namespace miebrdf::mie
+#pragma GCC visibility pop

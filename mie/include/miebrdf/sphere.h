@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::mie {
 
 /// Efficiencies are cross-sections over pi r^2.
@@ -76,3 +77,4 @@ Amplitudes scattering_amplitudes(const Coefficients& coefficients,
                                  std::span<const double> angles_deg);
 
 }  // namespace miebrdf::mie
+#pragma GCC visibility pop

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 using rte::Directions;
@@ -183,3 +184,4 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options = {}, const Control& control = {});
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 /// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
@@ -78,3 +79,4 @@ std::vector<double> evaluate_all(const BrdfSource& source, std::span<const Direc
 void require_wavelengths(const BrdfSource& source, const std::string& format);
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

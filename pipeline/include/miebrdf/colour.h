@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 inline constexpr double kObserverShortest_nm = 360.0;
@@ -82,3 +83,4 @@ double encode_srgb(double linear);
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour);
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

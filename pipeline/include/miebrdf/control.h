@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 class ResultCache;
@@ -33,3 +34,4 @@ std::shared_ptr<ResultCache> open_cache();
 std::shared_ptr<OpticsMemo> make_optics_memo(std::size_t limit_bytes = std::size_t{128} << 20);
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 struct PlannedStep {
@@ -45,3 +46,4 @@ Plan plan_albedo(const Brdf& brdf, const std::vector<double>& mu_in,
                  EarlierWork* earlier = nullptr);
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 /// What a medium says about its own spheres; what it leaves out is that of its scene.
@@ -95,3 +96,4 @@ const Medium& top_medium(const Scene& scene);
 void validate(const Scene& scene);
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

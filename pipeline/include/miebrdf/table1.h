@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 /// The paper states alpha = 0.3 and Beckmann, but neither G nor the Fresnel formula, the mean or
@@ -62,3 +63,4 @@ struct Table1Result {
 Table1Result compute_table1(const Table1Request& request, const Control& control = {});
 
 }  // namespace miebrdf
+#pragma GCC visibility pop

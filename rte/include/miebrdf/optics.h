@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::rte {
 
 /// Single scattering by a homogeneous medium.
@@ -83,3 +84,4 @@ struct Stack {
 void validate(const Stack& stack);
 
 }  // namespace miebrdf::rte
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::rte {
 
 /// Zenith nodes per hemisphere.
@@ -52,3 +53,4 @@ struct SolverReport {
 };
 
 }  // namespace miebrdf::rte
+#pragma GCC visibility pop

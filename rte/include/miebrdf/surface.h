@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::rte {
 
 /// Density of the normals of the small mirrors that make up the surface.
@@ -149,3 +150,4 @@ class SurfaceTransmission {
 };
 
 }  // namespace miebrdf::rte
+#pragma GCC visibility pop

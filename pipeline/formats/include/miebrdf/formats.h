@@ -24,6 +24,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/solver.h>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::exports {
 
 class BrdfFile;
@@ -290,3 +291,4 @@ FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth,
                             const std::string& rgb = "auto");
 
 }  // namespace miebrdf::exports
+#pragma GCC visibility pop

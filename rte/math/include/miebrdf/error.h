@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#pragma GCC visibility push(default)
 namespace miebrdf {
 
 /// Base of all exceptions. Where one value was at fault, it is named with the field that held it and
@@ -53,3 +54,4 @@ class Cancelled : public Error {
 };
 
 }  // namespace miebrdf
+#pragma GCC visibility pop
