@@ -133,6 +133,13 @@ LinearSrgb to_linear_srgb(const Xyz& xyz, Illuminant illuminant) {
     return {rgb[0], rgb[1], rgb[2]};
 }
 
+bool covers_the_visible(const std::vector<double>& wavelength_nm) {
+    constexpr std::size_t kFewest = 8;
+    constexpr double kBlue_nm = 430.0, kRed_nm = 650.0;
+    return wavelength_nm.size() >= kFewest && wavelength_nm.front() <= kBlue_nm &&
+           wavelength_nm.back() >= kRed_nm;
+}
+
 double encode_srgb(double linear) {
     const double size = std::abs(linear);
     const double encoded =

@@ -10,7 +10,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/io/atomic_file.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,7 +97,7 @@ std::string advice(const Format& format, const FormatFile& part, const ExportJob
                          double bound, const Deviation& found) {
     throw TooCoarse(fmt::format(
         "format '{}' at resolution {} misses this BRDF by {:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, "
-        "{:.2g} below, {:.2g} near mirror (rms, relative; largest_error allows {:.2g} at mu > 0.2 "
+        "{:.2g} below, {:.2g} near mirror (rms, relative; allowed: {:.2g} at mu > 0.2 "
         "and near mirror); {}",
         format.name, job.options.resolution, found.rms[0], found.rms[1], found.rms[2], found.lobe,
         bound, advice(format, part, job, bound)));
@@ -184,11 +184,13 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& fo
 }
 
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::string& format,
-                                      const fs::path& path, const ExportOptions& options) {
-    return export_brdf(source, find_format(format), path, options, {});
+                                      const fs::path& path, const ExportOptions& options,
+                                      const Control& control) {
+    return export_brdf(source, find_format(format), path, options, control);
 }
 
-void export_spectrum(const Spectrum& spectrum, const std::string& format, const fs::path& path) {
+void export_spectrum(const ReflectanceSpectrum& spectrum, const std::string& format,
+                     const fs::path& path) {
     const Format& known = find_format(format);
     if (known.write_spectrum == nullptr) refuse_content(known, "a spectrum");
     if (spectrum.wavelength_nm.empty())
@@ -204,4 +206,4 @@ void export_scattering(const ScatteringTable& table, const std::string& format,
     write_whole(known, path, [&](std::ostream& out) { known.write_scattering(table, out); });
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

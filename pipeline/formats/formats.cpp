@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "materials/database/names.h"
-#include <miebrdf/brdf_source.h>
 
 // One line for each format; NAME_format() is in the room of that format.
 #define MIEBRDF_FORMATS(FORMAT) \
@@ -26,7 +26,7 @@
     FORMAT(irregular)           \
     FORMAT(scattering)
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 #define MIEBRDF_DECLARE(name) Format name##_format();
 MIEBRDF_FORMATS(MIEBRDF_DECLARE)
@@ -133,4 +133,4 @@ std::unique_ptr<BrdfFile> open_brdf_file(const std::string& path, std::span<cons
     return read_brdf_file(std::move(content), path, known);
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -9,12 +9,11 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 using support::material;
 using support::written_file;
 
 TEST_CASE("ssdd: entries stand in the order of the specification, values are binary floats",
-          "[exports][ssdd]") {
+          "[formats][ssdd]") {
     const std::string content = written_file("ssdd", material(), {.resolution = 9});
     CHECK_THAT(content, Catch::StartsWith("VERSION 0."));
     std::size_t last = 0;
@@ -32,7 +31,7 @@ TEST_CASE("ssdd: entries stand in the order of the specification, values are bin
     CHECK(content.size() - content.find("DATA binary\n") - 12 == 4 * 7 * 10 * 10 * 10);
 }
 
-TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", "[exports][ssdd]") {
+TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", "[formats][ssdd]") {
     /// The same bits in every direction and at every wavelength.
     class Constant : public support::TestMaterial {
       public:
@@ -58,12 +57,12 @@ TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", 
     CHECK((first == second) == (bits == 0x3e99'9924u));
 }
 
-TEST_CASE("astm: the header names angles and wavelengths", "[exports][astm]") {
+TEST_CASE("astm: the header names angles and wavelengths", "[formats][astm]") {
     CHECK_THAT(written_file("astm", material()),
                Catch::Contains("\nNUM_POINTS 1000\nVARS theta_i,phi_i,theta_s,phi_s,400nm,450nm"));
 }
 
-TEST_CASE("angle tables refuse steps out of range", "[exports][ssdd][astm][errors]") {
+TEST_CASE("angle tables refuse steps out of range", "[formats][ssdd][astm][errors]") {
     CHECK_THROWS_WITH(written_file("ssdd", material(), {.resolution = 2}),
                       Catch::Contains("3 to 180"));
     CHECK_THROWS_AS(written_file("astm", material(), {.resolution = 1000}), UsageError);

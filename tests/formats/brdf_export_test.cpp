@@ -9,7 +9,6 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 using support::material;
 namespace fs = std::filesystem;
 
@@ -26,7 +25,7 @@ std::vector<std::string> names_of_brdf_formats() {
 }  // namespace
 
 TEST_CASE("every format is written, recognised by its content and close to the BRDF",
-          "[exports][brdf_export]") {
+          "[formats][brdf_export]") {
     const support::TemporaryFolder folder;
     const std::string format = GENERATE(from_range(names_of_brdf_formats()));
     ExportOptions options;
@@ -43,7 +42,7 @@ TEST_CASE("every format is written, recognised by its content and close to the B
 }
 
 TEST_CASE("an rgl export that is stopped leaves neither of its two files",
-          "[exports][brdf_export]") {
+          "[formats][brdf_export]") {
     const support::TemporaryFolder folder;
     const Format& rgl = find_format("rgl");
     const ExportOptions options{.resolution = 32};
@@ -64,7 +63,7 @@ TEST_CASE("an rgl export that is stopped leaves neither of its two files",
 }
 
 TEST_CASE("every format says what its numbers are and where they come from",
-          "[exports][brdf_export]") {
+          "[formats][brdf_export]") {
     const support::TemporaryFolder folder;
     const std::string format = GENERATE(from_range(names_of_brdf_formats()));
     const ExportOptions options{.directions = {{0.5, 1.0}, {0.3, 1.0}, {0.0, 180.0}},
@@ -84,7 +83,7 @@ TEST_CASE("every format says what its numbers are and where they come from",
     }
 }
 
-TEST_CASE("merl says in a file beside it what it has no room for", "[exports][brdf_export]") {
+TEST_CASE("merl says in a file beside it what it has no room for", "[formats][brdf_export]") {
     const support::TemporaryFolder folder;
     export_brdf(material(), "merl", folder / "paint.binary");
     const auto json = nlohmann::json::parse(support::read_file(folder / "paint.binary.json"));
@@ -96,7 +95,7 @@ TEST_CASE("merl says in a file beside it what it has no room for", "[exports][br
 }
 
 TEST_CASE("a lobe too sharp for the resolution is refused with the error and what would do",
-          "[exports][brdf_export]") {
+          "[formats][brdf_export]") {
     const support::SharpMaterial sharp(support::seven_wavelengths(), 0.12);
     const support::TemporaryFolder folder;
     CHECK_THROWS_AS(export_brdf(sharp, "rgl", folder / "sharp.bsdf", {.resolution = 8}), TooCoarse);
@@ -113,7 +112,7 @@ TEST_CASE("a lobe too sharp for the resolution is refused with the error and wha
 }
 
 TEST_CASE("unknown formats and options are refused with what there is",
-          "[exports][brdf_export][errors]") {
+          "[formats][brdf_export][errors]") {
     CHECK_THROWS_WITH(export_brdf(material(), "vrml", "x"),
                       Catch::Contains("vrml") && Catch::Contains("pbrt"));
     CHECK_THROWS_WITH(find_format("mrel"), Catch::Contains("did you mean merl"));
@@ -123,7 +122,7 @@ TEST_CASE("unknown formats and options are refused with what there is",
     CHECK_THROWS_WITH(export_spectrum({{500}, {1}, {}}, "rgl", "x"), Catch::Contains("a spectrum"));
 }
 
-TEST_CASE("what the list says of a format holds together", "[exports][formats]") {
+TEST_CASE("what the list says of a format holds together", "[formats]") {
     for (const Format& format : all_formats()) {
         CAPTURE(format.name);
         CHECK(&find_format(format.name) == &format);
@@ -194,7 +193,7 @@ Format tiny_format() {
 }  // namespace
 
 TEST_CASE("a format from outside is exported, read back, refused and checked as any other",
-          "[exports][formats]") {
+          "[formats]") {
     class White : public support::TestMaterial {
       public:
         White() : TestMaterial({550}, 0.0) {}

@@ -11,7 +11,6 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
 namespace {
 
@@ -43,7 +42,7 @@ bool survives(const std::string& content) {
 
 }  // namespace
 
-TEST_CASE("every truncation of every format is refused or harmless", "[exports][corrupted]") {
+TEST_CASE("every truncation of every format is refused or harmless", "[formats][corrupted]") {
     const std::string format =
         GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm", "radiance");
     const std::string content = small_file(format);
@@ -54,7 +53,7 @@ TEST_CASE("every truncation of every format is refused or harmless", "[exports][
     CHECK_THROWS_AS(read_brdf_file(content.substr(0, content.size() / 2), "test"), InputError);
 }
 
-TEST_CASE("bytes turned over at random are refused or harmless", "[exports][corrupted]") {
+TEST_CASE("bytes turned over at random are refused or harmless", "[formats][corrupted]") {
     const std::string format =
         GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm", "radiance");
     const std::string content = small_file(format);
@@ -72,7 +71,7 @@ TEST_CASE("bytes turned over at random are refused or harmless", "[exports][corr
 }
 
 TEST_CASE("counts that the file cannot hold are refused before memory is taken",
-          "[exports][corrupted]") {
+          "[formats][corrupted]") {
     std::string pbrt = small_file("pbrt");
     const std::uint32_t huge = 0xffffffff;
     std::memcpy(pbrt.data() + 16, &huge, 4);
@@ -88,14 +87,14 @@ TEST_CASE("counts that the file cannot hold are refused before memory is taken",
 }
 
 TEST_CASE("a Fourier file short of one byte, or with bytes to spare, is refused as in layerlab",
-          "[exports][corrupted]") {
+          "[formats][corrupted]") {
     const std::string content = small_file("pbrt");
     CHECK_NOTHROW(read_brdf_file(content, "test"));
     CHECK_THROWS_AS(read_brdf_file(content.substr(0, content.size() - 1), "test"), InputError);
     CHECK_THROWS_AS(read_brdf_file(content + '\0', "test"), InputError);
 }
 
-TEST_CASE("messages quote a hostile file without its control characters", "[exports][corrupted]") {
+TEST_CASE("messages quote a hostile file without its control characters", "[formats][corrupted]") {
     std::string content = small_file("rgl");
     content.replace(20, 4, "\x1b[2J");  // in the name of the first field
     content[33] = '\x7f';               // an unknown type
@@ -103,7 +102,7 @@ TEST_CASE("messages quote a hostile file without its control characters", "[expo
                       Catch::Contains("?[2Jription") && !Catch::Contains("\x1b"));
 }
 
-TEST_CASE("what is no BRDF file is refused by name", "[exports][corrupted]") {
+TEST_CASE("what is no BRDF file is refused by name", "[formats][corrupted]") {
     CHECK_THROWS_WITH(read_brdf_file("hello", "letter.txt"),
                       Catch::Contains("letter.txt") && Catch::Contains("pbrt"));
     CHECK_THROWS_AS(open_brdf_file("/nowhere/at/all"), InputError);
@@ -112,7 +111,7 @@ TEST_CASE("what is no BRDF file is refused by name", "[exports][corrupted]") {
 }
 
 TEST_CASE("files of the fuzzing corpus are read, or refused, as when they were found",
-          "[exports][corrupted]") {
+          "[formats][corrupted]") {
     // Beginnings for the fuzzers, one folder for each reader; what they find is added here.
     int files = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(kCorpus)) {

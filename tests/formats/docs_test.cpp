@@ -9,7 +9,6 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
 namespace {
 
@@ -36,11 +35,11 @@ std::string option_of(std::string field) {
 
 }  // namespace
 
-TEST_CASE("the page of formats has each of them", "[exports][docs]") {
+TEST_CASE("the page of formats has each of them", "[formats][docs]") {
     const std::string page = readme();
     const std::string table =
-        page.substr(page.find("| format | for |"),
-                    page.find("An option of the file that") - page.find("| format | for |"));
+        page.substr(page.find("| format | read by |"),
+                    page.find("An option that a format") - page.find("| format | read by |"));
     for (const Format& format : all_formats()) {
         CAPTURE(format.name);
         CHECK_THAT(table, Catch::Contains("`" + format.name + "`"));
@@ -48,7 +47,7 @@ TEST_CASE("the page of formats has each of them", "[exports][docs]") {
     }
 }
 
-TEST_CASE("the page of formats says which options each of them takes", "[exports][docs]") {
+TEST_CASE("the page of formats says which options each of them takes", "[formats][docs]") {
     std::map<std::string, std::set<std::string>> taken;
     for (const Format& format : all_formats()) {
         for (const std::string& field : options_of(format))

@@ -21,7 +21,6 @@ constexpr bool kCountsMemory = true;
 #endif
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
 namespace {
 
@@ -44,7 +43,7 @@ ExportOptions options_of(const Large& large) {
 
 }  // namespace
 
-TEST_CASE("an export takes at most twice its file in memory", "[exports][memory]") {
+TEST_CASE("an export takes at most twice its file in memory", "[formats][memory]") {
     if (!kCountsMemory) return;
     const Large large =
         GENERATE(Large{"csv", 32}, Large{"json", 48}, Large{"npz", 64}, Large{"exr", 64},

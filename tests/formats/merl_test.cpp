@@ -4,9 +4,8 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
-TEST_CASE("merl: size, scale and bins are those of the format", "[exports][merl]") {
+TEST_CASE("merl: size, scale and bins are those of the format", "[formats][merl]") {
     const support::ColouredMaterial material;
     const std::string file = support::written_file("merl", material.spectral);
     CHECK(file.size() == 34'992'012);

@@ -8,9 +8,8 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
-TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exports][radiance]") {
+TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[formats][radiance]") {
     const support::ColouredMaterial material;
     const std::string content = support::written_file("klems", material.spectral);
     pugi::xml_document document;
@@ -28,7 +27,7 @@ TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[exp
     for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(found[c] / expected[c] - 1) <= 2e-2);
 }
 
-TEST_CASE("radiance: levels out of range are refused", "[exports][radiance][errors]") {
+TEST_CASE("radiance: levels out of range are refused", "[formats][radiance][errors]") {
     CHECK_THROWS_WITH(support::written_file("radiance", support::material(), {.resolution = 12}),
                       Catch::Contains("2 to 8"));
 }

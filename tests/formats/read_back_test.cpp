@@ -14,7 +14,6 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 using support::material;
 
 namespace {
@@ -160,7 +159,7 @@ void check_table(const support::OutsideTable& table, const BrdfSource& source, d
 }  // namespace
 
 TEST_CASE("formats read back as their programs do, within the errors of docs/formats",
-          "[exports][read_back]") {
+          "[formats][read_back]") {
     const Case& one = GENERATE(from_range(std::begin(kCases), std::end(kCases)));
     const bool closed_form = GENERATE(true, false);
     const Written written(one, closed_form ? material() : solved());
@@ -171,7 +170,7 @@ TEST_CASE("formats read back as their programs do, within the errors of docs/for
     for (std::size_t band = 0; band < 3; ++band) CHECK(errors[band] <= room * one.bounds[band]);
 }
 
-TEST_CASE("bin centres serve readers of MERL that do not interpolate", "[exports][read_back]") {
+TEST_CASE("bin centres serve readers of MERL that do not interpolate", "[formats][read_back]") {
     const RgbSource rgb(material(), nearest_wavelengths(material().wavelength_nm()));
     const std::string edges = support::written_file("merl", material());
     const std::string centres =
@@ -183,7 +182,7 @@ TEST_CASE("bin centres serve readers of MERL that do not interpolate", "[exports
     CHECK(from_centres[0] <= 0.6 * from_edges[0]);
 }
 
-TEST_CASE("npz and exr hold the axes and values that other readers find", "[exports][read_back]") {
+TEST_CASE("npz and exr hold the axes and values that other readers find", "[formats][read_back]") {
     const ExportOptions options{
         .directions = {{0.125, 0.5, 1.0}, {0.25, 0.75, 1.0}, {0, 45, 90, 135, 180}}};
     check_table(support::npz_table(support::written_file("npz", material(), options)), material(),
@@ -193,7 +192,7 @@ TEST_CASE("npz and exr hold the axes and values that other readers find", "[expo
 }
 
 TEST_CASE("sampled with the stored tables, the albedo is complete and the density true",
-          "[exports][read_back]") {
+          "[formats][read_back]") {
     // Albedo within what sampling reached: 0.1 % with Fourier files, 0.5 % with tensor files (1.7 %
     // in one number, 2.3 % at the worst incidence, at N = 16).
     const auto [index, bound] =
@@ -217,7 +216,7 @@ TEST_CASE("sampled with the stored tables, the albedo is complete and the densit
 }
 
 TEST_CASE("the sampling that `check` judges by carries the albedo and draws by its density",
-          "[exports][read_back]") {
+          "[formats][read_back]") {
     const Case& one = kCases[GENERATE(0, 3)];
     const Written written(one, material());
     const auto file = read_brdf_file(written.bytes, one.name);
@@ -232,7 +231,7 @@ TEST_CASE("the sampling that `check` judges by carries the albedo and draws by i
     }
 }
 
-TEST_CASE("the readers of `check` see what the other readers see", "[exports][read_back]") {
+TEST_CASE("the readers of `check` see what the other readers see", "[formats][read_back]") {
     const Case& one = GENERATE(from_range(std::begin(kCases), std::end(kCases)));
     const Written written(one, material());
     const auto other = one.open(written.bytes);

@@ -6,10 +6,9 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
-TEST_CASE("spd and irregular spectra hold the numbers and their comments", "[exports][spectrum]") {
-    const Spectrum spectrum{
+TEST_CASE("spd and irregular spectra hold the numbers and their comments", "[formats][spectrum]") {
+    const ReflectanceSpectrum spectrum{
         {400, 500.5}, {0.25, 1.0 / 3.0}, {"albedo\nof paint", "miebrdf export --format spd"}};
     const support::TemporaryFolder folder;
     export_spectrum(spectrum, "spd", folder / "a.spd");
@@ -28,7 +27,7 @@ TEST_CASE("spd and irregular spectra hold the numbers and their comments", "[exp
 }
 
 TEST_CASE("single scattering as npz: moments with and without 2 l + 1, zero beyond",
-          "[exports][spectrum]") {
+          "[formats][spectrum]") {
     const support::TemporaryFolder folder;
     ScatteringTable table{
         {500, 600}, {0.9, 0.8}, {0.5, 0.4}, {2.1, std::nan("")}, {{1, 0.5, 0.25}, {1, 0.4}}, "{}"};

@@ -1,6 +1,6 @@
+// csv, json, npz and exr: tables at listed directions.
 #include <sys/resource.h>
 #include <sys/stat.h>
-
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -14,7 +14,6 @@
 #include "tests/support/written_file.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 using support::material;
 
 namespace {
@@ -46,7 +45,7 @@ void check_exact(const BrdfFile& file) {
 
 }  // namespace
 
-TEST_CASE("csv and json tables read back to the same doubles", "[exports][table]") {
+TEST_CASE("csv and json tables read back to the same doubles", "[formats][table]") {
     const ExportOptions options{.directions = grid()};
     const std::string csv = support::written_file("csv", material(), options);
     const std::string json = support::written_file("json", material(), options);
@@ -59,7 +58,7 @@ TEST_CASE("csv and json tables read back to the same doubles", "[exports][table]
 }
 
 TEST_CASE("npz holds the axes by name, the same doubles, and the same bytes each time",
-          "[exports][table]") {
+          "[formats][table]") {
     const support::TemporaryFolder folder;
     write_npz(folder / "a.npz");
     write_npz(folder / "b.npz");
@@ -73,7 +72,7 @@ TEST_CASE("npz holds the axes by name, the same doubles, and the same bytes each
     check_exact(*read_brdf_file(content, "test"));
 }
 
-TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[exports][table]") {
+TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[formats][table]") {
     const support::TemporaryFolder folder;
     write_npz(folder / "a.npz");
     const std::string content = support::read_file(folder / "a.npz");
@@ -91,7 +90,7 @@ TEST_CASE("npz members are aligned .npy 1.0 arrays, stored", "[exports][table]")
     CHECK(value == 400.0);
 }
 
-TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[exports][table]") {
+TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[formats][table]") {
     // A limit on the size of files raises SIGXFSZ at a known byte of the archive.
     const support::TemporaryFolder folder;
     const rlim_t limit = GENERATE(rlim_t(0), rlim_t(100), rlim_t(4000));
@@ -110,7 +109,7 @@ TEST_CASE("a signal in the midst of writing npz leaves nothing behind", "[export
     CHECK(folder.count() == 0);
 }
 
-TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
+TEST_CASE("npz goes through pipes and devices too", "[formats][table]") {
     const support::TemporaryFolder folder;
     write_npz(folder / "a.npz");
     REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
@@ -123,7 +122,7 @@ TEST_CASE("npz goes through pipes and devices too", "[exports][table]") {
 }
 
 TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behind",
-          "[exports][table][errors]") {
+          "[formats][table][errors]") {
     const support::TemporaryFolder folder;
     const pid_t child = support::in_child(
         [&] {
@@ -141,9 +140,53 @@ TEST_CASE("npz that does not fit on the disk is refused and leaves nothing behin
 }
 
 TEST_CASE("tables refuse directions out of range and unwritable places",
-          "[exports][table][errors]") {
+          "[formats][table][errors]") {
     const ExportOptions horizon{.directions = {{0.0}, {1.0}, {0}}};
     CHECK_THROWS_WITH(support::written_file("csv", material(), horizon),
                       Catch::Contains("mu_in: 0") && Catch::Contains("(0, 1]"));
     CHECK_THROWS_AS(write_npz("/nowhere/at/all.npz"), InputError);
+}
+
+TEST_CASE("exr: channels carry the names of the spectral layout and the values as floats",
+          "[formats][exr]") {
+    const support::TestMaterial material(support::seven_wavelengths(), 0.4);
+    const rte::Directions grid{{0.25, 0.5, 1.0}, {0.125, 0.5, 1.0}, {0, 45, 90, 180}};
+    const std::string content = support::written_file("exr", material, {.directions = grid});
+    for (const char* text :
+         {"T.550,000000nm", "T.400,000000nm", "spectralLayoutVersion", "mu_in", "azimuth_deg"}) {
+        CHECK_THAT(content, Catch::Contains(text));
+    }
+    const auto read = read_brdf_file(content, "test");
+    CHECK(read->format() == "exr");
+    CHECK(read->wavelength_nm() == material.wavelength_nm());
+    std::vector<double> expected(7), found(7);
+    for (const double mu_in : grid.mu_in) {
+        for (const double mu_out : grid.mu_out) {
+            for (const double azimuth : grid.azimuth_deg) {
+                const Direction direction{mu_in, mu_out, azimuth};
+                material.evaluate({&direction, 1}, expected);
+                read->evaluate(direction, found);
+                // Single precision: half a unit in the last place.
+                for (std::size_t c = 0; c < 7; ++c)
+                    CHECK(std::abs(found[c] / expected[c] - 1) <= 6e-8);
+            }
+        }
+    }
+}
+
+TEST_CASE("exr: an attribute that claims more than the file has is refused before it is allocated",
+          "[formats][exr]") {
+    using namespace std::string_literals;
+    const std::string start = "\x76\x2f\x31\x01\x02\0\0\0"s;
+    const std::string huge = start + "mu_in\0floatvector\0\xf0\xff\xff\x7f"s + "few bytes";
+    CHECK_THROWS_WITH(read_brdf_file(huge, "test"),
+                      Catch::Contains("'mu_in' claims 2147483632 bytes of the 9"));
+    const std::string window =
+        start + "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\xff\xff\0\0\xff\xff\x0f\0\0"s;
+    CHECK_THROWS_WITH(read_brdf_file(window, "test"),
+                      Catch::Contains("a window of 65536 x 1048576 pixels"));
+    CHECK_THROWS_WITH(read_brdf_file(start + "mu_in", "test"),
+                      Catch::Contains("header ends early"));
+    CHECK_THROWS_WITH(read_brdf_file("\x76\x2f\x31\x01\x02\x10\0\0"s, "test"),
+                      Catch::Contains("one flat part"));
 }

@@ -29,7 +29,7 @@ set(allowed_pipeline/scene materials/database materials/index)
 set(allowed_pipeline/cache materials/database)
 set(allowed_pipeline/solve pipeline/scene pipeline/cache materials/database ${rte_solver})
 set(allowed_pipeline/plan pipeline/scene pipeline/solve pipeline/cache ${rte_solver})
-set(allowed_pipeline/formats pipeline/solve pipeline/io pipeline/colour rte/math)
+set(allowed_pipeline/formats materials/database pipeline/solve pipeline/io pipeline/colour rte/math)
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io rte/boundary rte/surface ${rte_solver})
 

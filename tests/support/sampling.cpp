@@ -9,8 +9,6 @@
 namespace miebrdf::support {
 namespace {
 
-using exports::BrdfFile;
-
 double uniform(std::mt19937_64& engine) {
     return (static_cast<double>(engine() >> 12) + 0.5) * 0x1p-52;
 }
@@ -19,7 +17,7 @@ double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 /// With the fixed vector at azimuth 0, the drawn one at azimuth a is a - 180 degrees off the mirror
 /// side.
-Direction direction_to(const exports::BrdfFile& file, double mu_fixed, const Vector& drawn) {
+Direction direction_to(const BrdfFile& file, double mu_fixed, const Vector& drawn) {
     const double azimuth = 180 - degrees(std::atan2(drawn.y(), drawn.x()));
     return file.sampling() == BrdfFile::Sampling::from_mu_in
                ? Direction{mu_fixed, drawn.z(), azimuth}
@@ -47,7 +45,7 @@ Sampling sampling_of(const OutsideFile& file, double mu_fixed) {
             }};
 }
 
-Sampling sampling_of(const exports::BrdfFile& file, double mu_fixed) {
+Sampling sampling_of(const BrdfFile& file, double mu_fixed) {
     return {[=, &file](double u, double v) -> std::optional<Vector> {
                 const auto d = file.sample(mu_fixed, u, v);
                 if (!d) return {};

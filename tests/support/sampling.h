@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include <miebrdf/formats.h>
 #include <miebrdf/brdf_source.h>
+#include <miebrdf/formats.h>
 #include "tests/support/outside/outside_file.h"
 
 namespace miebrdf::support {
@@ -17,7 +17,7 @@ struct Sampling {
 };
 
 Sampling sampling_of(const OutsideFile& file, double mu_fixed);
-Sampling sampling_of(const exports::BrdfFile& file, double mu_fixed);
+Sampling sampling_of(const BrdfFile& file, double mu_fixed);
 
 /// Mean over samples of BRDF * cosine / density in each channel: the directional albedo as a
 /// renderer that samples by the file's tables finds it.

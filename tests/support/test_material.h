@@ -1,7 +1,7 @@
 // BRDFs in closed form to export: a smooth half-space and one with a sharp lobe.
 #pragma once
 
-#include "pipeline/solve/rgb_source.h"
+#include "pipeline/formats/common/rgb_source.h"
 
 namespace miebrdf::support {
 

@@ -9,11 +9,11 @@
 namespace miebrdf::support {
 
 /// @param part  which of the files that the format writes
-inline std::string written_file(const std::string& format, const exports::BrdfSource& source,
-                                const exports::ExportOptions& options = {}, std::size_t part = 0) {
-    const exports::Format& known = exports::find_format(format);
+inline std::string written_file(const std::string& format, const BrdfSource& source,
+                                const ExportOptions& options = {}, std::size_t part = 0) {
+    const Format& known = find_format(format);
     std::ostringstream out;
-    exports::write_format(known, known.files.at(part), source, options, out);
+    write_format(known, known.files.at(part), source, options, out);
     return std::move(out).str();
 }
 

@@ -19,7 +19,6 @@
 namespace {
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 namespace fs = std::filesystem;
 
 // One thread: what a child inherits has no threads, and CPU time is that of the work alone.

@@ -50,19 +50,19 @@ class Verdict {
 };
 
 /// How far the file is from the scene that it is said to hold.
-void compare(const exports::BrdfFile& file, const CheckArguments& arguments, const Shell& shell,
+void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell& shell,
              Verdict& verdict) {
     Request request = arguments.scene.parse();
     if (!file.wavelength_nm().empty()) request.wavelength_nm = file.wavelength_nm();
     const BrdfTable source =
         solve(request.scene, request.wavelength_nm, request.solver, shell.control())
             .table({parse_brdf_part(arguments.component), shell.command_line()});
-    const exports::FileComparison found = exports::compare_file(file, source, arguments.rgb);
+    const FileComparison found = compare_file(file, source, arguments.rgb);
     const double bound = arguments.largest_deviation > 0.0
                              ? arguments.largest_deviation
-                             : exports::find_format(file.format()).accepted_error;
+                             : find_format(file.format()).accepted_error;
     for (std::size_t band = 0; band < 3; ++band) {
-        const std::string name = fmt::format("deviation_rms ({})", exports::kDeviationBands[band]);
+        const std::string name = fmt::format("deviation_rms ({})", kDeviationBands[band]);
         // Near the horizon every format that interpolates loses digits.
         band == 0 || found.only_listed ? verdict.at_most(name, found.deviation.rms[band], bound)
                                        : verdict.tell(name, found.deviation.rms[band]);
@@ -73,9 +73,8 @@ void compare(const exports::BrdfFile& file, const CheckArguments& arguments, con
     }
 }
 
-std::vector<std::pair<std::string, Cell>> facts(const exports::BrdfFile& file,
-                                                const std::string& path,
-                                                const exports::FileCheck& check) {
+std::vector<std::pair<std::string, Cell>> facts(const BrdfFile& file, const std::string& path,
+                                                const FileCheck& check) {
     std::vector<std::pair<std::string, Cell>> lines = {
         {"file", path},
         {"format", file.format()},
@@ -99,8 +98,8 @@ std::vector<std::pair<std::string, Cell>> facts(const exports::BrdfFile& file,
 }
 
 int run_check(const CheckArguments& arguments, const Shell& shell) {
-    const auto file = exports::open_brdf_file(arguments.file);
-    const exports::FileCheck check = exports::check_file(*file);
+    const auto file = open_brdf_file(arguments.file);
+    const FileCheck check = check_file(*file);
     Table table;
     table.facts = facts(*file, arguments.file, check);
     table.columns = {"quantity", "value", "bound", "ok"};

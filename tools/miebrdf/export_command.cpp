@@ -16,30 +16,30 @@
 namespace miebrdf::program {
 namespace {
 
-std::string describe(const exports::ExportedFile& file) {
+std::string describe(const ExportedFile& file) {
     std::string line = file.path.string();
     line += file.bytes > 0 ? fmt::format(": {} bytes", file.bytes) : ": written";
     if (!file.deviation) return line + ", exact at its directions";
     line += "; read back, relative error (rms)";
     for (std::size_t band = 0; band < 3; ++band) {
         line += fmt::format("{} {:.2g} at {}", band == 0 ? "" : ",", file.deviation->rms[band],
-                            exports::kDeviationBands[band]);
+                            kDeviationBands[band]);
     }
     return line + fmt::format(", {:.2g} near the mirror direction", file.deviation->lobe);
 }
 
 /// What `--json` tells of the files.
-Table table_of(const std::vector<exports::ExportedFile>& files, const ResultReport& report) {
+Table table_of(const std::vector<ExportedFile>& files, const ResultReport& report) {
     Table table;
     table.facts = {{"error_estimate", rounded(report.error_estimate(), 3)},
                    {"tolerance", report.tolerance},
                    {"converged", std::string(report.converged() ? "yes" : "no")}};
     table.columns = {"file", "bytes"};
-    for (const char* band : exports::kDeviationBands) {
+    for (const char* band : kDeviationBands) {
         table.columns.push_back(fmt::format("rms_deviation ({})", band));
     }
     table.columns.emplace_back("lobe_deviation");
-    for (const exports::ExportedFile& file : files) {
+    for (const ExportedFile& file : files) {
         std::vector<Cell> row = {file.path.string(), double(file.bytes)};
         row.resize(table.columns.size());  // empty: exact at its directions
         for (std::size_t band = 0; file.deviation && band < 3; ++band) {
@@ -62,7 +62,7 @@ void tell_written(bool converged, const Shell& shell) {
 
 int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shell) {
     const AlbedoValues values = brdf.albedo({1.0});
-    exports::Spectrum spectrum;
+    ReflectanceSpectrum spectrum;
     spectrum.wavelength_nm = brdf.wavelength_nm();
     spectrum.value = values.spherical_albedo;
     spectrum.comments = {
@@ -70,7 +70,7 @@ int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shel
         "spherical albedo (reflectance under diffuse light), wavelengths in nm in vacuum"};
     for (const std::string& source : values.sources)
         spectrum.comments.push_back("source: " + source);
-    exports::export_spectrum(spectrum, format, shell.common().output);
+    export_spectrum(spectrum, format, shell.common().output);
     tell_written(values.converged(), shell);
     return values.converged() ? kGood : kNotConverged;
 }
@@ -87,7 +87,7 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
     std::vector<std::size_t> wavelengths(brdf.wavelength_nm().size());
     std::iota(wavelengths.begin(), wavelengths.end(), std::size_t{0});
     const auto optics = optics_of(resolved, {0}, wavelengths, demand, shell.control());
-    exports::ScatteringTable table;
+    ScatteringTable table;
     table.wavelength_nm = brdf.wavelength_nm();
     bool converged = true;
     for (const std::vector<MediumOptics>& media : optics) {
@@ -108,22 +108,21 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
         {"ssa", "scattering / extinction"},
         {"q_ext", "extinction efficiency; not a number for media without particles"}};
     table.metadata = metadata.dump(1);
-    exports::export_scattering(table, format, shell.common().output);
+    export_scattering(table, format, shell.common().output);
     tell_written(converged, shell);
     return converged ? kGood : kNotConverged;
 }
 
 int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
-    const exports::ExportOptions options = arguments.file();
+    const ExportOptions options = arguments.file();
     const BrdfTable table =
         brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
-    std::vector<exports::ExportedFile> files;
+    std::vector<ExportedFile> files;
     try {
-        files = exports::export_brdf(table, arguments.format(), output, options, shell.control());
-    } catch (const exports::TooCoarse& error) {
-        shell.note(
-            fmt::format("error: {} (--resolution); --max-error accepts it as it is", error.what()));
+        files = export_brdf(table, arguments.format(), output, options, shell.control());
+    } catch (const TooCoarse& error) {
+        shell.note(fmt::format("error: {}; --max-error accepts it as it is", error.what()));
         return kCheckFailed;
     }
     for (const auto& file : files) shell.note(describe(file));
@@ -141,9 +140,9 @@ Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shel
     const Request request = arguments->scene();
     const Brdf brdf = solve(request.scene, request.wavelength_nm, request.solver, shell.control());
     const std::string format = arguments->format().name;
-    if (arguments->format().content == exports::FormatContent::spectrum)
+    if (arguments->format().content == FormatContent::spectrum)
         return [brdf, format, &shell] { return export_albedo(format, brdf, shell); };
-    if (arguments->format().content == exports::FormatContent::scattering)
+    if (arguments->format().content == FormatContent::scattering)
         return [brdf, format, &shell] { return export_scattering(format, brdf, shell); };
     arguments->file();  // refuses lists that are wrong
     return [brdf, arguments, &shell] { return write_export(brdf, *arguments, shell); };

@@ -10,10 +10,6 @@
 namespace miebrdf::program {
 namespace {
 
-using exports::Format;
-using exports::FormatContent;
-using exports::FormatOption;
-
 /// What a table of single scattering, without light transfer, leaves unread.
 constexpr const char* kOfTransfer[] = {
     "--coat",        "--roughness",     "--coupling",   "--surface-index",
@@ -30,7 +26,7 @@ std::string option_of(std::string field) {
 
 std::vector<std::string> file_options_of(const Format& format) {
     std::vector<std::string> options;
-    for (const std::string& field : exports::options_of(format)) {
+    for (const std::string& field : options_of(format)) {
         options.push_back(option_of(field));
     }
     return options;
@@ -39,7 +35,7 @@ std::vector<std::string> file_options_of(const Format& format) {
 /// "csv, json": the formats of which something is true.
 std::string formats_that(const std::function<bool(const Format&)>& is_so) {
     std::vector<std::string> names;
-    for (const Format& format : exports::all_formats()) {
+    for (const Format& format : all_formats()) {
         if (is_so(format)) names.push_back(format.name);
     }
     return fmt::format("{}", fmt::join(names, ", "));
@@ -47,7 +43,7 @@ std::string formats_that(const std::function<bool(const Format&)>& is_so) {
 
 std::string formats_that_take(const std::string& field) {
     return formats_that([&](const Format& format) {
-        const std::vector<std::string> taken = exports::options_of(format);
+        const std::vector<std::string> taken = options_of(format);
         return std::find(taken.begin(), taken.end(), field) != taken.end();
     });
 }
@@ -55,8 +51,8 @@ std::string formats_that_take(const std::string& field) {
 /// "csv, json: 16 cosines; pbrt: 56 intervals of the cosine".
 std::string resolutions() {
     std::vector<std::pair<std::string, std::string>> groups;  // fineness, names
-    for (const Format& format : exports::all_formats()) {
-        const exports::Fineness& fineness = format.resolution;
+    for (const Format& format : all_formats()) {
+        const Fineness& fineness = format.resolution;
         if (fineness.lowest == fineness.highest) continue;
         const std::string text = fmt::format("{} {}", fineness.standard, fineness.unit);
         const auto same = std::find_if(groups.begin(), groups.end(),
@@ -92,7 +88,7 @@ void ExportArguments::add_file_options(CLI::App& command) {
                      fmt::format("fineness, format by format; 0: the default ({})", resolutions()))
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
-    for (const Format& format : exports::all_formats()) {
+    for (const Format& format : all_formats()) {
         for (const FormatOption& extra : format.extra) {
             const std::string help = format.name + ": " + extra.help;
             int& value = options_.extra.emplace(extra.name, extra.standard).first->second;
@@ -153,8 +149,8 @@ Request ExportArguments::scene() const {
     return request;
 }
 
-exports::ExportOptions ExportArguments::file() const {
-    exports::ExportOptions options = options_;
+ExportOptions ExportArguments::file() const {
+    ExportOptions options = options_;
     rte::Directions& directions = options.directions;
     if (!mu_in_.empty()) directions.mu_in = parse_number_list(mu_in_, "mu_in", 0.0, 1.0, true);
     if (!mu_out_.empty()) directions.mu_out = parse_number_list(mu_out_, "mu_out", 0.0, 1.0, true);
@@ -169,10 +165,10 @@ exports::ExportOptions ExportArguments::file() const {
 }
 
 std::vector<std::string> ignored_options_of(const std::string& format) {
-    const Format& known = exports::find_format(format);
+    const Format& known = find_format(format);
     const std::vector<std::string> taken = file_options_of(known);
     std::vector<std::string> ignored;
-    for (const Format& other : exports::all_formats()) {
+    for (const Format& other : all_formats()) {
         for (const std::string& option : file_options_of(other)) {
             const bool there = std::find(taken.begin(), taken.end(), option) != taken.end() ||
                                std::find(ignored.begin(), ignored.end(), option) != ignored.end();

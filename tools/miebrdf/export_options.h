@@ -18,13 +18,13 @@ class ExportArguments {
     /// @throws UsageError  naming those that it does take
     void check_format() const;
 
-    const exports::Format& format() const { return exports::find_format(format_); }
+    const Format& format() const { return find_format(format_); }
     const std::string& component() const { return component_; }
     /// Wavelengths ascending: the order of every format.
     /// @throws UsageError, InputError
     Request scene() const;
     /// @throws UsageError
-    exports::ExportOptions file() const;
+    ExportOptions file() const;
 
   private:
     void add_file_options(CLI::App& command);
@@ -37,7 +37,7 @@ class ExportArguments {
     std::string format_;
     std::string component_ = "total";
     std::string mu_in_, mu_out_, azimuth_;
-    exports::ExportOptions options_;
+    ExportOptions options_;
 };
 
 /// Options (with their dashes) that a format has no use for: those of other formats, and for

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
-#include "pipeline/formats/common/rgb_weights.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
@@ -47,7 +47,7 @@ void prepare_for_colour(std::vector<double>& wavelength_nm) {
     wavelength_nm.erase(std::unique(wavelength_nm.begin(), wavelength_nm.end()),
                         wavelength_nm.end());
     // Fewer, or a part of the visible, give another colour without a sign of it (docs/colour.md).
-    if (exports::covers_the_visible(wavelength_nm)) return;
+    if (covers_the_visible(wavelength_nm)) return;
     throw UsageError(
         "--colour needs at least eight wavelengths, from 430 nm or less to 650 nm or more; write "
         "e.g. --wavelengths 400:700:10");

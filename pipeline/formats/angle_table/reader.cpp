@@ -11,7 +11,7 @@
 #include "pipeline/formats/common/grid_file.h"
 #include "pipeline/formats/common/text_lines.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
@@ -155,4 +155,4 @@ std::unique_ptr<BrdfFile> read_astm(std::string content) {
 FormatReader ssdd_reader() { return {recognise_ssdd, read_ssdd}; }
 FormatReader astm_reader() { return {recognise_astm, read_astm}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

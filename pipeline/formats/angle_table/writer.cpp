@@ -11,7 +11,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/solve/vector_pairs.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader ssdd_reader();  // reader.cpp
 FormatReader astm_reader();
@@ -154,4 +154,4 @@ Format astm_format() {
     return format;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

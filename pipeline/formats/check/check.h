@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include <miebrdf/formats.h>
 #include <miebrdf/brdf_source.h>
+#include <miebrdf/formats.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// Cosines and azimuth uniform, each band filled; the same numbers on every machine for a seed.
 std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed);
@@ -50,4 +50,4 @@ struct TableAlbedo {
 /// @return  empty when fewer than three outgoing cosines or azimuths leave nothing to estimate from
 std::vector<TableAlbedo> table_albedos(const BrdfFile& file, const ListedDirections& lists);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -9,7 +9,7 @@
 
 #include "pipeline/solve/vector_pairs.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Of the mean: smaller values are compared with this share of it.
@@ -133,4 +133,4 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
     return deviation;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -5,10 +5,10 @@
 #include <limits>
 #include <numbers>
 
-#include "pipeline/formats/common/rgb_weights.h"
+#include "pipeline/formats/common/rgb_source.h"
 #include "rte/math/quadrature.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr double kIncidences[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1.0};
@@ -199,4 +199,4 @@ FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth, const
     return comparison;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

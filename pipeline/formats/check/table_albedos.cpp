@@ -9,7 +9,7 @@
 
 #include "rte/math/quadrature.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -138,4 +138,4 @@ std::vector<TableAlbedo> table_albedos(const BrdfFile& file, const ListedDirecti
     return albedos;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -12,7 +12,7 @@
 
 #include <miebrdf/error.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// Little-endian numbers where they lie in a file, at any alignment.
 template <std::floating_point Real>
@@ -95,4 +95,4 @@ class ByteReader {
     std::size_t position_ = 0;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 class ByteWriter {
   public:
@@ -53,4 +53,4 @@ class ByteWriter {
     std::ostream& out_;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

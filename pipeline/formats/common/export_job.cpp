@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/formats/common/rgb_weights.h"
+#include "pipeline/formats/common/rgb_source.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 int checked(const Format& format, const std::string& field, int value, int lowest, int highest,
@@ -91,4 +91,4 @@ std::string in_xml_comment(std::string text) {
     return text;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include <miebrdf/formats.h>
-#include "pipeline/solve/rgb_source.h"
+#include "pipeline/formats/common/rgb_source.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 struct ExportJob {
     const BrdfSource& spectral;    ///< has wavelengths
@@ -48,4 +48,4 @@ std::string one_line(std::string text);
 /// Without the two hyphens that end an XML comment.
 std::string in_xml_comment(std::string text);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

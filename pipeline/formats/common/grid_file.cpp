@@ -10,7 +10,7 @@
 
 #include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr std::size_t kAxes = 4;  // of a collector's places
@@ -184,4 +184,4 @@ GridTable GridCollector::table(Elevation elevation) && {
     return table;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -5,7 +5,7 @@
 
 #include <miebrdf/formats.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// How a program interpolates between listed elevations.
 enum class Elevation { cosine, angle_deg };
@@ -51,4 +51,4 @@ class GridCollector {
     std::vector<double> values_;  ///< of each row all columns
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

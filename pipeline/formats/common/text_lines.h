@@ -10,7 +10,7 @@
 
 #include <miebrdf/error.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// Hands out lines without their ends ("\n" or "\r\n") and knows where it is.
 class TextLines {
@@ -68,4 +68,4 @@ class TextLines {
     int number_ = 0;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -6,11 +6,11 @@
 #include <limits>
 #include <numbers>
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/common/byte_reader.h"
-#include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr std::uint32_t kHalf = 90, kDifference = 90, kAzimuth = 180;
@@ -131,4 +131,4 @@ std::unique_ptr<BrdfFile> read_merl(std::string content) {
 
 FormatReader merl_reader() { return {recognise_merl, read_merl}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

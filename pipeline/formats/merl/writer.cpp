@@ -8,7 +8,7 @@
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/vector_pairs.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader merl_reader();  // reader.cpp
 
@@ -117,4 +117,4 @@ Format merl_format() {
             .reader = merl_reader()};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

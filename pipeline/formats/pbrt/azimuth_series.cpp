@@ -10,7 +10,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/solve/parallel.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Pairs of one job; each has hundreds of samples.
@@ -102,4 +102,4 @@ void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
     });
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -7,7 +7,7 @@
 
 #include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 struct CosinePair {
     double mu_in = 1.0;
@@ -38,4 +38,4 @@ void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
                     double tail_tolerance, int most_orders, const Control& control,
                     const std::function<void(std::size_t pair, const AzimuthSeries&)>& take);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <optional>
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/common/byte_reader.h"
-#include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// A pair's Fourier series: `length` numbers for each channel from `offset` on.
@@ -336,4 +336,4 @@ std::unique_ptr<BrdfFile> read_pbrt(std::string content) {
 
 FormatReader pbrt_reader() { return {recognise_pbrt, read_pbrt}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -11,7 +11,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/pbrt/azimuth_series.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader pbrt_reader();  // reader.cpp
 
@@ -201,4 +201,4 @@ Format pbrt_format() {
             .reader = pbrt_reader()};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

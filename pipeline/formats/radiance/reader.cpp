@@ -8,10 +8,10 @@
 #include <numbers>
 #include <pugixml.hpp>
 
-#include <miebrdf/formats.h>
 #include <miebrdf/brdf_source.h>
+#include <miebrdf/formats.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 using std::numbers::pi;
@@ -234,4 +234,4 @@ std::unique_ptr<BrdfFile> read_radiance(std::string content) {
 
 FormatReader radiance_reader() { return {recognise_radiance, read_radiance}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

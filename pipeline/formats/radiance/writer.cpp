@@ -15,7 +15,7 @@
 #include "pipeline/io/markup.h"
 #include "pipeline/solve/vector_pairs.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader radiance_reader();  // reader.cpp, of both kinds
 
@@ -276,4 +276,4 @@ Format klems_format() {
             .reader = radiance_reader()};  // which calls its files radiance
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 using std::numbers::pi;
@@ -117,4 +117,4 @@ void HalfVectorTable::settle_horizon(std::span<double> values) const {
     }
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

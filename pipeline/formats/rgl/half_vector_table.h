@@ -6,7 +6,7 @@
 
 #include "pipeline/solve/vector_pairs.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// n x n half vectors at one direction of incidence, theta = x^2 pi/2 and phi = (2y - 1) pi with x
 /// and y at equal steps of [0, 1]; node = row y * n + column x. Readers interpolate linearly
@@ -48,4 +48,4 @@ class HalfVectorTable {
     std::vector<std::size_t> needed_;
 };
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/rgl/tables.h"
-#include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 using std::numbers::pi;
@@ -150,4 +150,4 @@ std::unique_ptr<BrdfFile> read_rgl(std::string content) {
 
 FormatReader rgl_reader() { return {recognise_rgl, read_rgl}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -8,7 +8,7 @@
 
 #include <miebrdf/brdf_source.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Bytes of one number of each type, from the container's description: none, u8, i8, u16, i16, u32,
@@ -242,4 +242,4 @@ double BilinearWarp::density(Point2 point) const {
     return ((1 - cell.y) * below + cell.y * above) * cells;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

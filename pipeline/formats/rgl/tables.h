@@ -12,7 +12,7 @@
 
 #include "pipeline/formats/common/byte_reader.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 struct Tensor {
     std::vector<std::uint64_t> shape;
@@ -101,4 +101,4 @@ struct RglTables {
 /// the others or not finite
 RglTables read_rgl_tables(std::string_view content);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -12,7 +12,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/rgl/half_vector_table.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader rgl_reader();  // reader.cpp
 
@@ -222,4 +222,4 @@ Format rgl_format() {
             .reader = rgl_reader()};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

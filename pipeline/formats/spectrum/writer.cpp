@@ -7,11 +7,11 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/table/npz.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// "nm value" lines under '#' comments.
-void write_spd(const Spectrum& spectrum, std::ostream& out) {
+void write_spd(const ReflectanceSpectrum& spectrum, std::ostream& out) {
     for (const std::string& comment : spectrum.comments) out << "# " << one_line(comment) << '\n';
     for (std::size_t i = 0; i < spectrum.value.size(); ++i) {
         out << fmt::format("{} {}\n", spectrum.wavelength_nm[i], spectrum.value[i]);
@@ -19,7 +19,7 @@ void write_spd(const Spectrum& spectrum, std::ostream& out) {
 }
 
 /// A Mitsuba 3 <spectrum type="irregular"> element, comments before it.
-void write_irregular(const Spectrum& spectrum, std::ostream& out) {
+void write_irregular(const ReflectanceSpectrum& spectrum, std::ostream& out) {
     for (const std::string& comment : spectrum.comments) {
         out << "<!-- " << in_xml_comment(one_line(comment)) << " -->\n";
     }
@@ -59,7 +59,7 @@ void write_scattering(const ScatteringTable& table, std::ostream& out) {
 constexpr char kNoDirections[] = "holds no directions";
 
 Format spectrum_format(const char* name, const char* readers, const char* ending,
-                       void (*write)(const Spectrum&, std::ostream&)) {
+                       void (*write)(const ReflectanceSpectrum&, std::ostream&)) {
     return {.name = name,
             .readers = readers,
             .holds = "reflectance spectrum",
@@ -91,4 +91,4 @@ Format scattering_format() {
             .write_scattering = write_scattering};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

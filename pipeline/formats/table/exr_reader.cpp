@@ -15,7 +15,7 @@
 
 #include "pipeline/formats/common/grid_file.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// A compressed image of one value can be a thousand times smaller than itself; more is an attack.
@@ -208,4 +208,4 @@ std::unique_ptr<BrdfFile> read_exr(std::string content) {
 
 FormatReader exr_reader() { return {recognise_exr, read_exr}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

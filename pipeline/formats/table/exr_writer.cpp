@@ -15,7 +15,7 @@
 
 #include "pipeline/formats/table/tabulate.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader exr_reader();  // exr_reader.cpp
 
@@ -139,4 +139,4 @@ Format exr_format() {
     return format;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -10,7 +10,7 @@
 
 struct zip;  // libzip's archive
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// Arrays are kept in memory until they are written. The zip container is libzip's: sizes beyond
 /// 4 GB, checksums and time stamps are its business.
@@ -48,4 +48,4 @@ struct NpyArray {
 /// members are read: then the arrays are no larger than the file. @throws InputError
 std::map<std::string, NpyArray> read_npz_arrays(std::string_view content);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -9,7 +9,7 @@
 #include "pipeline/formats/common/grid_file.h"
 #include "pipeline/formats/table/npz.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// The text between `before` and `after` of a .npy header's Python dict.
@@ -159,4 +159,4 @@ std::unique_ptr<BrdfFile> read_npz(std::string content) {
 
 FormatReader npz_reader() { return {recognise_npz, read_npz}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

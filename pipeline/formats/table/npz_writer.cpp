@@ -12,7 +12,7 @@
 #include "pipeline/formats/table/npz.h"
 #include "pipeline/formats/table/tabulate.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader npz_reader();  // npz_reader.cpp
 
@@ -229,4 +229,4 @@ Format npz_format() {
     return format;
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -5,7 +5,7 @@
 
 #include "pipeline/solve/parallel.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 std::vector<double> sine_squared_cosines(int intervals) {
     std::vector<double> cosines;
@@ -85,4 +85,4 @@ Format table_format(const char* name, const char* readers, const char* ending,
             .reader = reader};
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

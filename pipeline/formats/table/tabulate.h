@@ -5,7 +5,7 @@
 
 #include "pipeline/formats/common/export_job.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 /// `intervals` cosines sin^2(pi k / 2 intervals), k >= 1: dense at the horizon and at the normal.
 std::vector<double> sine_squared_cosines(int intervals);
@@ -30,4 +30,4 @@ Format table_format(const char* name, const char* readers, const char* ending,
                     void (*write)(const ExportJob& job, std::ostream& out),
                     const FormatReader& reader);
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -8,7 +8,7 @@
 #include "pipeline/formats/common/grid_file.h"
 #include "pipeline/formats/common/text_lines.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 constexpr std::string_view kHeader = "wavelength_nm,mu_in,mu_out,azimuth_deg,brdf";
@@ -133,4 +133,4 @@ std::unique_ptr<BrdfFile> read_json(std::string content) {
 FormatReader csv_reader() { return {recognise_csv, read_csv}; }
 FormatReader json_reader() { return {recognise_json, read_json}; }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -6,7 +6,7 @@
 
 #include "pipeline/formats/table/tabulate.h"
 
-namespace miebrdf::exports {
+namespace miebrdf {
 
 FormatReader csv_reader();  // text_reader.cpp
 FormatReader json_reader();
@@ -90,4 +90,4 @@ Format json_format() {
     return table_format("json", "browsers and scripts", ".json", write_json, json_reader());
 }
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf

@@ -49,6 +49,10 @@ struct LinearSrgb {
     double red = 0.0, green = 0.0, blue = 0.0;
 };
 
+/// Whether a colour can be told from these wavelengths: eight or more, in ascending order, from
+/// 430 nm or less to 650 nm or more.
+bool covers_the_visible(const std::vector<double>& wavelength_nm);
+
 /// What a value at each wavelength contributes to X, Y and Z.
 struct ObserverWeights {
     std::vector<double> x, y, z;

@@ -1,7 +1,8 @@
 // Files that renderers and measurement tools read: written, read back and checked.
 //
-//     export_brdf(brdf, "rgl", "paint.bsdf");              // writes paint_spec and paint_rgb
-//     const auto check = check_file("paint_spec.bsdf");    // reciprocity, albedo, least value
+//     export_brdf(brdf.table(), "rgl", "paint.bsdf");              // writes paint_spec and
+//     paint_rgb const auto check = check_file("paint_spec.bsdf");    // reciprocity, albedo, least
+//     value
 //
 // docs/formats has a page for each format.
 #pragma once
@@ -25,11 +26,11 @@
 #include <miebrdf/solver.h>
 
 #pragma GCC visibility push(default)
-namespace miebrdf::exports {
+namespace miebrdf {
 
 class BrdfFile;
 struct ExportJob;
-struct Spectrum;
+struct ReflectanceSpectrum;
 struct ScatteringTable;
 
 // ---------------------------------------------------------------- What formats there are
@@ -100,7 +101,7 @@ struct Format {
     // The functions of the format, with types of the library's inside: formats are added there.
     std::vector<FormatFile> files = {};
     std::string (*sidecar)(const ExportJob& job) = nullptr;  ///< text of FILE.json, if any
-    void (*write_spectrum)(const Spectrum& spectrum, std::ostream& out) = nullptr;
+    void (*write_spectrum)(const ReflectanceSpectrum& spectrum, std::ostream& out) = nullptr;
     void (*write_scattering)(const ScatteringTable& table, std::ostream& out) = nullptr;
     FormatReader reader = {};
 };
@@ -166,13 +167,15 @@ class TooCoarse : public Error {
 /// @throws TooCoarse   with the error, and a resolution that would do; Cancelled
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& format,
                                       const std::filesystem::path& path,
-                                      const ExportOptions& options, const Control& control);
+                                      const ExportOptions& options = {},
+                                      const Control& control = {});
 std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::string& format,
                                       const std::filesystem::path& path,
-                                      const ExportOptions& options = {});
+                                      const ExportOptions& options = {},
+                                      const Control& control = {});
 
 /// A reflectance at each wavelength.
-struct Spectrum {
+struct ReflectanceSpectrum {
     std::vector<double> wavelength_nm;
     std::vector<double> value;
     std::vector<std::string> comments;  ///< version, command line, sources, what the value is
@@ -190,7 +193,7 @@ struct ScatteringTable {
 
 /// @throws UsageError  for a format of another content, or wavelengths that do not suit it
 /// @throws InputError  when the file cannot be written
-void export_spectrum(const Spectrum& spectrum, const std::string& format,
+void export_spectrum(const ReflectanceSpectrum& spectrum, const std::string& format,
                      const std::filesystem::path& path);
 void export_scattering(const ScatteringTable& table, const std::string& format,
                        const std::filesystem::path& path);
@@ -290,5 +293,5 @@ struct FileComparison {
 FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth,
                             const std::string& rgb = "auto");
 
-}  // namespace miebrdf::exports
+}  // namespace miebrdf
 #pragma GCC visibility pop

@@ -1,14 +1,15 @@
-#include "pipeline/formats/common/rgb_weights.h"
+#include "pipeline/formats/common/rgb_source.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 
-namespace miebrdf::exports {
+namespace miebrdf {
 namespace {
 
 /// Colour is linear in the spectrum: the colour of a unit of each wavelength is its weight.
@@ -30,11 +31,20 @@ RgbWeights cie_weights(const std::vector<double>& wavelength_nm) {
 
 }  // namespace
 
-bool covers_the_visible(const std::vector<double>& wavelength_nm) {
-    constexpr std::size_t kFewest = 8;
-    constexpr double kBlue_nm = 430.0, kRed_nm = 650.0;
-    return wavelength_nm.size() >= kFewest && wavelength_nm.front() <= kBlue_nm &&
-           wavelength_nm.back() >= kRed_nm;
+RgbWeights nearest_wavelengths(const std::vector<double>& wavelength_nm) {
+    constexpr std::array<double, 3> kWanted_nm = {620.0, 535.0, 480.0};
+    RgbWeights weights;
+    weights.weight.assign(wavelength_nm.size(), {0.0, 0.0, 0.0});
+    weights.description = "single wavelengths";
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto nearest =
+            std::min_element(wavelength_nm.begin(), wavelength_nm.end(), [&](double a, double b) {
+                return std::abs(a - kWanted_nm[c]) < std::abs(b - kWanted_nm[c]);
+            });
+        weights.weight[static_cast<std::size_t>(nearest - wavelength_nm.begin())][c] = 1.0;
+        weights.description += fmt::format("{} {} = {} nm", c == 0 ? ":" : ",", "RGB"[c], *nearest);
+    }
+    return weights;
 }
 
 RgbWeights rgb_weights(const std::string& mode, const std::vector<double>& wavelength_nm) {
@@ -46,4 +56,17 @@ RgbWeights rgb_weights(const std::string& mode, const std::vector<double>& wavel
                                              : nearest_wavelengths(wavelength_nm);
 }
 
-}  // namespace miebrdf::exports
+RgbSource::RgbSource(const BrdfSource& source, RgbWeights weights)
+    : source_(source), weights_(std::move(weights)) {
+    if (weights_.weight.size() != source.wavelength_nm().size()) {
+        throw UsageError(fmt::format("colour weights for {} wavelengths, but the BRDF has {}",
+                                     weights_.weight.size(), source.wavelength_nm().size()));
+    }
+    mix_ = source.mix(weights_.weight);
+}
+
+void RgbSource::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+    mix_->evaluate(directions, values);
+}
+
+}  // namespace miebrdf

@@ -1,3 +1,5 @@
+// What `check` finds in files: physics, and tables judged at their own directions.
+#include <cmath>
 #include <numbers>
 
 #include "pipeline/formats/check/check.h"
@@ -8,7 +10,58 @@
 #include "tests/support/test_material.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
+
+namespace {
+
+/// Any function of direction as a file.
+class Fake : public BrdfFile {
+  public:
+    explicit Fake(double (*brdf)(const Direction&)) : brdf_(brdf) {}
+    std::string format() const override { return "fake"; }
+    std::string description() const override { return ""; }
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const std::vector<double>& wavelength_nm() const override { return none_; }
+    void evaluate(const Direction& d, std::span<double> values) const override {
+        values[0] = brdf_(d);
+    }
+
+  private:
+    double (*brdf_)(const Direction&);
+    std::vector<std::string> channels_ = {"Y"};
+    std::vector<double> none_;
+};
+
+}  // namespace
+
+TEST_CASE("check finds the albedo of a white Lambertian surface to be 1", "[formats][file_check]") {
+    const FileCheck check = check_file(Fake([](const Direction&) { return 1 / std::numbers::pi; }));
+    // Gauss-Legendre integrates mu exactly.
+    CHECK(std::abs(*check.largest_albedo - 1) <= 1e-12);
+    CHECK(*check.reciprocity_rms == 0.0);
+    CHECK(check.least_value == Approx(1 / std::numbers::pi));
+    CHECK_FALSE(check.sampled_albedo_error.has_value());
+}
+
+TEST_CASE("the albedo error of a file that is a tenth too bright is a tenth",
+          "[formats][file_check]") {
+    static const support::TestMaterial material({550}, 0.4);
+    const Fake bright([](const Direction& d) {
+        double value = 0;
+        material.evaluate({&d, 1}, {&value, 1});
+        return 1.1 * value;
+    });
+    CHECK(albedo_error(bright, material) == Approx(0.1).epsilon(1e-9));
+}
+
+TEST_CASE("check sees what is not reciprocal, negative or missing", "[formats][file_check]") {
+    CHECK(check_file(Fake([](const Direction& d) { return d.mu_in; })).reciprocity_rms.value() >
+          0.3);
+    CHECK(check_file(Fake([](const Direction& d) { return d.mu_in - 0.5; })).least_value < -0.4);
+    const FileCheck check =
+        check_file(Fake([](const Direction& d) { return d.mu_out > 0.5 ? 0.1 : std::nan(""); }));
+    CHECK(check.missing > 0);
+    CHECK(check.missing < check.directions);
+}
 
 namespace {
 
@@ -44,7 +97,7 @@ rte::Directions default_grid() {
 }  // namespace
 
 TEST_CASE("a white Lambertian table has albedo 1, whatever directions it lists",
-          "[exports][table_check]") {
+          "[formats][table_check]") {
     const rte::Directions grid =
         GENERATE(default_grid(), rte::Directions{{0.5}, {0.1, 0.3, 0.9}, {0, 90, 180}},
                  rte::Directions{{0.2, 1}, {0.05, 0.1, 0.2, 0.5, 0.6, 1}, {10, 20, 30, 70}},
@@ -62,7 +115,7 @@ TEST_CASE("a white Lambertian table has albedo 1, whatever directions it lists",
 }
 
 TEST_CASE("albedos of the default table are within their error estimate",
-          "[exports][table_check]") {
+          "[formats][table_check]") {
     const support::TestMaterial material({400, 550, 700}, 0.6);
     const auto file = table_of(default_grid(), material);
     for (const TableAlbedo& found : table_albedos(*file, *file->listed())) {
@@ -78,7 +131,7 @@ TEST_CASE("albedos of the default table are within their error estimate",
 }
 
 TEST_CASE("what a table cannot resolve is in the error estimate, and no more than that passes",
-          "[exports][table_check]") {
+          "[formats][table_check]") {
     // A white surface with a bright ring, too narrow for the table, which happens to hit it.
     const Shape narrow([](const Direction& d) {
         return 1.0 + 0.6 * std::exp(-std::pow((d.azimuth_deg - 40.0) / 2.0, 2));
@@ -98,7 +151,7 @@ TEST_CASE("what a table cannot resolve is in the error estimate, and no more tha
 }
 
 TEST_CASE("tables of few directions have no albedo, and reciprocity only where they list both ways",
-          "[exports][table_check]") {
+          "[formats][table_check]") {
     const Shape lopsided([](const Direction& d) { return 0.1 + d.mu_in; });
     const FileCheck one = check_file(*table_of({{0.5}, {0.3, 0.9}, {0, 180}}, lopsided));
     CHECK_FALSE(one.largest_albedo.has_value());

@@ -1,4 +1,4 @@
-#include "pipeline/formats/common/rgb_weights.h"
+#include "pipeline/formats/common/rgb_source.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
-using namespace miebrdf::exports;
 
 namespace {
 
@@ -18,7 +17,7 @@ bool is_cie(const RgbWeights& weights) {
 
 }  // namespace
 
-TEST_CASE("white stays white in the colours of the CIE observer", "[exports][rgb]") {
+TEST_CASE("white stays white in the colours of the CIE observer", "[formats][rgb]") {
     const std::string list = GENERATE("400:700:10", "430:650:20", "360:830:1", "550", "430,650");
     const auto wavelengths = parse_wavelengths_nm(list);
     const RgbWeights weights = rgb_weights("cie", wavelengths);
@@ -31,7 +30,7 @@ TEST_CASE("white stays white in the colours of the CIE observer", "[exports][rgb
     }
 }
 
-TEST_CASE("spectral lights lie where the gamut of sRGB lets them", "[exports][rgb]") {
+TEST_CASE("spectral lights lie where the gamut of sRGB lets them", "[formats][rgb]") {
     // CIE 15: the spectral locus is outside of every triangle of real primaries, so each line has a
     // negative component; the largest one names its hue.
     const RgbWeights weights = rgb_weights("cie", {460, 510, 530, 620});
@@ -46,7 +45,7 @@ TEST_CASE("spectral lights lie where the gamut of sRGB lets them", "[exports][rg
 }
 
 TEST_CASE("a colour needs eight wavelengths from blue to red, else three stand for it",
-          "[exports][rgb]") {
+          "[formats][rgb]") {
     CHECK(covers_the_visible(parse_wavelengths_nm("430:650:27.5")));      // 9
     CHECK_FALSE(covers_the_visible(parse_wavelengths_nm("430:650:36")));  // 7
     CHECK_FALSE(covers_the_visible(parse_wavelengths_nm("431:651:10")));
@@ -68,7 +67,7 @@ TEST_CASE("a colour needs eight wavelengths from blue to red, else three stand f
     }
 }
 
-TEST_CASE("unknown colours and wavelengths out of order are refused", "[exports][rgb][errors]") {
+TEST_CASE("unknown colours and wavelengths out of order are refused", "[formats][rgb][errors]") {
     CHECK_THROWS_AS(rgb_weights("rgb", {550}), UsageError);
     CHECK_THROWS_WITH(rgb_weights("rgb", {550}),
                       Catch::Contains("'rgb'") && Catch::Contains("cie, wavelengths, auto"));
