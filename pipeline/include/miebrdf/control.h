@@ -15,14 +15,15 @@ class OpticsMemo;
 struct Control {
     int threads = 0;  ///< most threads to use; 0: one for each processor
     /// Called after each finished job of a stage, one call at a time, from any thread.
-    std::function<void(const std::string& stage, std::size_t done, std::size_t total)> progress;
+    std::function<void(const std::string& stage, std::size_t done, std::size_t total)> progress =
+        {};
     /// Asked before each job, from any thread; true ends the computation with Cancelled.
-    std::function<bool()> is_cancelled;
+    std::function<bool()> is_cancelled = {};
     /// Results of earlier runs (open_cache); none: everything is computed.
-    std::shared_ptr<ResultCache> cache;
+    std::shared_ptr<ResultCache> cache = {};
     /// Single scattering that several scenes have in common (make_optics_memo); none: each scene
     /// computes its own.
-    std::shared_ptr<OpticsMemo> memo;
+    std::shared_ptr<OpticsMemo> memo = {};
 };
 
 /// The user's cache of results, $XDG_CACHE_HOME/miebrdf/results.sqlite. Never an error: a file that
