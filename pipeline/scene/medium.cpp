@@ -19,28 +19,46 @@ const MediumKind& kind_of_text(const std::string& text) {
     const std::size_t colon = text.find(':');
     if (colon != std::string::npos) {
         for (const MediumKind& kind : medium_kinds()) {
-            if (kind.name == text.substr(0, colon) && kind.name != "material") return kind;
+            if (kind.name == text.substr(0, colon) && kind.name != "material" && !kind.form.empty())
+                return kind;
         }
     }
     return medium_kinds().front();
 }
 
+void require_ranges(const std::string& text, const MediumKind& kind,
+                    const std::vector<double>& parameters) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const MediumParameter& parameter = kind.parameters[i];
+        if (parameter.is_allowed(parameters[i])) continue;
+        throw UsageError(fmt::format("medium '{}': {} {} is out of range; allowed: {}", text,
+                                     parameter.name, parameters[i], parameter.allowed));
+    }
+}
+
+/// Sizes belong to spheres.
+void require_particles(const std::string& text, const MediumKind& kind,
+                       const ParticleSizes& sizes) {
+    if (!kind.optics || sizes == ParticleSizes{}) return;
+    throw UsageError(
+        fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes belong to "
+                    "media that go through Mie theory: materials, source:KEY, index:N,K",
+                    text, kind.name, describe(sizes)));
+}
+
 /// The numbers after the colon, one for each parameter of the kind.
-void read_parameters(const std::string& text, const std::string& values, const MediumKind& kind,
-                     Medium& medium) {
+std::vector<double> read_parameters(const std::string& text, const std::string& values,
+                                    const MediumKind& kind) {
+    std::vector<double> parameters;
     const std::vector<std::string> parts = split_list(values);
     if (parts.size() != kind.parameters.size()) {
         throw UsageError(
             fmt::format("medium '{}': write {}, e.g. {}", text, kind.form, kind.example));
     }
     for (const std::string& part : parts)
-        medium.parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const MediumParameter& parameter = kind.parameters[i];
-        if (parameter.is_allowed(medium.parameters[i])) continue;
-        throw UsageError(fmt::format("medium '{}': {} {} is out of range; allowed: {}", text,
-                                     parameter.name, medium.parameters[i], parameter.allowed));
-    }
+        parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
+    require_ranges(text, kind, parameters);
+    return parameters;
 }
 
 /// A medium without sizes of its own.
@@ -54,7 +72,7 @@ Medium read_medium(const std::string& text, const MediumKind& kind) {
     if (kind.read) {
         kind.read(values, medium);
     } else {
-        read_parameters(text, values, kind, medium);
+        medium.parameters = read_parameters(text, values, kind);
     }
     return medium;
 }
@@ -63,17 +81,31 @@ Medium read_medium(const std::string& text, const MediumKind& kind) {
 
 Medium medium(const std::string& text) {
     const MediumKind& kind = kind_of_text(text);
-    const bool has_particles = !kind.optics;
-    const SizedText parts = split_sizes(text, has_particles);
-    if (!has_particles && parts.sizes != ParticleSizes{}) {
-        throw UsageError(
-            fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes belong to "
-                        "media that go through Mie theory: materials, source:KEY, index:N,K",
-                        text, kind.name, describe(parts.sizes)));
-    }
+    const SizedText parts = split_sizes(text, !kind.optics);
+    require_particles(text, kind, parts.sizes);
     Medium medium = read_medium(parts.medium, kind);
     medium.sizes = parts.sizes;
     return medium;
+}
+
+void validate(const Medium& medium) {
+    const MediumKind& kind = kind_of(medium);
+    const std::string text = describe(medium);
+    if (medium.parameters.size() != kind.parameters.size()) {
+        std::vector<std::string> names;
+        for (const MediumParameter& parameter : kind.parameters) names.push_back(parameter.name);
+        throw UsageError(fmt::format("medium '{}': parameters: {} given; allowed: {} ({})", text,
+                                     medium.parameters.size(), names.size(),
+                                     fmt::join(names, ", ")));
+    }
+    require_ranges(text, kind, medium.parameters);
+    require_particles(text, kind, medium.sizes);
+    validate(medium.sizes, text);
+    try {
+        kind.check(medium);
+    } catch (const std::exception& error) {
+        throw UsageError(fmt::format("medium '{}': {}", text, error.what()));
+    }
 }
 
 std::string describe(const Medium& medium) {
@@ -87,8 +119,9 @@ bool needs_mie(const Medium& medium) { return !kind_of(medium).optics; }
 
 std::vector<MediumForm> medium_forms() {
     std::vector<MediumForm> forms;
-    for (const MediumKind& kind : medium_kinds())
-        forms.push_back({kind.form, kind.example, kind.help});
+    for (const MediumKind& kind : medium_kinds()) {
+        if (!kind.form.empty()) forms.push_back({kind.form, kind.example, kind.help});
+    }
     return forms;
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 
+#include <stdexcept>
+
 #include "pipeline/scene/moments_file.h"
 
 namespace miebrdf {
@@ -16,7 +18,11 @@ MediumKind material() {
             .form = "NAME",
             .example = "TiO2",
             .help = "spheres of a material of the database, by name or source:KEY",
-            .read = [](const std::string& values, Medium& medium) { medium.name = values; }};
+            .read = [](const std::string& values, Medium& medium) { medium.name = values; },
+            .check =
+                [](const Medium& m) {
+                    if (m.name.empty()) throw std::invalid_argument("a material needs a name");
+                }};
 }
 
 MediumKind index() {
@@ -26,6 +32,12 @@ MediumKind index() {
             .help = "spheres of a constant refractive index n + ik",
             .parameters = {{"n", "> 0", [](double n) { return n > 0.0; }},
                            {"k", ">= 0", [](double k) { return k >= 0.0; }}}};
+}
+
+MediumKind table() {
+    return {.name = "table",
+            .help = "spheres of a refractive index n + ik given at some wavelengths",
+            .check = [](const Medium& m) { own_index(m); }};
 }
 
 MediumKind isotropic() {
@@ -65,6 +77,7 @@ MediumKind moments() {
             .form = "moments:FILE",
             .example = "moments:mine.csv",
             .help = "albedo and Legendre moments from a CSV file",
+            .parameters = {kAlbedo},
             .read =
                 [](const std::string& values, Medium& medium) {
                     MomentsFile file = read_moments_file(values);
@@ -80,6 +93,12 @@ MediumKind moments() {
                     optics.chi = m.chi;
                     return optics;
                 },
+            .check =
+                [](const Medium& m) {
+                    rte::Optics optics;
+                    optics.chi = m.chi;
+                    rte::validate(optics);
+                },
             .most_fourier_orders = [](const Medium& m) { return static_cast<int>(m.chi.size()); }};
 }
 
@@ -87,7 +106,7 @@ MediumKind moments() {
 
 const std::vector<MediumKind>& medium_kinds() {
     static const std::vector<MediumKind> kinds = {
-        material(), index(), isotropic(), rayleigh(), henyey_greenstein(), moments(),
+        material(), index(), table(), isotropic(), rayleigh(), henyey_greenstein(), moments(),
     };
     return kinds;
 }
@@ -97,6 +116,23 @@ const MediumKind& kind_of(const Medium& medium) {
         if (kind.name == medium.kind) return kind;
     }
     throw UsageError(fmt::format("unknown kind of medium '{}'", medium.kind));
+}
+
+materials::RefractiveIndex own_index(const Medium& medium) {
+    const std::size_t count = medium.wavelength_nm.size();
+    if (count == 0 || medium.index.size() != count) {
+        throw std::invalid_argument(
+            fmt::format("{} wavelengths and {} refractive indices; allowed: "
+                        "as many of the one as of the other, at least one",
+                        count, medium.index.size()));
+    }
+    materials::IndexTable table;
+    table.wavelength_nm = medium.wavelength_nm;
+    for (const std::complex<double> index : medium.index) {
+        table.n.push_back(index.real());
+        table.k.push_back(index.imag());
+    }
+    return {medium.name, std::move(table)};
 }
 
 }  // namespace miebrdf

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "materials/index/refractive_index.h"
+
 namespace miebrdf {
 
 /// One of the numbers after the colon.
@@ -19,10 +21,10 @@ struct MediumParameter {
 
 /// A new kind of medium is one object of this type and one line in medium_kinds().
 struct MediumKind {
-    std::string name;  ///< before the colon: "hg"
-    std::string form;  ///< how it is written: "hg:ALBEDO,G"
-    std::string example;
-    std::string help;
+    std::string name;       ///< before the colon: "hg"
+    std::string form = {};  ///< how it is written: "hg:ALBEDO,G"; empty: words cannot say it
+    std::string example = {};
+    std::string help = {};
     std::vector<MediumParameter> parameters = {};
     /// Reads what follows the colon into name, parameters and chi; empty: `parameters`, numbers
     /// separated by commas.
@@ -30,6 +32,8 @@ struct MediumKind {
     /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
     /// theory. The first parameter is then the single-scattering albedo.
     std::function<rte::Optics(const Medium& medium)> optics = {};
+    /// Refuses what no such medium can be, beyond ranges of parameters.
+    std::function<void(const Medium& medium)> check = [](const Medium&) {};
     /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.
     std::function<int(const Medium& medium)> most_fourier_orders = [](const Medium&) { return 0; };
 };
@@ -38,5 +42,13 @@ const std::vector<MediumKind>& medium_kinds();
 
 /// @throws UsageError  for a kind that is not in the list
 const MediumKind& kind_of(const Medium& medium);
+
+/// Holds a medium, however it was made, to what its kind allows.
+/// @throws UsageError  naming the medium, the value and the allowed range
+void validate(const Medium& medium);
+
+/// The refractive index that a medium of the kind "table" brings.
+/// @throws std::invalid_argument  for a table that is empty, not ascending or not physical
+materials::RefractiveIndex own_index(const Medium& medium);
 
 }  // namespace miebrdf

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pipeline/scene/particle_sizes.h"
+#include "pipeline/scene/medium_kinds.h"
 
 namespace miebrdf {
 namespace {
@@ -26,7 +26,7 @@ void validate(const ParticleOptions& particles) {
 }
 
 void validate(const Medium& medium, const ParticleOptions& of_scene) {
-    validate(medium.sizes, describe(medium));
+    validate(medium);
     // Radius and variance of a table are its own: another number would change nothing.
     if (of_scene.sizes.kind == mie::SizeDistributionKind::tabulated &&
         medium.sizes != ParticleSizes{} && !medium.sizes.distribution) {
@@ -55,6 +55,7 @@ const Medium& top_medium(const Scene& scene) {
 
 void validate(const Scene& scene) {
     validate(scene.particles);
+    if (scene.surface) rte::validate(*scene.surface);
     validate(scene.base, scene.particles);
     for (const Layer& layer : scene.layers) {
         validate(layer.medium, scene.particles);

@@ -107,11 +107,13 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
         surface = surface_part(scene, w, directions, demand, control);
         slice.surface = surface->lobe;
         if (parts.total) slice.total = total_of(*surface, slice.subsurface);
-    } else if (!scene.surface) {
+    } else if (!scene.surface && parts.total) {
         slice.total = slice.subsurface;
     }
     add_physics(slice, directions);
     add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr, scene.coupling);
+    if (!parts.subsurface) slice.subsurface.clear();
+    if (!parts.surface) slice.surface.clear();
     return slice;
 }
 
@@ -185,7 +187,9 @@ BrdfTable Brdf::table(const TableOptions& options) const {
                                 state_->control));
 }
 
-ResultReport Brdf::report() const { return evaluate(probe_directions(), {.surface = false}); }
+ResultReport Brdf::report() const {
+    return evaluate(probe_directions(), {.subsurface = true, .surface = false, .total = false});
+}
 
 const Scene& Brdf::scene() const { return state_->scene; }
 const std::vector<double>& Brdf::wavelength_nm() const { return state_->resolved.wavelength_nm; }

@@ -12,6 +12,7 @@
 
 #include "materials/database/database.h"
 #include "pipeline/cache/job_key.h"
+#include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/particle_sizes.h"
 
 namespace miebrdf {
@@ -67,8 +68,11 @@ ResolvedIndex index_of(const Medium& medium, const std::vector<double>& waveleng
         return resolved;
     }
     try {
-        const auto table = materials.open().refractive_index(medium.name);
-        resolved.source = source_line(materials.open().info(medium.name));
+        const bool own = medium.kind == "table";
+        const auto table = own ? own_index(medium) : materials.open().refractive_index(medium.name);
+        resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", medium.name,
+                                            medium.index.size())
+                              : source_line(materials.open().info(medium.name));
         for (const double nm : wavelength_nm) add(table.at(nm));
     } catch (const Error&) {
         throw;

@@ -98,16 +98,26 @@ const std::vector<double>& BrdfValues::Slice::of(BrdfPart part) const {
 
 double BrdfValues::at(std::size_t wavelength, std::size_t in, std::size_t out, std::size_t azimuth,
                       BrdfPart part) const {
-    const std::vector<double>& values = slices.at(wavelength).of(part);
     const std::size_t outs = directions.mu_out.size(), azimuths = directions.azimuth_deg.size();
-    if (values.empty() || in >= directions.mu_in.size() || out >= outs || azimuth >= azimuths) {
-        throw UsageError(
-            fmt::format("no value of '{}' at [{}, {}, {}, {}]; there are {} wavelengths, {} mu_in, "
-                        "{} mu_out, {} azimuths",
-                        name_of(part), wavelength, in, out, azimuth, slices.size(),
-                        directions.mu_in.size(), outs, azimuths));
+    if (wavelength >= slices.size() || in >= directions.mu_in.size() || out >= outs ||
+        azimuth >= azimuths) {
+        throw UsageError(fmt::format(
+            "no value at [{}, {}, {}, {}]; there are {} wavelengths, {} "
+            "mu_in, {} mu_out, {} azimuths",
+            wavelength, in, out, azimuth, slices.size(), directions.mu_in.size(), outs, azimuths));
     }
+    const std::vector<double>& values = slices[wavelength].of(part);
+    if (values.empty())
+        throw UsageError(fmt::format("there are no values of the part '{}'", name_of(part)));
     return values[(in * outs + out) * azimuths + azimuth];
+}
+
+double AlbedoValues::at(std::size_t wavelength, std::size_t in) const {
+    if (wavelength >= plane_albedo.size() || in >= mu_in.size()) {
+        throw UsageError(fmt::format("no albedo at [{}, {}]; there are {} wavelengths, {} mu_in",
+                                     wavelength, in, plane_albedo.size(), mu_in.size()));
+    }
+    return plane_albedo[wavelength][in];
 }
 
 }  // namespace miebrdf

@@ -40,11 +40,12 @@ double largest_difference(const Brdf& brdf, const BrdfTable& table,
 
 TEST_CASE("a table and values at each direction agree within the tolerance and on converging",
           "[pipeline][table]") {
-    Scene spheres = scene_of("index:1.7,0.02,radius=1", {"index:1.4,0.001,radius=0.5@0.3"});
     Scene rough = under_surface(scene_of("hg:0.9,0.4"), 0.3, 1.5);
     rough.coupling = rte::SurfaceCoupling::reciprocal;
-    const Scene painted = scene_of("hg:0.95,0.7", {"rayleigh:0.6@0.5", "isotropic:0.8@0.2"});
-    const Scene scene = GENERATE_REF(spheres, rough, painted);
+    const std::vector<Scene> scenes = {
+        rough, scene_of("index:1.7,0.02,radius=1", {"index:1.4,0.001,radius=0.5@0.3"}),
+        scene_of("hg:0.95,0.7", {"rayleigh:0.6@0.5", "isotropic:0.8@0.2"})};
+    const Scene& scene = scenes[GENERATE(0U, 1U, 2U)];
     const double tolerance = GENERATE(1e-3, 1e-4);
     const Brdf brdf = solve(scene, {500, 600}, {.tolerance = tolerance});
     const BrdfTable table = brdf.table();

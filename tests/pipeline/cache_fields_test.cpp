@@ -124,7 +124,7 @@ TEST_CASE("the report of a wavelength comes back from the cache whole", "[pipeli
     const WavelengthReport report = full_report();
     const auto equal = [](const auto& a, const auto& b) { return a == b; };
     const auto different = [](const auto& a, const auto& b) { return a != b; };
-    REQUIRE(for_all_fields(report, WavelengthReport{.solver = {.error_estimate = -1}}, different));
+    REQUIRE(for_all_fields(report, WavelengthReport{}, different));
     const auto numbers = NumberPacker().add(report).numbers();
     WavelengthReport copy;
     NumberUnpacker(numbers).read(copy);

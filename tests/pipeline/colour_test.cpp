@@ -15,11 +15,6 @@ std::vector<double> every_5_nm() {
     return list;
 }
 
-/// A smooth step of the kind that pigments have.
-double step(double nm, double centre_nm, double width_nm) {
-    return 0.05 + 0.8 / (1 + std::exp(-(nm - centre_nm) / width_nm));
-}
-
 template <typename Function>
 std::vector<double> sample(const std::vector<double>& wavelength_nm, Function reflectance) {
     std::vector<double> values;

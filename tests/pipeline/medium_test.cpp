@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pipeline/scene/moments_file.h"
+#include "pipeline/solve/resolved_scene.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
@@ -75,6 +76,38 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
     }
 }
 
+TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
+          "[pipeline][medium]") {
+    Medium glass{.kind = "table",
+                 .name = "glass of mine",
+                 .wavelength_nm = {500, 600},
+                 .index = {{1.6, 0.01}, {1.5, 0.02}},
+                 .sizes = {.effective_radius_um = 1}};
+    CHECK(needs_mie(glass));
+    CHECK(describe(glass) == "table:glass of mine,radius=1");
+    const ResolvedIndex index = resolve_index(glass, {500, 550, 600}, {}, 0.015);
+    CHECK(index.index[0] == std::complex(1.6, 0.015));  // raised to k_floor
+    CHECK(index.index[2] == std::complex(1.5, 0.02));
+    // Two rows: linear in photon energy, 1 / wavelength.
+    const double share = (1 / 500.0 - 1 / 550.0) / (1 / 500.0 - 1 / 600.0);
+    CHECK(index.index[1].real() == Approx(1.6 - 0.1 * share));
+    CHECK_THAT(index.source, Catch::Contains("glass of mine"));
+
+    // Where the table has a row, it is the same as that constant index.
+    Scene scene;
+    scene.base = glass;
+    const auto total = [](const Scene& asked, double nm) {
+        return solve(asked, {nm}).evaluate(support::few_directions()).slices[0].total;
+    };
+    CHECK(total(scene, 600) == total(support::scene_of("index:1.5,0.02,radius=1"), 600));
+    CHECK_THROWS_AS(solve(scene, {700}), InputError);
+    CHECK_THROWS_WITH(solve(scene, {700}),
+                      Catch::Contains("glass of mine") && Catch::Contains("700"));
+    // Words cannot say it.
+    CHECK(medium("table:glass").kind == "material");
+    for (const MediumForm& form : medium_forms()) CHECK_FALSE(form.form.empty());
+}
+
 TEST_CASE("a medium made by hand is held to what its kind allows", "[pipeline][medium][errors]") {
     struct Case {
         Medium medium;
@@ -83,17 +116,25 @@ TEST_CASE("a medium made by hand is held to what its kind allows", "[pipeline][m
     const std::vector<Case> wrong = {
         {{}, "unknown kind"},
         {{.kind = "mystery", .parameters = {1}}, "'mystery'"},
-        {{.kind = "hg", .parameters = {0.9}}, "hg:ALBEDO,G"},
-        {{.kind = "hg", .parameters = {0.9, 0.1, 0.2}}, "hg:ALBEDO,G"},
+        {{.kind = "hg", .parameters = {0.9}},
+         "1 given; allowed: 2 (single-scattering albedo, asymmetry)"},
+        {{.kind = "hg", .parameters = {0.9, 0.1, 0.2}}, "3 given"},
         {{.kind = "hg", .parameters = {1.9, 0.1}}, "1.9 is out of range; allowed: [0, 1]"},
         {{.kind = "hg", .parameters = {0.9, 1}}, "(-1, 1)"},
-        {{.kind = "index", .parameters = {1.5}}, "index:N,K"},
+        {{.kind = "index", .parameters = {1.5}}, "(n, k)"},
         {{.kind = "index", .parameters = {1.5, -1}}, ">= 0"},
         {{.kind = "material"}, "material"},
         {{.kind = "moments", .parameters = {0.9}}, "chi"},
         {{.kind = "moments", .chi = {1, 0.5}}, "albedo"},
         {{.kind = "moments", .parameters = {0.9}, .chi = {1, 1.5}}, "1.5"},
         {{.kind = "moments", .parameters = {0.9}, .chi = {0.5}}, "0.5"},
+        {{.kind = "table", .name = "mine"}, "0 wavelengths"},
+        {{.kind = "table", .name = "mine", .wavelength_nm = {500, 600}, .index = {1.5}},
+         "2 wavelengths and 1 refractive"},
+        {{.kind = "table", .name = "mine", .wavelength_nm = {600, 500}, .index = {1.5, 1.5}},
+         "mine"},
+        {{.kind = "table", .name = "mine", .wavelength_nm = {500, 600}, .index = {1.5, -1.5}},
+         "mine"},
         {{.kind = "hg", .parameters = {0.9, 0.1}, .sizes = {.effective_radius_um = 1}}, "sizes"},
     };
     for (const Case& c : wrong) {

@@ -1,4 +1,5 @@
 // Single scattering that a BRDF keeps, and that the scenes of one run have in common.
+#include <miebrdf/error.h>
 #include <miebrdf/plan.h>
 
 #include <thread>

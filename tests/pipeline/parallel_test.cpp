@@ -1,5 +1,7 @@
 #include "pipeline/solve/parallel.h"
 
+#include <miebrdf/error.h>
+
 #include <atomic>
 #include <chrono>
 #include <stdexcept>

@@ -112,12 +112,13 @@ class AlbedoValues : public ResultReport {
     std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
     std::vector<double> spherical_albedo;           ///< [wavelength]
 
-    double at(std::size_t wavelength, std::size_t in) const { return plane_albedo[wavelength][in]; }
+    /// The plane albedo. @throws UsageError  for an index beyond its list
+    double at(std::size_t wavelength, std::size_t in) const;
 };
 
 struct TableOptions {
     BrdfPart part = BrdfPart::total;
-    std::string command_line;  ///< for Provenance
+    std::string command_line = {};  ///< for Provenance
 };
 
 /// A solved BRDF for those who evaluate millions of directions (exports, renderers): light

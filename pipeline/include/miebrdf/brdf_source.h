@@ -22,12 +22,12 @@ struct Direction {
 
 /// What every export says about where its numbers come from.
 struct Provenance {
-    std::string version;               ///< "miebrdf 0.1.0"
-    std::string command_line;          ///< as typed; may be empty
-    std::string title;                 ///< the scene in one line
-    std::string component = "total";   ///< total, subsurface or surface
-    std::string accuracy;              ///< of the values, in words; may be empty
-    std::vector<std::string> sources;  ///< of the refractive indices, one line for each
+    std::string version = {};               ///< "miebrdf 0.1.0"
+    std::string command_line = {};          ///< as typed; may be empty
+    std::string title = {};                 ///< the scene in one line
+    std::string component = "total";        ///< total, subsurface or surface
+    std::string accuracy = {};              ///< of the values, in words; may be empty
+    std::vector<std::string> sources = {};  ///< of the refractive indices, one line for each
 };
 
 /// Three weights of each channel: what a colour is made of.
