@@ -264,7 +264,7 @@ std::vector<SceneWord> method_words() {
          .help =
              fmt::format("directions (zenith nodes) of each hemisphere, {} to {}; 0: as many as "
                          "the tolerance needs",
-                         rte::fewest_nodes, rte::most_nodes),
+                         rte::kFewestNodes, rte::kMostNodes),
          .group = group,
          .default_text = fmt::format("{}", defaults.streams),
          .field = "streams",

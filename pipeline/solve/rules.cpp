@@ -25,7 +25,7 @@ bool only_zenith(const Directions& directions) {
 }
 
 bool only_across(const Directions& directions) {
-    return rte::is_invisible(1, directions.azimuth_deg);
+    return rte::fourier_order_vanishes(1, directions.azimuth_deg);
 }
 
 bool is_symmetric(const Directions& directions) { return directions.mu_in == directions.mu_out; }

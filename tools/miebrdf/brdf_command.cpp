@@ -180,8 +180,7 @@ void add(CLI::App& command, Shell& shell,
     shell.on_prepare(command, [arguments, write, &shell]() -> Job {
         const Question question = arguments->parse();
         const Request& request = question.request;
-        const Brdf brdf =
-            solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+        const Brdf brdf = solved(request, shell.control());
         return [brdf, question, write, &shell] { return write(brdf, question, shell); };
     });
 }

@@ -55,7 +55,7 @@ void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell&
     Request request = arguments.scene.parse();
     if (!file.wavelength_nm().empty()) request.wavelength_nm = file.wavelength_nm();
     const BrdfTable source =
-        solve(request.scene, request.wavelength_nm, request.solver, shell.control())
+        solved(request, shell.control())
             .table({parse_brdf_part(arguments.component), shell.command_line()});
     const FileComparison found = compare_file(file, source, arguments.rgb);
     const double bound = arguments.largest_deviation > 0.0

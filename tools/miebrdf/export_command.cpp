@@ -138,7 +138,7 @@ Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shel
         throw UsageError("export needs -o FILE (in a scene file, an 'output')");
     arguments->check_format();
     const Request request = arguments->scene();
-    const Brdf brdf = solve(request.scene, request.wavelength_nm, request.solver, shell.control());
+    const Brdf brdf = solved(request, shell.control());
     const std::string format = arguments->format().name;
     if (arguments->format().content == FormatContent::spectrum)
         return [brdf, format, &shell] { return export_albedo(format, brdf, shell); };

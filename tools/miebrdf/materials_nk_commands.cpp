@@ -82,7 +82,7 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
     return kGood;
 }
 
-struct PlotArguments {
+struct IndexPlotArguments {
     DatabaseArgument database;
     std::vector<std::string> names;
     std::string range;
@@ -126,7 +126,7 @@ plot::IndexCurve curve_of(const materials::Database& database, const std::string
     return curve;
 }
 
-int run_plot(const PlotArguments& arguments, const Shell& shell) {
+int run_plot(const IndexPlotArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
     if (output.empty() || output == "-")
         throw UsageError("a plot needs -o FILE.svg or -o FILE.png");
@@ -186,7 +186,7 @@ void add_nk(CLI::App& materials, Shell& shell) {
 }
 
 void add_plot(CLI::App& materials, Shell& shell) {
-    auto arguments = std::make_shared<PlotArguments>();
+    auto arguments = std::make_shared<IndexPlotArguments>();
     auto* command = materials.add_subcommand("plot", "n and k over wavelength, as SVG or PNG");
     command
         ->add_option("names", arguments->names, "NAME, NAME/DATASET or SOURCE:KEY; several overlay")

@@ -38,10 +38,6 @@ Table empty_table() {
     return table;
 }
 
-Brdf solved(const Request& request, const Control& control) {
-    return solve(request.scene, request.wavelength_nm, request.solver, control);
-}
-
 Plan plan_of(const BrdfQuestion& question, const Control& control, EarlierWork* earlier) {
     return plan_evaluate(solved(question.request, control), question.directions, question.parts,
                          earlier);

@@ -31,10 +31,6 @@ BrdfPart only_component(const ScenePlotArguments& arguments, const Request& requ
     return parts.front();
 }
 
-Brdf solved(const Request& request, const Shell& shell) {
-    return solve(request.scene, request.wavelength_nm, request.solver, shell.control());
-}
-
 int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
@@ -48,7 +44,7 @@ int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     map.incidence_deg = incidence_deg.front();
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
     const BrdfValues values =
-        solved(request, shell)
+        solved(request, shell.control())
             .evaluate({cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
                        centres(map.azimuth_edges_deg)});
     map.value = values.slices.front().of(part);
@@ -108,7 +104,7 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
             cells.push_back(map.value.size() - 1);
         }
     }
-    const BrdfTable table = solved(request, shell).table({part, shell.command_line()});
+    const BrdfTable table = solved(request, shell.control()).table({part, shell.command_line()});
     const auto values = evaluate_all(table, directions, "slice", shell.control());
     for (std::size_t i = 0; i < cells.size(); ++i) map.value[cells[i]] = values[i];
     set_range(map, arguments.range, directions, values);

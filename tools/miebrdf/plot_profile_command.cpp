@@ -180,9 +180,7 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
     bool converged = true;
     for (std::size_t m = 0; m < methods.size(); ++m) {
         request.solver.coat_method = methods[m];
-        const BrdfValues result =
-            solve(request.scene, request.wavelength_nm, request.solver, shell.control())
-                .evaluate(directions);
+        const BrdfValues result = solved(request, shell.control()).evaluate(directions);
         // The first method is the answer; the others are shown for what they are.
         if (m == 0) converged = result.converged();
         const std::vector<double>& values = result.slices.front().of(parts.front());

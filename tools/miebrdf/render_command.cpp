@@ -134,10 +134,6 @@ std::vector<std::vector<Request>> material_requests(const RenderArguments& argum
     return all;
 }
 
-Brdf solved(const Request& request, const Shell& shell) {
-    return solve(request.scene, request.wavelength_nm, request.solver, shell.control());
-}
-
 std::vector<Material> make_materials(const RenderArguments& arguments,
                                      const std::vector<std::vector<Request>>& requests,
                                      const Shell& shell) {
@@ -147,7 +143,8 @@ std::vector<Material> make_materials(const RenderArguments& arguments,
     for (const std::vector<Request>& request : requests) {
         Material& material = materials.emplace_back();
         for (const Request& one : request)
-            material.tables.push_back(solved(one, shell).table({part, shell.command_line()}));
+            material.tables.push_back(
+                solved(one, shell.control()).table({part, shell.command_line()}));
         material.rays = std::make_shared<render::RayTable>(
             material.tables, render::TableSize{int(cosines), int(azimuths)});
         if (!arguments.measure_interpolation) continue;

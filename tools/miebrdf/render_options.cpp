@@ -160,7 +160,7 @@ Request parse_words(const std::vector<Word>& words, const std::string& text) {
         }
         const bool is_flag = known->kind == WordKind::flag;
         if (is_flag != word.value.empty()) {
-            refuse(fmt::format(is_flag ? "'{}' has no value" : "'{}' needs a value", word.key));
+            refuse(fmt::format("'{}' {}", word.key, is_flag ? "has no value" : "needs a value"));
         }
         if (known->kind != WordKind::repeated && said.count(word.key) > 0)
             refuse(fmt::format("'{}' is given twice", word.key));

@@ -41,6 +41,10 @@ void require_surface_of_index(bool has_index, bool has_roughness) {
 
 }  // namespace
 
+Brdf solved(const Request& request, const Control& control) {
+    return solve(request.scene, request.wavelength_nm, request.solver, control);
+}
+
 Request request_of(const SaidWords& said) {
     Request request;
     for (const auto& [name, values] : said) apply(*find_scene_word(name), values, request);

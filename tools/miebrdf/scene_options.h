@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <miebrdf/brdf.h>
+
 #include <miebrdf/scene.h>
 #include "pipeline/scene/scene_words.h"
 #include "pipeline/solve/single_scattering.h"
@@ -22,6 +24,9 @@ using SaidWords = std::map<std::string, std::vector<WordValue>>;
 /// What they ask for; what they leave out is as by default, but for wavelengths: there are none.
 /// @throws UsageError, InputError
 Request request_of(const SaidWords& said);
+
+/// The scene of a request, ready to be asked. @throws UsageError, InputError
+Brdf solved(const Request& request, const Control& control);
 
 /// Names of words for commands that take media, but no whole scene.
 std::vector<std::string> words_of_media();
