@@ -152,7 +152,7 @@ std::vector<Material> make_materials(const RenderArguments& arguments,
             throw UsageError("--measure-interpolation needs one request and the total component");
         }
         const auto error =
-            render::interpolation_error(*material.rays, solved(request.front(), shell));
+            render::interpolation_error(*material.rays, solved(request.front(), shell.control()));
         shell.note(
             fmt::format("interpolation error relative to the largest value at each incidence: "
                         "median {:.1e}, largest {:.1e}",
