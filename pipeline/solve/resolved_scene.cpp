@@ -10,7 +10,7 @@
 #include <limits>
 #include <map>
 
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/particle_sizes.h"
 
@@ -66,15 +66,9 @@ ResolvedIndex index_of(const Medium& medium, const std::vector<double>& waveleng
             add({medium.parameters[0], medium.parameters[1]});
         return resolved;
     }
-    try {
-        const auto table = materials.open().refractive_index(medium.name);
-        resolved.source = source_line(materials.open().info(medium.name));
-        for (const double nm : wavelength_nm) add(table.at(nm));
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& error) {
-        throw InputError(error.what());
-    }
+    const auto table = materials.open().refractive_index(medium.name);
+    resolved.source = source_line(materials.open().info(medium.name));
+    for (const double nm : wavelength_nm) add(table.at(nm));
     return resolved;
 }
 

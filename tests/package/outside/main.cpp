@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <miebrdf/database.h>
 #include <miebrdf/sphere.h>
-#include "materials/database/database.h"
 #include "pipeline/solve/table1.h"
 #include "rte/stack/layered_reflection.h"
 
