@@ -8,10 +8,14 @@
 #include <iterator>
 #include <map>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "materials/database/database_writer.h"
-#include "materials/database/sha256.h"
-#include "materials/readers/delimited.h"
+#include <miebrdf/database.h>
+#include "materials/database/sqlite.h"
+#include "materials/index/checksum.h"
+#include "materials/index/units.h"
+#include "materials/readers/text.h"
 
 namespace {
 
@@ -116,6 +120,11 @@ void build(const std::filesystem::path& folder, const std::filesystem::path& out
 }
 
 }  // namespace
+
+// The library calls it, but there is none yet.
+miebrdf::materials::Database miebrdf::materials::Database::embedded() {
+    throw std::logic_error("there is no embedded database yet");
+}
 
 int main(int argc, char** argv) {
     if (argc != 3) {

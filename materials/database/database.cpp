@@ -1,15 +1,39 @@
-#include "materials/database/database.h"
+// From names to materials, datasets and their figures.
+#include <miebrdf/database.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include "materials/database/layer.h"
 #include "materials/database/names.h"
 #include "materials/database/schema.h"
+#include "materials/index/checksum.h"
 
 namespace miebrdf::materials {
+namespace {
+
+std::vector<std::string> full_names(const std::vector<DatasetInfo>& datasets) {
+    std::vector<std::string> names;
+    names.reserve(datasets.size());
+    for (const DatasetInfo& d : datasets) names.push_back(d.material + "/" + d.label);
+    return names;
+}
+
+bool is_source(const std::string& source, const std::string& asked) {
+    const std::string short_name = source == "refractiveindex.info" ? "rii" : "";
+    return normalised(source) == normalised(asked) || (!asked.empty() && asked == short_name);
+}
+
+std::filesystem::path from_environment(const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+}
+
+}  // namespace
 
 Database::Database(std::vector<std::shared_ptr<const Layer>> layers) : layers_(std::move(layers)) {}
 
@@ -155,6 +179,124 @@ std::vector<DatasetInfo> Database::datasets(const std::string& material) const {
     const auto first = std::find_if(lower_first.begin(), lower_first.end(), is_default);
     if (first != lower_first.end()) std::rotate(lower_first.begin(), first, first + 1);
     return lower_first;
+}
+
+std::vector<DatasetInfo> Database::labelled(const std::string& material,
+                                            const std::string& label) const {
+    std::vector<DatasetInfo> alike;
+    const std::vector<DatasetInfo> all = datasets(material);
+    for (const DatasetInfo& d : all) {
+        if (d.label == label) return {d};
+        if (normalised(d.label) == normalised(label)) alike.push_back(d);
+    }
+    if (alike.empty()) {
+        const std::string name = material + "/" + label;
+        throw UnknownMaterial(fmt::format("no dataset is named '{}'; known: {}", name,
+                                          fmt::join(full_names(all), ", ")),
+                              name, full_names(all));
+    }
+    return alike;
+}
+
+std::vector<DatasetInfo> Database::from_source(const std::string& source,
+                                               const std::string& key) const {
+    std::set<std::string> owners;
+    for (const auto& layer : layers_) {
+        for (const std::string& owner : layer->materials_with_key(key)) owners.insert(owner);
+    }
+    std::vector<DatasetInfo> found;
+    for (const std::string& owner : owners) {
+        for (const DatasetInfo& d : datasets(owner)) {
+            if (normalised(d.key) == normalised(key) && is_source(d.source, source))
+                found.push_back(d);
+        }
+    }
+    return found;
+}
+
+DatasetInfo Database::dataset_info(const std::string& name) const {
+    if (!resolve(name).empty()) {
+        const std::vector<DatasetInfo> all = datasets(name);
+        if (all.empty()) throw UnknownMaterial(name + " has no dataset yet", name, {});
+        return all.front();
+    }
+    std::vector<DatasetInfo> found;
+    const auto slash = name.find('/');
+    const auto colon = name.find(':');
+    if (slash != std::string::npos && resolve(name.substr(0, slash)).size() == 1) {
+        found = labelled(name.substr(0, slash), name.substr(slash + 1));
+    } else if (colon != std::string::npos) {
+        found = from_source(name.substr(0, colon), name.substr(colon + 1));
+    }
+    if (found.empty()) throw_unknown(name);
+    if (found.size() > 1) {
+        const std::vector<std::string> names = full_names(found);
+        throw UnknownMaterial(fmt::format("'{}' could be {}", name, fmt::join(names, ", ")), name,
+                              names);
+    }
+    return found.front();
+}
+
+Dataset Database::dataset(const std::string& name) const {
+    const DatasetInfo info = dataset_info(name);
+    Dataset dataset;
+    dataset.material = info.material;
+    dataset.label = info.label;
+    dataset.source = info.source;
+    dataset.key = info.key;
+    dataset.reference = info.reference;
+    dataset.doi = info.doi;
+    dataset.licence = info.licence;
+    dataset.ray = info.ray;
+    dataset.composition = info.composition;
+    dataset.note = info.note;
+    dataset.format = info.format;
+    dataset.file = info.file;
+    dataset.file_sha256 = info.file_sha256;
+    dataset.temperature_k = info.temperature_k;
+    dataset.corrections = info.corrections;
+    for (const auto& layer : layers_) {
+        const auto material = layer->material(info.material);
+        if (!material) continue;
+        if (dataset.title.empty()) dataset.title = material->title;
+        if (dataset.formula.empty()) dataset.formula = material->formula;
+        if (layer->name != info.layer) continue;
+        for (const auto& [id, stored] : layer->datasets(material->id)) {
+            if (stored.label != info.label) continue;
+            dataset.n = layer->series(id, 'n');
+            dataset.k = layer->series(id, 'k');
+        }
+    }
+    if (content_sha256(dataset) != info.content_sha256) {
+        throw DatabaseError(fmt::format(
+            "materials database {}: the figures of {}/{} do not fit their checksum: the file "
+            "is damaged",
+            info.layer, info.material, info.label));
+    }
+    return dataset;
+}
+
+RefractiveIndex Database::refractive_index(const std::string& name,
+                                           const IndexOptions& options) const {
+    Dataset figures = dataset(name);
+    std::vector<Coverage> others;
+    for (const DatasetInfo& d : datasets(figures.material)) {
+        if (d.label == figures.label || !d.n_known) continue;
+        others.push_back({d.material + "/" + d.label, d.shortest_nm, d.longest_nm});
+    }
+    return RefractiveIndex(figures.material + "/" + figures.label, std::move(figures.n),
+                           std::move(figures.k), options, std::move(others));
+}
+
+std::filesystem::path default_user_database() {
+    if (auto chosen = from_environment("MIEBRDF_DATABASE"); !chosen.empty()) return chosen;
+    const auto below = std::filesystem::path("miebrdf") / "materials.sqlite";
+    // The XDG base directory specification asks to ignore relative paths.
+    if (const auto data = from_environment("XDG_DATA_HOME"); data.is_absolute())
+        return data / below;
+    const auto home = from_environment("HOME");
+    return (home.empty() ? std::filesystem::temp_directory_path() : home / ".local" / "share") /
+           below;
 }
 
 }  // namespace miebrdf::materials

@@ -1,10 +1,9 @@
-// Listing and searching: full text, formula, coverage.
+// Listing and searching: full text, formula, coverage; and what SQLite finds wrong.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include "materials/database/database.h"
 #include "materials/database/layer.h"
 #include "materials/database/names.h"
 

@@ -1,13 +1,14 @@
-#include "materials/database/database_writer.h"
-
+// Adding, renaming and removing in a database file.
 #include <fmt/format.h>
 
 #include <set>
-#include <stdexcept>
 
+#include <miebrdf/database.h>
 #include "materials/database/names.h"
 #include "materials/database/schema.h"
-#include "materials/errors.h"
+#include "materials/database/sqlite.h"
+#include "materials/index/checksum.h"
+#include "materials/index/series.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -33,112 +34,78 @@ void check_dataset(const Dataset& dataset) {
     const std::string name = dataset.material + "/" + dataset.label;
     try {
         if (dataset.material.empty() || dataset.label.empty()) {
-            throw std::invalid_argument("a dataset needs the name of its material and a label");
+            throw InputError("a dataset needs the name of its material and a label");
         }
-        if (!dataset.n && !dataset.k) throw std::invalid_argument("neither n nor k");
+        if (!dataset.n && !dataset.k) throw InputError("neither n nor k");
         if (dataset.n) check_series(*dataset.n, 'n');
         if (dataset.k) check_series(*dataset.k, 'k');
-    } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(name + ": " + error.what());
+    } catch (const InputError& error) {
+        throw InputError(name + ": " + error.what());
     }
 }
 
-}  // namespace
-
-DatabaseWriter::DatabaseWriter(const std::filesystem::path& file)
-    : connection_(open_for_writing(file)) {}
-
-DatabaseWriter::~DatabaseWriter() {
-    try {
-        connection_.execute("PRAGMA busy_timeout = 100; PRAGMA wal_checkpoint(TRUNCATE)");
-    } catch (const DatabaseError&) {
-        // The log stays beside the file; the next writer takes it in.
-    }
-}
-
-std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
-                                            const AddOptions& options) {
-    for (const Dataset& dataset : datasets) check_dataset(dataset);
-    std::vector<AddOutcome> outcomes;
-    std::set<std::int64_t> touched;
-    sqlite::Transaction transaction(connection_);
-    for (const Dataset& dataset : datasets) {
-        const std::int64_t material = material_id(dataset.material, &dataset);
-        outcomes.push_back(add_one(dataset, options, material));
-        if (outcomes.back() != AddOutcome::unchanged) touched.insert(material);
-        for (const std::string& alias : dataset.aliases) {
-            if (insert_alias(material, alias)) touched.insert(material);
-        }
-    }
-    if (touched.empty()) return outcomes;  // not a byte of the file is written
-    for (const std::int64_t material : touched) refresh_text(material);
-    transaction.commit();
-    return outcomes;
-}
-
-AddOutcome DatabaseWriter::add_one(const Dataset& dataset, const AddOptions& options,
-                                   std::int64_t material) {
-    sqlite::Statement same = connection_.prepare(
-        "SELECT id, content_sha256 FROM dataset WHERE material_id = ? AND label = ?");
-    same.bind(material).bind(dataset.label);
-    if (!same.step()) {
-        insert(dataset, material, options.imported);
-        return AddOutcome::added;
-    }
-    if (same.text(1) == content_sha256(dataset)) return AddOutcome::unchanged;
-    if (!options.replace) {
-        throw ImportError(
-            dataset.file.empty() ? dataset.material : dataset.file, 0,
-            fmt::format("{}/{} is already in {} with other figures; give another label "
-                        "or ask to replace it",
-                        dataset.material, dataset.label, connection_.name()));
-    }
-    connection_.prepare("DELETE FROM dataset WHERE id = ?").bind(same.integer(0)).run();
-    insert(dataset, material, options.imported);
-    return AddOutcome::replaced;
-}
-
-std::int64_t DatabaseWriter::material_id(const std::string& name, const Dataset* from) {
-    sqlite::Statement find = connection_.prepare("SELECT id FROM material WHERE name = ?");
+std::int64_t material_id(const sqlite::Connection& c, const std::string& name,
+                         const Dataset* from) {
+    sqlite::Statement find = c.prepare("SELECT id FROM material WHERE name = ?");
     find.bind(name);
     if (find.step()) return find.integer(0);
-    connection_.prepare("INSERT INTO material (name, key, title, formula) VALUES (?, ?, ?, ?)")
+    c.prepare("INSERT INTO material (name, key, title, formula) VALUES (?, ?, ?, ?)")
         .bind(name)
         .bind(normalised(name))
         .bind(from != nullptr ? from->title : "")
         .bind(from != nullptr ? from->formula : "")
         .run();
-    return connection_.last_insert_rowid();
+    return c.last_insert_rowid();
 }
 
-void DatabaseWriter::insert(const Dataset& d, std::int64_t material, const std::string& imported) {
-    sqlite::Statement statement = connection_.prepare(
-        "INSERT INTO dataset (material_id, label, source, source_key, reference, doi, licence, "
-        "ray, composition, note, format, file, file_sha256, content_sha256, temperature_k, "
-        "imported) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    statement.bind(material).bind(d.label).bind(d.source).bind(d.key).bind(d.reference).bind(d.doi);
-    statement.bind(d.licence).bind(d.ray).bind(d.composition).bind(d.note).bind(d.format);
-    statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k);
-    statement.bind(imported).run();
-    const std::int64_t id = connection_.last_insert_rowid();
-    if (d.n) insert_series(id, 'n', *d.n, true);
-    if (d.k) {
-        const bool shared = d.n && d.n->tabulated() && d.k->tabulated() && d.n->unit == d.k->unit &&
-                            d.n->x == d.k->x;
-        insert_series(id, 'k', *d.k, !shared);
-    }
-    for (std::size_t i = 0; i < d.corrections.size(); ++i) {
-        connection_.prepare("INSERT INTO correction (dataset_id, position, text) VALUES (?, ?, ?)")
-            .bind(id)
-            .bind(static_cast<std::int64_t>(i))
-            .bind(d.corrections[i])
-            .run();
+void refresh_text(const sqlite::Connection& c, std::int64_t material) {
+    c.prepare("DELETE FROM material_text WHERE rowid = ?").bind(material).run();
+    c.prepare(
+         "INSERT INTO material_text (rowid, name, aliases, title, formula, provenance) "
+         "SELECT id, name, "
+         "(SELECT coalesce(group_concat(text, ' ; '), '') FROM alias WHERE material_id = m.id), "
+         "title, formula, "
+         "(SELECT coalesce(group_concat(label || ' ' || source || ' ' || source_key || ' ' || "
+         "reference || ' ' || doi || ' ' || composition || ' ' || note, ' ; '), '') "
+         "FROM dataset WHERE material_id = m.id) FROM material m WHERE id = ?")
+        .bind(material)
+        .run();
+}
+
+// A material that says nothing any more (no dataset, alias or default) goes.
+void drop_if_empty(const sqlite::Connection& c, std::int64_t material) {
+    c.prepare(
+         "DELETE FROM material WHERE id = ? AND default_label IS NULL "
+         "AND NOT EXISTS (SELECT 1 FROM dataset WHERE material_id = material.id) "
+         "AND NOT EXISTS (SELECT 1 FROM alias WHERE material_id = material.id)")
+        .bind(material)
+        .run();
+    if (c.changes() > 0) {
+        c.prepare("DELETE FROM material_text WHERE rowid = ?").bind(material).run();
     }
 }
 
-void DatabaseWriter::insert_series(std::int64_t dataset_id, char quantity, const Series& series,
-                                   bool own_grid) {
-    sqlite::Statement statement = connection_.prepare(
+bool insert_alias(const sqlite::Connection& c, std::int64_t material, const std::string& alias) {
+    sqlite::Statement taken = c.prepare(
+        "SELECT m.id, m.name FROM alias a JOIN material m ON m.id = a.material_id "
+        "WHERE a.text = ?");
+    taken.bind(alias);
+    if (taken.step()) {
+        if (taken.integer(0) == material) return false;
+        throw ImportError(c.name(), 0,
+                          fmt::format("the alias '{}' already names {}", alias, taken.text(1)));
+    }
+    c.prepare("INSERT INTO alias (text, key, material_id) VALUES (?, ?, ?)")
+        .bind(alias)
+        .bind(normalised(alias))
+        .bind(material)
+        .run();
+    return true;
+}
+
+void insert_series(const sqlite::Connection& c, std::int64_t dataset_id, char quantity,
+                   const Series& series, bool own_grid) {
+    sqlite::Statement statement = c.prepare(
         "INSERT INTO series (dataset_id, quantity, formula, unit, shortest_nm, longest_nm, "
         "row_count, x, y) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
     statement.bind(dataset_id).bind(std::string(1, quantity)).bind(series.formula);
@@ -152,37 +119,153 @@ void DatabaseWriter::insert_series(std::int64_t dataset_id, char quantity, const
     statement.bind_blob(to_bytes(series.y)).run();
 }
 
-bool DatabaseWriter::insert_alias(std::int64_t material, const std::string& alias) {
-    sqlite::Statement taken = connection_.prepare(
-        "SELECT m.id, m.name FROM alias a JOIN material m ON m.id = a.material_id "
-        "WHERE a.text = ?");
-    taken.bind(alias);
-    if (taken.step()) {
-        if (taken.integer(0) == material) return false;
-        throw ImportError(connection_.name(), 0,
-                          fmt::format("the alias '{}' already names {}", alias, taken.text(1)));
+void insert(const sqlite::Connection& c, const Dataset& d, std::int64_t material,
+            const std::string& imported) {
+    sqlite::Statement statement = c.prepare(
+        "INSERT INTO dataset (material_id, label, source, source_key, reference, doi, licence, "
+        "ray, composition, note, format, file, file_sha256, content_sha256, temperature_k, "
+        "imported) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    statement.bind(material).bind(d.label).bind(d.source).bind(d.key).bind(d.reference).bind(d.doi);
+    statement.bind(d.licence).bind(d.ray).bind(d.composition).bind(d.note).bind(d.format);
+    statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k);
+    statement.bind(imported).run();
+    const std::int64_t id = c.last_insert_rowid();
+    if (d.n) insert_series(c, id, 'n', *d.n, true);
+    if (d.k) {
+        const bool shared = d.n && d.n->tabulated() && d.k->tabulated() && d.n->unit == d.k->unit &&
+                            d.n->x == d.k->x;
+        insert_series(c, id, 'k', *d.k, !shared);
     }
-    connection_.prepare("INSERT INTO alias (text, key, material_id) VALUES (?, ?, ?)")
-        .bind(alias)
-        .bind(normalised(alias))
-        .bind(material)
-        .run();
+    for (std::size_t i = 0; i < d.corrections.size(); ++i) {
+        c.prepare("INSERT INTO correction (dataset_id, position, text) VALUES (?, ?, ?)")
+            .bind(id)
+            .bind(static_cast<std::int64_t>(i))
+            .bind(d.corrections[i])
+            .run();
+    }
+}
+
+AddOutcome add_one(const sqlite::Connection& c, const Dataset& dataset, const AddOptions& options,
+                   std::int64_t material) {
+    sqlite::Statement same =
+        c.prepare("SELECT id, content_sha256 FROM dataset WHERE material_id = ? AND label = ?");
+    same.bind(material).bind(dataset.label);
+    if (!same.step()) {
+        insert(c, dataset, material, options.imported);
+        return AddOutcome::added;
+    }
+    if (same.text(1) == content_sha256(dataset)) return AddOutcome::unchanged;
+    if (!options.replace) {
+        throw ImportError(
+            dataset.file.empty() ? dataset.material : dataset.file, 0,
+            fmt::format("{}/{} is already in {} with other figures; give another label "
+                        "or ask to replace it",
+                        dataset.material, dataset.label, c.name()));
+    }
+    c.prepare("DELETE FROM dataset WHERE id = ?").bind(same.integer(0)).run();
+    insert(c, dataset, material, options.imported);
+    return AddOutcome::replaced;
+}
+
+}  // namespace
+
+DatabaseWriter::DatabaseWriter(const std::filesystem::path& file)
+    : connection_(std::make_unique<const sqlite::Connection>(open_for_writing(file))) {}
+
+DatabaseWriter::~DatabaseWriter() {
+    try {
+        connection_->execute("PRAGMA busy_timeout = 100; PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (const DatabaseError&) {
+        // The log stays beside the file; the next writer takes it in.
+    }
+}
+
+std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
+                                            const AddOptions& options) {
+    for (const Dataset& dataset : datasets) check_dataset(dataset);
+    std::vector<AddOutcome> outcomes;
+    std::set<std::int64_t> touched;
+    sqlite::Transaction transaction(*connection_);
+    for (const Dataset& dataset : datasets) {
+        const std::int64_t material = material_id(*connection_, dataset.material, &dataset);
+        outcomes.push_back(add_one(*connection_, dataset, options, material));
+        if (outcomes.back() != AddOutcome::unchanged) touched.insert(material);
+        for (const std::string& alias : dataset.aliases) {
+            if (insert_alias(*connection_, material, alias)) touched.insert(material);
+        }
+    }
+    if (touched.empty()) return outcomes;  // not a byte of the file is written
+    for (const std::int64_t material : touched) refresh_text(*connection_, material);
+    transaction.commit();
+    return outcomes;
+}
+
+void DatabaseWriter::add_alias(const std::string& material, const std::string& alias) {
+    sqlite::Transaction transaction(*connection_);
+    const std::int64_t id = material_id(*connection_, material, nullptr);
+    insert_alias(*connection_, id, alias);
+    refresh_text(*connection_, id);
+    transaction.commit();
+}
+
+bool DatabaseWriter::remove_alias(const std::string& alias) {
+    sqlite::Transaction transaction(*connection_);
+    sqlite::Statement find = connection_->prepare("SELECT material_id FROM alias WHERE text = ?");
+    find.bind(alias);
+    if (!find.step()) return false;
+    const std::int64_t material = find.integer(0);
+    find.reset();
+    connection_->prepare("DELETE FROM alias WHERE text = ?").bind(alias).run();
+    refresh_text(*connection_, material);
+    drop_if_empty(*connection_, material);
+    transaction.commit();
     return true;
 }
 
-void DatabaseWriter::refresh_text(std::int64_t material) {
-    connection_.prepare("DELETE FROM material_text WHERE rowid = ?").bind(material).run();
+void DatabaseWriter::set_default(const std::string& material, const std::string& label) {
+    sqlite::Transaction transaction(*connection_);
+    const std::int64_t id = material_id(*connection_, material, nullptr);
+    connection_->prepare("UPDATE material SET default_label = ? WHERE id = ?")
+        .bind(label)
+        .bind(id)
+        .run();
+    refresh_text(*connection_, id);
+    transaction.commit();
+}
+
+bool DatabaseWriter::remove_material(const std::string& material) {
+    sqlite::Transaction transaction(*connection_);
     connection_
-        .prepare(
-            "INSERT INTO material_text (rowid, name, aliases, title, formula, provenance) "
-            "SELECT id, name, "
-            "(SELECT coalesce(group_concat(text, ' ; '), '') FROM alias WHERE material_id = m.id), "
-            "title, formula, "
-            "(SELECT coalesce(group_concat(label || ' ' || source || ' ' || source_key || ' ' || "
-            "reference || ' ' || doi || ' ' || composition || ' ' || note, ' ; '), '') "
-            "FROM dataset WHERE material_id = m.id) FROM material m WHERE id = ?")
+        ->prepare(
+            "DELETE FROM material_text WHERE rowid IN (SELECT id FROM material WHERE name = ?)")
         .bind(material)
         .run();
+    connection_->prepare("DELETE FROM material WHERE name = ?").bind(material).run();
+    const bool removed = connection_->changes() > 0;
+    transaction.commit();
+    return removed;
+}
+
+bool DatabaseWriter::remove_dataset(const std::string& material, const std::string& label) {
+    sqlite::Transaction transaction(*connection_);
+    sqlite::Statement find = connection_->prepare(
+        "SELECT d.id, m.id FROM dataset d JOIN material m ON m.id = d.material_id "
+        "WHERE m.name = ? AND d.label = ?");
+    find.bind(material).bind(label);
+    if (!find.step()) return false;
+    const std::int64_t dataset = find.integer(0);
+    const std::int64_t owner = find.integer(1);
+    find.reset();
+    connection_->prepare("DELETE FROM dataset WHERE id = ?").bind(dataset).run();
+    connection_
+        ->prepare("UPDATE material SET default_label = NULL WHERE id = ? AND default_label = ?")
+        .bind(owner)
+        .bind(label)
+        .run();
+    refresh_text(*connection_, owner);
+    drop_if_empty(*connection_, owner);
+    transaction.commit();
+    return true;
 }
 
 }  // namespace miebrdf::materials

@@ -1,4 +1,5 @@
-#include "materials/database/embedded.h"
+// The database that every build carries inside itself.
+#include <span>
 
 #include "materials/database/layer.h"
 #include "materials/database/schema.h"
@@ -11,12 +12,9 @@ extern const unsigned char miebrdf_embedded_database_end[];
 
 namespace miebrdf::materials {
 
-std::span<const unsigned char> embedded_database_image() {
-    return {miebrdf_embedded_database, miebrdf_embedded_database_end};
-}
-
 Database Database::embedded() {
-    sqlite::Connection connection = sqlite::Connection::open_image(embedded_database_image());
+    sqlite::Connection connection = sqlite::Connection::open_image(
+        std::span<const unsigned char>(miebrdf_embedded_database, miebrdf_embedded_database_end));
     check_schema(connection);
     return Database({std::make_shared<const Layer>(Layer{"embedded", std::move(connection)})});
 }

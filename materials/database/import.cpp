@@ -1,16 +1,17 @@
-#include "materials/database/import.h"
-
+// Files of optical constants into a database.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <ctime>
 #include <map>
 #include <set>
-#include <stdexcept>
 
+#include <miebrdf/database.h>
+#include "materials/index/checksum.h"
 #include "materials/readers/catalogue.h"
-#include "materials/readers/parse_source.h"
+#include "materials/readers/file_format.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -26,12 +27,11 @@ struct Candidate {
 };
 
 // The name a file suggests may be an alias or differ in case from one that is known.
-void settle_material(Dataset& dataset, const Database& known, bool exactly,
-                     const std::string& file) {
+void settle_material(Dataset& dataset, const Database& known, const FileFormat& format,
+                     bool exactly, const std::string& file) {
     std::vector<std::string> found;
-    if (dataset.format == "sopra" && !exactly) {
-        found =
-            known.resolve_normalised(dataset.material);  // CO.NK is cobalt: its case means nothing
+    if (format.caseless_names && !exactly) {
+        found = known.resolve_normalised(dataset.material);
     } else if (const auto exact = known.resolve_exactly(dataset.material)) {
         found = {*exact};
     } else if (!exactly) {
@@ -72,14 +72,14 @@ class Importer {
     }
 
     void add_file(const fs::path& path, bool may_refuse) {
-        if (!seen_.insert(spd_base(path).string()).second) return;  // the other half of a pair
+        if (!seen_.insert(pair_base(path).string()).second) return;  // the other half of a pair
         Candidate candidate{path.string(), !may_refuse, {}, {}};
         try {
-            candidate.dataset = read_file(path, options_);
-            const bool exactly =
-                !options_.material.empty() || candidate.dataset.format == "rii-yaml";
-            settle_material(candidate.dataset, known_, exactly, candidate.file);
-        } catch (const std::runtime_error& error) {
+            ReadFile read = read_recognised(path, options_);
+            candidate.dataset = std::move(read.dataset);
+            const bool exactly = !options_.material.empty() || read.format.names_material;
+            settle_material(candidate.dataset, known_, read.format, exactly, candidate.file);
+        } catch (const InputError& error) {
             if (!may_refuse) throw;
             candidate.refusal = error.what();
         }
@@ -92,7 +92,7 @@ class Importer {
             try {
                 if (candidate.refusal.empty())
                     candidate.dataset = page_dataset(file.parent_path(), page);
-            } catch (const std::runtime_error& error) {
+            } catch (const InputError& error) {
                 candidate.refusal = error.what();
             }
             candidates.push_back(std::move(candidate));
@@ -101,13 +101,15 @@ class Importer {
 
     Dataset page_dataset(const fs::path& folder, const CataloguePage& page) const {
         const SourceFile source = read_source(page_file(folder, page));
-        Dataset dataset = parse_source(Format::rii, source, options_);
+        const FileFormat& format = format_named("rii");
+        Dataset dataset =
+            format.read(source, {.negative_k_tolerance = options_.negative_k_tolerance});
         dataset.material = page.material;
         dataset.title = page.title;
         dataset.label = page.label;
         dataset.key = page.key;
-        fill_origin(dataset, source, {});
-        settle_material(dataset, known_, true, page.data);
+        fill_origin(dataset, source, format, {});
+        settle_material(dataset, known_, format, true, page.data);
         return dataset;
     }
 

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "materials/database/names.h"
+#include "materials/index/checksum.h"
+#include "materials/index/units.h"
 
 namespace miebrdf::materials {
 namespace {

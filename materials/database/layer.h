@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 #include "materials/database/sqlite.h"
 
 namespace miebrdf::materials {

@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-#include "materials/errors.h"
+#include <miebrdf/database.h>
 
 namespace miebrdf::materials {
 namespace {

@@ -1,12 +1,16 @@
-#include "materials/database/verify.h"
-
+// Is a dataset sound, and is it plausible?
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <stdexcept>
+#include <limits>
+#include <numbers>
+#include <vector>
 
-#include "materials/index/dispersion_formula.h"
+#include <miebrdf/database.h>
+#include "materials/index/series.h"
+#include "materials/index/units.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -16,12 +20,12 @@ using Severity = Finding::Severity;
 // A single wrong value (a typing error, a lost digit) shows in the misses of each row from the line
 // between its neighbours as -1/2, 1, -1/2 around it, and in no row further away: edges and peaks
 // look different. Reported when it is more than a twentieth of the value.
-constexpr double outlier_share = 0.05;
-constexpr double outlier_contrast = 10.0;
+constexpr double kOutlierShare = 0.05;
+constexpr double kOutlierContrast = 10.0;
 
 // Kramers-Kronig residuals above this are remarked on; docs/materials.md has the distribution over
 // the embedded tables.
-constexpr double suspicious_residual = 0.5;
+constexpr double kSuspiciousResidual = 0.5;
 
 // How far each inner row is from the line between its neighbours; 0 for the first and last.
 std::vector<double> misses(const Series& series) {
@@ -40,8 +44,8 @@ bool is_outlier(const std::vector<double>& miss, std::size_t i, double value) {
         const double ratio = -neighbour / miss[i];
         return ratio >= 0.3 && ratio <= 0.8;
     };
-    return size > outlier_share * value && size > 0 && echoes(miss[i - 1]) && echoes(miss[i + 1]) &&
-           size > outlier_contrast * std::max(std::abs(miss[i - 2]), std::abs(miss[i + 2]));
+    return size > kOutlierShare * value && size > 0 && echoes(miss[i - 1]) && echoes(miss[i + 1]) &&
+           size > kOutlierContrast * std::max(std::abs(miss[i - 2]), std::abs(miss[i + 2]));
 }
 
 std::string find_outliers(const Series& series, char quantity) {
@@ -77,7 +81,7 @@ void verify_series(const std::optional<Series>& series, char quantity, const std
     if (!series) return;
     try {
         check_series(*series, quantity);
-    } catch (const std::invalid_argument& error) {
+    } catch (const InputError& error) {
         findings.push_back({Severity::error, name, error.what()});
         return;
     }
@@ -95,7 +99,7 @@ void note_k(const Dataset& d, const std::string& name, std::vector<Finding>& fin
             {Severity::note, name, "k is 0 throughout: more likely not measured than 0"});
     }
     const double residual = kramers_kronig_residual(d);
-    if (residual > suspicious_residual) {
+    if (residual > kSuspiciousResidual) {
         findings.push_back(
             {Severity::note, name,
              fmt::format("n does not follow from k (Kramers-Kronig residual {:.2g}); "
@@ -114,7 +118,83 @@ void verify_stored(const Database& database, const std::string& name,
     }
 }
 
+using Values = std::vector<double>;
+
+double dot(const Values& a, const Values& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+double root_mean_square(const Values& v) {
+    return std::sqrt(dot(v, v) / static_cast<double>(v.size()));
+}
+
+// Removes from v its least-squares part along each basis function; modified Gram-Schmidt.
+void remove_components(Values& v, std::vector<Values> basis) {
+    for (std::size_t i = 0; i < basis.size(); ++i) {
+        const double norm = std::sqrt(dot(basis[i], basis[i]));
+        if (!(norm > 0)) continue;
+        for (double& value : basis[i]) value /= norm;
+        for (std::size_t j = i + 1; j < basis.size(); ++j) {
+            const double along = dot(basis[j], basis[i]);
+            for (std::size_t p = 0; p < v.size(); ++p) basis[j][p] -= along * basis[i][p];
+        }
+        const double along = dot(v, basis[i]);
+        for (std::size_t p = 0; p < v.size(); ++p) v[p] -= along * basis[i][p];
+    }
+}
+
+// (2/pi) P integral of E' k / (E'^2 - E^2), k piecewise linear between the nodes; E is no node.
+// E'/(E'^2 - E^2) = (1/(E' - E) + 1/(E' + E)) / 2, and each part has a primitive with a logarithm.
+double dispersion_integral(const Values& energy, const Values& k, double E) {
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < energy.size(); ++i) {
+        const double lower = energy[i], upper = energy[i + 1];
+        const double slope = (k[i + 1] - k[i]) / (upper - lower);
+        const double at_zero = k[i] - slope * lower;
+        sum += slope * (upper - lower) +
+               0.5 * (at_zero + slope * E) * std::log(std::abs((upper - E) / (lower - E))) +
+               0.5 * (at_zero - slope * E) * std::log((upper + E) / (lower + E));
+    }
+    return 2 / std::numbers::pi * sum;
+}
+
 }  // namespace
+
+double kramers_kronig_residual(const Dataset& dataset) {
+    const double no_value = std::numeric_limits<double>::quiet_NaN();
+    if (!dataset.n || !dataset.k || !dataset.n->tabulated() || !dataset.k->tabulated())
+        return no_value;
+    Values energy = dataset.k->wavelengths_nm();
+    for (double& value : energy) value = from_nm(value, Unit::electronvolt);
+    Values k = dataset.k->y;
+    std::reverse(energy.begin(), energy.end());
+    std::reverse(k.begin(), k.end());
+    if (energy.size() < 10 || *std::max_element(k.begin(), k.end()) == 0) return no_value;
+
+    const RefractiveIndex index("", dataset.n, std::nullopt);
+    const double span = energy.back() - energy.front();
+    const std::size_t stride = 1 + energy.size() / 400;
+    Values n, residual;
+    std::vector<Values> basis(3);
+    for (std::size_t i = 0; i + 1 < energy.size(); i += stride) {
+        const double E = 0.5 * (energy[i] + energy[i + 1]);
+        const double wavelength_nm = to_nm(E, Unit::electronvolt);
+        const bool inner = E > energy.front() + 0.1 * span && E < energy.back() - 0.1 * span;
+        if (!inner || !index.covers(wavelength_nm)) continue;
+        n.push_back(index.at(wavelength_nm).real());
+        residual.push_back(n.back() - dispersion_integral(energy, k, E));
+        basis[0].push_back(1);
+        basis[1].push_back(E * E);
+        basis[2].push_back(1 / (E * E));
+    }
+    if (n.size() < 8) return no_value;
+    remove_components(n, {basis[0]});
+    remove_components(residual, basis);
+    const double variation = root_mean_square(n);
+    return variation > 1e-3 ? root_mean_square(residual) / variation : no_value;
+}
 
 std::vector<Finding> verify(const Dataset& dataset) {
     const std::string name = dataset.material + "/" + dataset.label;

@@ -1,4 +1,4 @@
-#include "materials/index/refractive_index.h"
+#include <miebrdf/index.h>
 
 #include <fmt/format.h>
 #include <math.h>  // Boost 1.74 calls ::isnan in pchip.hpp
@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <boost/math/interpolators/pchip.hpp>
 #include <cmath>
-#include <stdexcept>
 
-#include "materials/index/dispersion_formula.h"
+#include <miebrdf/error.h>
+#include "materials/index/series.h"
 
 namespace miebrdf::materials {
-namespace {
 
 using Pchip = boost::math::interpolators::pchip<std::vector<double>>;
 
-double energy_ev(double wavelength_nm) { return from_nm(wavelength_nm, Unit::electronvolt); }
+static double energy_ev(double wavelength_nm) { return from_nm(wavelength_nm, Unit::electronvolt); }
 
 /// One series ready to be evaluated inside its range.
-class Curve {
+class IndexCurve {
   public:
-    Curve(Series series, char quantity, Interpolation interpolation) : series_(std::move(series)) {
+    IndexCurve(Series series, char quantity, Interpolation interpolation)
+        : series_(std::move(series)) {
         check_series(series_, quantity);
         if (!series_.tabulated()) return;
         in_wavelength_ = interpolation == Interpolation::linear_in_wavelength;
@@ -61,20 +61,24 @@ class Curve {
     std::optional<Pchip> pchip_;
 };
 
-}  // namespace
-
 struct RefractiveIndex::State {
     std::string material;
-    Curve n;
-    std::optional<Curve> k;
+    IndexCurve n;
+    std::optional<IndexCurve> k;
     IndexOptions options;
     std::vector<Coverage> alternatives;
     double shortest_nm = 0.0;
     double longest_nm = 0.0;
 
+    std::string allowed() const { return fmt::format("{} to {} nm", shortest_nm, longest_nm); }
+
+    InputError refusal(const std::string& message, double wavelength_nm) const {
+        return {message, "wavelength_nm", fmt::format("{}", wavelength_nm), allowed()};
+    }
+
     std::string out_of_range_message(double wavelength_nm) const {
-        std::string message = fmt::format("{}: {} nm is outside its data; valid: {} to {} nm",
-                                          material, wavelength_nm, shortest_nm, longest_nm);
+        std::string message = fmt::format("{}: {} nm is outside its data; allowed: {}", material,
+                                          wavelength_nm, allowed());
         if (k && n.series().shortest_nm <= wavelength_nm &&
             wavelength_nm <= n.series().longest_nm) {
             message += fmt::format(" (n is known from {} to {} nm, k is not)",
@@ -98,52 +102,53 @@ RefractiveIndex::RefractiveIndex(std::string material, IndexTable table)
                         : std::nullopt) {
     if (!table.k_known &&
         std::any_of(table.k.begin(), table.k.end(), [](double k) { return k != 0; })) {
-        throw std::invalid_argument(state_->material + ": k is declared unknown but has values");
+        throw InputError(state_->material + ": k is declared unknown but has values");
     }
 }
 
 RefractiveIndex::RefractiveIndex(std::string material, std::optional<Series> n,
                                  std::optional<Series> k, const IndexOptions& options,
                                  std::vector<Coverage> alternatives) {
-    if (!n) throw std::invalid_argument(material + ": gives k only, n is unknown");
+    if (!n) throw InputError(material + ": gives k only, n is unknown");
     double shortest_nm = n->shortest_nm;
     double longest_nm = n->longest_nm;
     if (k && !options.missing_k_is_zero) {
         shortest_nm = std::max(shortest_nm, k->shortest_nm);
         longest_nm = std::min(longest_nm, k->longest_nm);
         if (shortest_nm > longest_nm) {
-            throw std::invalid_argument(fmt::format(
+            throw InputError(fmt::format(
                 "{}: n ({} to {} nm) and k ({} to {} nm) have no wavelength in common", material,
                 n->shortest_nm, n->longest_nm, k->shortest_nm, k->longest_nm));
         }
     }
     try {
-        std::optional<Curve> k_curve;
+        std::optional<IndexCurve> k_curve;
         if (k) k_curve.emplace(std::move(*k), 'k', options.interpolation);
         state_ = std::make_shared<const State>(
-            State{material, Curve(std::move(*n), 'n', options.interpolation), std::move(k_curve),
-                  options, std::move(alternatives), shortest_nm, longest_nm});
-    } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(material + ": " + error.what());
+            State{material, IndexCurve(std::move(*n), 'n', options.interpolation),
+                  std::move(k_curve), options, std::move(alternatives), shortest_nm, longest_nm});
+    } catch (const InputError& error) {
+        throw InputError(material + ": " + error.what());
     }
 }
 
 std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
     const State& s = *state_;
     if (!(wavelength_nm > 0 && std::isfinite(wavelength_nm))) {
-        throw std::out_of_range(fmt::format("{}: wavelength {} nm; valid: {} to {} nm", s.material,
-                                            wavelength_nm, s.shortest_nm, s.longest_nm));
+        throw s.refusal(fmt::format("{}: wavelength {} nm; allowed: {}", s.material, wavelength_nm,
+                                    s.allowed()),
+                        wavelength_nm);
     }
     const bool inside = covers(wavelength_nm);
     if (!inside && s.options.extrapolation == Extrapolation::refuse) {
-        throw std::out_of_range(s.out_of_range_message(wavelength_nm));
+        throw s.refusal(s.out_of_range_message(wavelength_nm), wavelength_nm);
     }
     const double used_nm = std::clamp(wavelength_nm, s.shortest_nm, s.longest_nm);
     const double n = s.n.at(used_nm);
     if (!(n > 0)) {
-        throw std::out_of_range(
-            fmt::format("{}: its dispersion formula {} has no real value at {} nm", s.material,
-                        s.n.series().formula, used_nm));
+        throw s.refusal(fmt::format("{}: its dispersion formula {} has no real value at {} nm",
+                                    s.material, s.n.series().formula, used_nm),
+                        wavelength_nm);
     }
     const bool has_k =
         s.k && s.k->series().shortest_nm <= used_nm && used_nm <= s.k->series().longest_nm;

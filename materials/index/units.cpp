@@ -6,13 +6,15 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <string>
 #include <utility>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf::materials {
 namespace {
 
-constexpr std::array<std::pair<const char*, Unit>, 30> spellings{{
+constexpr std::array<std::pair<const char*, Unit>, 30> kSpellings{{
     {"nm", Unit::nanometre},
     {"nanometre", Unit::nanometre},
     {"nanometer", Unit::nanometre},
@@ -82,7 +84,7 @@ const char* name_of(Unit unit) {
 
 std::optional<Unit> parse_unit(std::string_view text) {
     const std::string asked = lower(trimmed(text));
-    for (const auto& [spelling, unit] : spellings) {
+    for (const auto& [spelling, unit] : kSpellings) {
         if (asked == spelling) return unit;
     }
     if (trimmed(text) == "\xc3\x85") return Unit::angstrom;
@@ -102,11 +104,11 @@ double to_nm(double value, Unit unit) {
         case Unit::angstrom:
             return value / 10.0;
         case Unit::electronvolt:
-            return planck_times_light_ev_nm / value;
+            return kPlanckTimesLightEvNm / value;
         case Unit::per_centimetre:
             return 1e7 / value;
         case Unit::terahertz:
-            return light_nm_thz / value;
+            return kLightNmThz / value;
     }
     return value;
 }
@@ -147,13 +149,12 @@ double parse_wavelength_nm(std::string_view text, Unit without_unit) {
         trimmed(asked.substr(static_cast<std::size_t>(end - asked.data())));
     const std::optional<Unit> unit = suffix.empty() ? without_unit : parse_unit(suffix);
     if (error != std::errc() || !unit) {
-        throw std::invalid_argument(fmt::format(
+        throw UsageError(fmt::format(
             "wavelength '{}': expected a number, alone or with nm, um, A, eV, cm-1 or THz", text));
     }
     const double wavelength_nm = to_nm(value, *unit);
     if (!(value > 0 && std::isfinite(value) && std::isfinite(wavelength_nm) && wavelength_nm > 0)) {
-        throw std::invalid_argument(
-            fmt::format("wavelength '{}' is not a positive finite number", text));
+        throw UsageError(fmt::format("wavelength '{}' is not a positive finite number", text));
     }
     return wavelength_nm;
 }

@@ -2,21 +2,17 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
+
+#include <miebrdf/index.h>
 
 namespace miebrdf::materials {
 
 /// h c in eV nm, the value the tables in circulation were converted with (CODATA 2018 has
 /// 1239.84198433; the two differ by 3e-10).
-inline constexpr double planck_times_light_ev_nm = 1239.841984;
+inline constexpr double kPlanckTimesLightEvNm = 1239.841984;
 /// Speed of light in nm THz (exact).
-inline constexpr double light_nm_thz = 299792.458;
-
-enum class Unit { nanometre, micrometre, angstrom, electronvolt, per_centimetre, terahertz };
-
-/// "nm", "um", "angstrom", "eV", "cm-1", "THz": how units are stored and printed.
-const char* name_of(Unit unit);
+inline constexpr double kLightNmThz = 299792.458;
 
 /// Reads a unit as people write it, in any case: also "A", "micron", "wavenumber", "1/cm", ...
 std::optional<Unit> parse_unit(std::string_view text);
@@ -24,17 +20,13 @@ std::optional<Unit> parse_unit(std::string_view text);
 /// True for eV, cm-1 and THz, where a larger number is a shorter wavelength.
 bool is_reciprocal(Unit unit);
 
-/// Vacuum wavelength in nm; the value must be positive.
-double to_nm(double value, Unit unit);
-double from_nm(double wavelength_nm, Unit unit);
-
 /// The number that `to_nm` turns into exactly this wavelength: conversion there and back rounds
 /// twice, so the neighbours of `from_nm` are tried. Where doubles in the unit are coarser than in
 /// nm no such number may exist; then the nearest is returned.
 double from_nm_exactly(double wavelength_nm, Unit unit);
 
 /// A wavelength with its unit: "550", "550nm", "0.55 um", "5500A", "2.25eV", "18182cm-1", "545THz".
-/// @throws std::invalid_argument  when it is no positive finite number with a known unit
+/// @throws UsageError  when it is no positive finite number with a known unit
 double parse_wavelength_nm(std::string_view text, Unit without_unit = Unit::nanometre);
 
 /// The whole text as a number in any locale, or nothing.

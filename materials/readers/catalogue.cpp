@@ -4,9 +4,8 @@
 
 #include <set>
 
-#include "materials/errors.h"
-#include "materials/readers/markup.h"
-#include "materials/readers/raw_table.h"
+#include <miebrdf/database.h>
+#include "materials/readers/text.h"
 #include "materials/readers/yaml_node.h"
 
 namespace miebrdf::materials {

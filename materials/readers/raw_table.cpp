@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <miebrdf/database.h>
+#include "materials/index/units.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
 
 void check_rows(const RawTable& table, const std::string& file, double negative_k_tolerance) {
     if (table.rows.empty()) throw ImportError(file, 0, "no data");
-    if (table.rows.size() > most_rows) throw ImportError(file, 0, "more than a million rows");
+    if (table.rows.size() > kMostRows) throw ImportError(file, 0, "more than a million rows");
     for (const RawRow& row : table.rows) {
         const double wavelength_nm = to_nm(row.x, table.unit);
         if (!(row.x > 0 && std::isfinite(row.x) && std::isfinite(wavelength_nm) &&
@@ -23,8 +28,8 @@ void check_rows(const RawTable& table, const std::string& file, double negative_
         }
         if (table.has_k && !(row.k >= -negative_k_tolerance && std::isfinite(row.k))) {
             throw ImportError(file, row.line,
-                              fmt::format("k = {}; must be >= 0 (noise down to -{} is set to 0, "
-                                          "further with --negative-k-tolerance)",
+                              fmt::format("k = {}; must be >= 0 (noise down to -{} is set to 0: "
+                                          "negative_k_tolerance)",
                                           row.k, negative_k_tolerance));
         }
     }
@@ -92,6 +97,22 @@ Series column(const RawTable& table, double RawRow::*member) {
     return make_table(table.unit, std::move(x), std::move(y));
 }
 
+using Field = std::pair<const char*, std::string Dataset::*>;
+constexpr Field kFields[] = {
+    {"material", &Dataset::material},       {"title", &Dataset::title},
+    {"formula", &Dataset::formula},         {"label", &Dataset::label},
+    {"source", &Dataset::source},           {"key", &Dataset::key},
+    {"reference", &Dataset::reference},     {"doi", &Dataset::doi},
+    {"licence", &Dataset::licence},         {"ray", &Dataset::ray},
+    {"composition", &Dataset::composition}, {"note", &Dataset::note},
+};
+
+std::string one_line(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::replace(text.begin(), text.end(), '\r', ' ');
+    return text;
+}
+
 }  // namespace
 
 void add_table(Dataset& dataset, RawTable table, const std::string& file,
@@ -104,23 +125,75 @@ void add_table(Dataset& dataset, RawTable table, const std::string& file,
     if (table.has_k) dataset.k = column(table, &RawRow::k);
 }
 
-double require_number(std::string_view text, const std::string& file, int line) {
-    const std::optional<double> value = parse_number(text);
-    if (!value || !std::isfinite(*value)) {
-        throw ImportError(file, line, fmt::format("'{}' is not a number", text.substr(0, 40)));
+Columns read_columns(std::string_view text, char comment, std::size_t count,
+                     const std::string& file) {
+    Columns columns;
+    int line = 0;
+    for (std::string_view raw : split_lines(text)) {
+        ++line;
+        const std::size_t mark = raw.find(comment);
+        if (mark != std::string_view::npos) {
+            const std::string_view remark = without_blanks(raw.substr(mark + 1));
+            if (!remark.empty() && columns.comments.size() < 2000) {
+                columns.comments += (columns.comments.empty() ? "" : " ") + std::string(remark);
+            }
+            raw = raw.substr(0, mark);
+        }
+        const auto words = split_words(raw, " \t,\x1a");
+        if (words.empty()) continue;
+        if (words.size() != count) {
+            throw ImportError(file, line,
+                              fmt::format("{} columns, expected {}", words.size(), count));
+        }
+        std::vector<double> numbers;
+        numbers.reserve(count);
+        for (const std::string_view word : words)
+            numbers.push_back(require_number(word, file, line));
+        columns.rows.emplace_back(line, std::move(numbers));
     }
-    return *value;
+    return columns;
 }
 
-std::vector<std::string_view> split_words(std::string_view line, std::string_view separators) {
-    std::vector<std::string_view> words;
-    std::size_t start = line.find_first_not_of(separators);
-    while (start != std::string_view::npos) {
-        const std::size_t end = std::min(line.find_first_of(separators, start), line.size());
-        words.push_back(line.substr(start, end - start));
-        start = line.find_first_not_of(separators, end);
+bool first_row_has(std::string_view text, char comment, std::size_t count) {
+    for (const std::string_view raw : split_lines(text)) {
+        const auto words = split_words(raw.substr(0, raw.find(comment)), " \t,\x1a");
+        if (words.empty()) continue;
+        for (const std::string_view word : words) {
+            if (!parse_number(word)) return false;
+        }
+        return words.size() == count;
     }
-    return words;
+    return false;
+}
+
+std::vector<std::string> provenance_lines(const Dataset& dataset) {
+    std::vector<std::string> lines;
+    for (const auto& [name, member] : kFields) {
+        const std::string& value = dataset.*member;
+        if (!value.empty()) lines.push_back(fmt::format("{}: {}", name, one_line(value)));
+    }
+    if (dataset.temperature_k)
+        lines.push_back(fmt::format("temperature_k: {}", *dataset.temperature_k));
+    for (const std::string& correction : dataset.corrections) {
+        lines.push_back("correction: " + one_line(correction));
+    }
+    return lines;
+}
+
+void read_provenance_line(Dataset& dataset, std::string_view line) {
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string_view::npos) return;
+    const std::string_view name = without_blanks(line.substr(0, colon));
+    const std::string value(without_blanks(line.substr(colon + 2)));
+    for (const auto& [known, member] : kFields) {
+        if (name == known && (dataset.*member).empty()) dataset.*member = value;
+    }
+    if (name == "temperature_k") {
+        const auto kelvin = parse_number(value);
+        if (kelvin && *kelvin > 0 && *kelvin < 1e6) dataset.temperature_k = kelvin;
+    }
+    if (name == "correction") dataset.corrections.push_back(value);
+    if (dataset.ray != "o" && dataset.ray != "e") dataset.ray.clear();
 }
 
 }  // namespace miebrdf::materials

@@ -1,19 +1,24 @@
-// Rows as a file gives them, before they are put in order.
+// What readers put into a dataset: rows as a file gives them, and what its comments say of their
+// origin.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "materials/errors.h"
-#include "materials/index/dataset.h"
-#include "materials/readers/readers.h"
+#include <miebrdf/index.h>
 
 namespace miebrdf::materials {
 
+struct ReadOptions {
+    /// Negative k down to this is noise around 0 and set to 0; below it the file is refused. The
+    /// largest in the SOPRA collection is 6e-3 (ALSB).
+    double negative_k_tolerance = 1e-2;
+};
+
 /// Tables longer than this are refused: no source has them, and a header may announce anything.
-inline constexpr std::size_t most_rows = 1'000'000;
+inline constexpr std::size_t kMostRows = 1'000'000;
 
 struct RawRow {
     double x = 0.0;  ///< in the table's unit
@@ -36,11 +41,24 @@ struct RawTable {
 void add_table(Dataset& dataset, RawTable table, const std::string& file,
                const ReadOptions& options);
 
-/// A finite number. @throws ImportError
-double require_number(std::string_view text, const std::string& file, int line);
+/// Lines of so many numbers, and the remarks beside them.
+struct Columns {
+    std::vector<std::pair<int, std::vector<double>>> rows;  ///< line, numbers
+    std::string comments;
+};
+/// @throws ImportError  for another number of columns, and for words that are no number
+Columns read_columns(std::string_view text, char comment, std::size_t count,
+                     const std::string& file);
+/// True when the first line that is neither empty nor a comment has `count` numbers.
+bool first_row_has(std::string_view text, char comment, std::size_t count);
 
-/// The words of a line, separated by blanks, tabs, commas or semicolons.
-std::vector<std::string_view> split_words(std::string_view line,
-                                          std::string_view separators = " \t,;");
+/// Begins the comment lines that carry provenance in formats with '#' comments but no such keys.
+inline constexpr std::string_view kProvenanceMark = "# miebrdf ";
+
+/// One line for each thing that is known, without line breaks.
+std::vector<std::string> provenance_lines(const Dataset& dataset);
+
+/// Takes over what a line says when it is one of those; other lines are left alone.
+void read_provenance_line(Dataset& dataset, std::string_view line);
 
 }  // namespace miebrdf::materials

@@ -5,12 +5,12 @@
 
 #include <memory>
 
-#include "materials/errors.h"
+#include <miebrdf/database.h>
 
 namespace miebrdf::materials {
 namespace {
 
-constexpr int deepest_nesting = 32;
+constexpr int kDeepestNesting = 32;
 
 class EventParser {
   public:
@@ -39,8 +39,8 @@ class EventParser {
 
     /// The node that begins with the current event.
     YamlNode node(int depth) {
-        if (depth > deepest_nesting)
-            fail(line(), fmt::format("nested deeper than {}", deepest_nesting));
+        if (depth > kDeepestNesting)
+            fail(line(), fmt::format("nested deeper than {}", kDeepestNesting));
         YamlNode node;
         node.line = line();
         switch (type()) {

@@ -11,7 +11,7 @@ namespace {
 using Gamma = boost::math::gamma_distribution<>;
 
 // n r^2 is a gamma density of shape 1/b and scale a b.
-Gamma area_law(const SizeDistribution& d) {
+Gamma gamma_area(const SizeDistribution& d) {
     return {1 / d.effective_variance, d.effective_radius_um * d.effective_variance};
 }
 
@@ -20,8 +20,8 @@ double mean_fourth_power(const Gamma& area) {
     return s * (s + 1) * (s + 2) * (s + 3) * std::pow(area.scale(), 4);
 }
 
-RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
-    const Gamma area = area_law(d);
+RadiusRange gamma_range(const SizeDistribution& d, double tail, double saturation) {
+    const Gamma area = gamma_area(d);
     const Gamma scattering(1 / d.effective_variance + 4,
                            d.effective_radius_um * d.effective_variance);
     return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
@@ -30,7 +30,7 @@ RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
 class GammaDensity : public AreaDensity {
   public:
     explicit GammaDensity(const SizeDistribution& d)
-        : a_(d.effective_radius_um), b_(d.effective_variance), law_(area_law(d)) {
+        : a_(d.effective_radius_um), b_(d.effective_variance), law_(gamma_area(d)) {
         log_norm_ = log_norm_of(*this, a_);
     }
 
@@ -48,7 +48,8 @@ class GammaDensity : public AreaDensity {
 };
 
 // The cube root of a gamma density (shape s, scale c) is one of shape (s + 2)/3 and scale 3 c.
-MappedRadius radius_at(const SizeDistribution& d, const RadiusRange& range, double t, SizeSpacing) {
+MappedRadius gamma_radius_at(const SizeDistribution& d, const RadiusRange& range, double t,
+                             SizeSpacing) {
     const double shape = 1 / d.effective_variance;
     const Gamma density((shape + 2) / 3, 3 * d.effective_radius_um * d.effective_variance);
     return mapped_by_quantile(density, range, t);
@@ -61,15 +62,15 @@ constinit const SizeLaw kGamma{
     .name = "gamma",
     .help = "n(r) ~ r^(1/b - 3) exp(-r / (a b)), effective radius a and variance b",
     .has_ends = false,
-    .range = range,
+    .range = gamma_range,
     .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
         return std::make_unique<GammaDensity>(d);
     },
     .area_share_within =
         [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(area_law(d), within);
+            return share_within(gamma_area(d), within);
         },
-    .radius_at = radius_at,
+    .radius_at = gamma_radius_at,
     .continuation_height = height_of_narrow_density,
 };
 

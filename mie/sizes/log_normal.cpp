@@ -11,7 +11,7 @@ namespace {
 using LogNormal = boost::math::lognormal_distribution<>;
 
 // n r^2 is again log-normal, its location moved by 2 s.
-LogNormal area_law(const SizeDistribution& d) {
+LogNormal log_normal_area(const SizeDistribution& d) {
     const double variance = std::log1p(d.effective_variance);
     return {std::log(d.effective_radius_um) - 0.5 * variance, std::sqrt(variance)};
 }
@@ -20,8 +20,8 @@ double mean_fourth_power(const LogNormal& area) {
     return std::exp(4 * area.location() + 8 * area.scale() * area.scale());
 }
 
-RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
-    const LogNormal area = area_law(d);
+RadiusRange log_normal_range(const SizeDistribution& d, double tail, double saturation) {
+    const LogNormal area = log_normal_area(d);
     const LogNormal scattering(area.location() + 4 * area.scale() * area.scale(), area.scale());
     return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
 }
@@ -31,7 +31,7 @@ class LogNormalDensity : public AreaDensity {
     explicit LogNormalDensity(const SizeDistribution& d)
         : a_(d.effective_radius_um),
           variance_(std::log1p(d.effective_variance)),
-          law_(area_law(d)) {
+          law_(log_normal_area(d)) {
         log_norm_ = log_norm_of(*this, a_);
     }
 
@@ -52,7 +52,8 @@ class LogNormalDensity : public AreaDensity {
 
 // The cube root of a log-normal density (location u, variance s) is one of location u + 2 s and
 // variance 3 s.
-MappedRadius radius_at(const SizeDistribution& d, const RadiusRange& range, double t, SizeSpacing) {
+MappedRadius log_normal_radius_at(const SizeDistribution& d, const RadiusRange& range, double t,
+                                  SizeSpacing) {
     const double variance = std::log1p(d.effective_variance);
     const LogNormal density(std::log(d.effective_radius_um) + 1.5 * variance,
                             std::sqrt(3 * variance));
@@ -66,15 +67,15 @@ constinit const SizeLaw kLogNormal{
     .name = "log-normal",
     .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
     .has_ends = false,
-    .range = range,
+    .range = log_normal_range,
     .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
         return std::make_unique<LogNormalDensity>(d);
     },
     .area_share_within =
         [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(area_law(d), within);
+            return share_within(log_normal_area(d), within);
         },
-    .radius_at = radius_at,
+    .radius_at = log_normal_radius_at,
     .continuation_height = height_of_narrow_density,
 };
 

@@ -58,13 +58,13 @@ double exponent_of(const SizeDistribution& d) {
 }
 
 // n r^2 ~ r^(s-2) exp(-(r / r_0)^s).
-PowerOfGamma area_law(const SizeDistribution& d) {
+PowerOfGamma rosin_rammler_area(const SizeDistribution& d) {
     const double s = exponent_of(d);
     return {1 - 1 / s, s, d.effective_radius_um * std::tgamma(1 - 1 / s)};
 }
 
-RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
-    const PowerOfGamma area = area_law(d);
+RadiusRange rosin_rammler_range(const SizeDistribution& d, double tail, double saturation) {
+    const PowerOfGamma area = rosin_rammler_area(d);
     const PowerOfGamma scattering{area.shape + 4 / area.power, area.power, area.scale};
     const double mean_fourth_power =
         std::pow(area.scale, 4) * boost::math::tgamma_ratio(scattering.shape, area.shape);
@@ -73,7 +73,7 @@ RadiusRange range(const SizeDistribution& d, double tail, double saturation) {
 
 class RosinRammlerDensity : public AreaDensity {
   public:
-    explicit RosinRammlerDensity(const SizeDistribution& d) : law_(area_law(d)) {
+    explicit RosinRammlerDensity(const SizeDistribution& d) : law_(rosin_rammler_area(d)) {
         log_norm_ = log_norm_of(*this, d.effective_radius_um);
     }
 
@@ -92,8 +92,9 @@ class RosinRammlerDensity : public AreaDensity {
 
 // The cube root of the area density has the same power, the scale r_0 3^(1/s) and
 // r^((s-2)/3) = r^(s shape - 1).
-MappedRadius radius_at(const SizeDistribution& d, const RadiusRange& range, double t, SizeSpacing) {
-    const auto [shape, s, scale] = area_law(d);
+MappedRadius rosin_rammler_radius_at(const SizeDistribution& d, const RadiusRange& range, double t,
+                                     SizeSpacing) {
+    const auto [shape, s, scale] = rosin_rammler_area(d);
     return mapped_by_quantile(PowerOfGamma{(s + 1) / (3 * s), s, scale * std::pow(3, 1 / s)}, range,
                               t);
 }
@@ -105,15 +106,15 @@ constinit const SizeLaw kRosinRammler{
     .name = "rosin-rammler",
     .help = "exp(-(r / r_0)^s) of the volume in particles larger than r",
     .has_ends = false,
-    .range = range,
+    .range = rosin_rammler_range,
     .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
         return std::make_unique<RosinRammlerDensity>(d);
     },
     .area_share_within =
         [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(area_law(d), within);
+            return share_within(rosin_rammler_area(d), within);
         },
-    .radius_at = radius_at,
+    .radius_at = rosin_rammler_radius_at,
     // Where s times the angle of r + ih is pi/2, |exp(-(r / r_0)^s)| is 1: above, the tail grows.
     .continuation_height = [](const SizeDistribution& d) { return 0.5 * pi / exponent_of(d); },
 };

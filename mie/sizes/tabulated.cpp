@@ -11,7 +11,7 @@
 namespace miebrdf::mie {
 namespace {
 
-void validate(const SizeDistribution& d) {
+void validate_table(const SizeDistribution& d) {
     if (d.radii_um.size() < 2 || d.radii_um.size() != d.number_density.size()) {
         throw UsageError(fmt::format(
             "size table with {} radii and {} densities; allowed: as many of both, 2 or more",
@@ -35,7 +35,7 @@ void validate(const SizeDistribution& d) {
 }
 
 // n at a radius; 0 outside the table.
-double density_at(const SizeDistribution& d, double radius) {
+double table_density(const SizeDistribution& d, double radius) {
     const auto above = std::upper_bound(d.radii_um.begin(), d.radii_um.end(), radius);
     if (above == d.radii_um.begin()) return 0;
     if (above == d.radii_um.end()) return radius > d.radii_um.back() ? 0 : d.number_density.back();
@@ -46,13 +46,13 @@ double density_at(const SizeDistribution& d, double radius) {
 
 // Integral of n(r) r^power dr over the table. Three Gauss nodes per interval are exact up to power
 // 4.
-double integral(const SizeDistribution& d, int power) {
+double table_integral(const SizeDistribution& d, int power) {
     double sum = 0;
     for (std::size_t i = 1; i < d.radii_um.size(); ++i) {
         const auto rule = math::gauss_legendre(3, d.radii_um[i - 1], d.radii_um[i]);
         for (int node = 0; node < 3; ++node) {
             const double radius = rule.nodes[node];
-            sum += rule.weights[node] * density_at(d, radius) * std::pow(radius, power);
+            sum += rule.weights[node] * table_density(d, radius) * std::pow(radius, power);
         }
     }
     return sum;
@@ -60,10 +60,11 @@ double integral(const SizeDistribution& d, int power) {
 
 class TableDensity : public AreaDensity {
   public:
-    explicit TableDensity(const SizeDistribution& d) : distribution_(d), area_(integral(d, 2)) {}
+    explicit TableDensity(const SizeDistribution& d)
+        : distribution_(d), area_(table_integral(d, 2)) {}
 
     double at(double radius_um) const override {
-        return density_at(distribution_, radius_um) * radius_um * radius_um / area_;
+        return table_density(distribution_, radius_um) * radius_um * radius_um / area_;
     }
     std::complex<double> at(std::complex<double>) const override {
         throw UsageError("a table of sizes has no analytic continuation");
@@ -82,7 +83,7 @@ constinit const SizeLaw kTabulated{
     .help = "n(r) as listed, linear in between",
     .has_variance = false,
     .analytic = false,
-    .validate = validate,
+    .validate = validate_table,
     .range = [](const SizeDistribution& d, double, double) -> RadiusRange {
         return {d.radii_um.front(), d.radii_um.back()};
     },
@@ -90,7 +91,7 @@ constinit const SizeLaw kTabulated{
         return std::make_unique<TableDensity>(d);
     },
     .effective_radius_um =
-        [](const SizeDistribution& d) { return integral(d, 3) / integral(d, 2); },
+        [](const SizeDistribution& d) { return table_integral(d, 3) / table_integral(d, 2); },
 };
 
 }  // namespace miebrdf::mie

@@ -1,6 +1,6 @@
 #include "pipeline/cache/job_key.h"
 
-#include "materials/database/sha256.h"
+#include "materials/index/checksum.h"
 #include "pipeline/solver_version.h"
 
 namespace miebrdf {

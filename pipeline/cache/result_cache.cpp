@@ -9,9 +9,9 @@
 #include <fstream>
 #include <system_error>
 
-#include "materials/database/sha256.h"
+#include <miebrdf/database.h>
 #include "materials/database/sqlite.h"
-#include "materials/errors.h"
+#include "materials/index/checksum.h"
 
 namespace miebrdf {
 namespace {

@@ -172,7 +172,7 @@ std::vector<double> parse_number_list(std::string_view text, const std::string& 
 double parse_wavelength_nm(std::string_view text) {
     try {
         return materials::parse_wavelength_nm(text);
-    } catch (const std::invalid_argument& error) {
+    } catch (const UsageError& error) {
         throw UsageError(
             fmt::format("{}; write 550, 550nm, 0.55um, 5500A, 2.25eV, a range 400:700:10 or rgb",
                         error.what()));

@@ -10,7 +10,7 @@
 #include <limits>
 #include <map>
 
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/particle_sizes.h"
@@ -67,18 +67,12 @@ ResolvedIndex index_of(const Medium& medium, const std::vector<double>& waveleng
             add({medium.parameters[0], medium.parameters[1]});
         return resolved;
     }
-    try {
-        const bool own = medium.kind == "table";
-        const auto table = own ? own_index(medium) : materials.open().refractive_index(medium.name);
-        resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", medium.name,
-                                            medium.index.size())
-                              : source_line(materials.open().info(medium.name));
-        for (const double nm : wavelength_nm) add(table.at(nm));
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& error) {
-        throw InputError(error.what());
-    }
+    const bool own = medium.kind == "table";
+    const auto table = own ? own_index(medium) : materials.open().refractive_index(medium.name);
+    resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", medium.name,
+                                        medium.index.size())
+                          : source_line(materials.open().info(medium.name));
+    for (const double nm : wavelength_nm) add(table.at(nm));
     return resolved;
 }
 

@@ -53,19 +53,14 @@ mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const Resolved
 /// The average; what it refuses is a matter of sizes and wavelength together.
 mie::EnsembleOptics average(const Medium& medium, const mie::EnsembleRequest& request,
                             const mie::Executor& run) {
-    const auto explained = [&](const std::exception& error) {
-        return UsageError(fmt::format(
+    try {
+        return mie::average_over_sizes(request, run);
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format(
             "medium '{}': {} (effective_radius_um {}, effective_variance {}, host_index {}, at {} "
             "nm)",
             describe(medium), error.what(), request.sizes.effective_radius_um,
             request.sizes.effective_variance, request.host_index, request.wavelength_nm));
-    };
-    try {
-        return mie::average_over_sizes(request, run);
-    } catch (const UsageError& error) {
-        throw explained(error);
-    } catch (const std::invalid_argument& error) {
-        throw explained(error);
     }
 }
 

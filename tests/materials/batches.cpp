@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 
 namespace miebrdf::materials::testing {
 

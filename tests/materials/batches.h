@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "materials/index/dataset.h"
+#include <miebrdf/index.h>
 #include "tests/support/child_process.h"
 
 namespace miebrdf::materials::testing {

@@ -4,8 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "materials/database/database.h"
-#include "materials/database/database_writer.h"
+#include <miebrdf/database.h>
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

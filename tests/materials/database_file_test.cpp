@@ -5,8 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "materials/database/database.h"
-#include "materials/database/database_writer.h"
+#include <miebrdf/database.h>
 #include "materials/database/schema.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

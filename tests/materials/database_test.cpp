@@ -1,11 +1,11 @@
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 
 #include <fmt/format.h>
 
 #include <set>
 #include <thread>
 
-#include "materials/readers/delimited.h"
+#include "materials/readers/text.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

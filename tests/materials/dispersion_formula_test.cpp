@@ -1,4 +1,4 @@
-#include "materials/index/dispersion_formula.h"
+#include "materials/index/series.h"
 
 #include <cmath>
 #include <stdexcept>

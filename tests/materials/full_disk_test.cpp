@@ -11,8 +11,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "materials/database/database.h"
-#include "materials/database/database_writer.h"
+#include <miebrdf/database.h>
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

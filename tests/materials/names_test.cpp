@@ -1,7 +1,7 @@
 #include "materials/database/names.h"
 
-#include "materials/database/sha256.h"
-#include "materials/readers/delimited.h"
+#include "materials/index/checksum.h"
+#include "materials/readers/text.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf::materials;

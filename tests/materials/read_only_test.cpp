@@ -2,8 +2,8 @@
 // or the answer is a clear error; never a part, never an older state in silence.
 #include <unistd.h>
 
+#include <miebrdf/database.h>
 #include "materials/database/sqlite.h"
-#include "materials/errors.h"
 #include "tests/materials/batches.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -1,10 +1,11 @@
 #include "materials/index/units.h"
 
 #include <cmath>
-#include <stdexcept>
 
+#include <miebrdf/error.h>
 #include "tests/support/catch.h"
 
+using namespace miebrdf;
 using namespace miebrdf::materials;
 
 TEST_CASE("wavelengths are read in every unit people write", "[materials][units]") {
@@ -24,7 +25,7 @@ TEST_CASE("nonsense wavelengths are refused with the text in the message",
           "[materials][units][errors]") {
     for (const char* text : {"", "x", "-5", "0", "nan", "inf", "5 parsec", "5e400", "550nm!"}) {
         CAPTURE(text);
-        CHECK_THROWS_AS(parse_wavelength_nm(text), std::invalid_argument);
+        CHECK_THROWS_AS(parse_wavelength_nm(text), UsageError);
         CHECK_THROWS_WITH(parse_wavelength_nm(text),
                           Catch::Contains("'" + std::string(text) + "'"));
     }

@@ -1,8 +1,8 @@
 #include <cmath>
 
+#include <miebrdf/database.h>
 #include <miebrdf/surface.h>
 #include <miebrdf/table1.h>
-#include "materials/database/database.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

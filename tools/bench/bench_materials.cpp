@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "materials/database/database.h"
-#include "materials/database/import.h"
+#include <miebrdf/database.h>
 
 namespace {
 

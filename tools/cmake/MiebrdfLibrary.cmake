@@ -58,5 +58,10 @@ function(miebrdf_fast_build target)
     endif()
     if(MIEBRDF_UNITY)
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+        if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+            # gcc takes what a source keeps to itself for that of a header.
+            target_compile_options(${target} PRIVATE
+                                   $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+        endif()
     endif()
 endfunction()

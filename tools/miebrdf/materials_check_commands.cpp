@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <miebrdf/database.h>
 #include <miebrdf/error.h>
-#include "materials/database/export.h"
-#include "materials/database/verify.h"
 #include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/materials_command.h"
 
@@ -22,14 +21,6 @@ struct ExportArguments {
     std::string format = "csv";
     materials::ExportOptions options;
 };
-
-materials::Format format_of(const std::string& name) {
-    if (name == "yaml") return materials::Format::rii;
-    if (name == "nk") return materials::Format::sopra;
-    const auto format = materials::parse_format(name);
-    if (!format) throw UsageError(fmt::format("no format is called '{}'", name));
-    return *format;
-}
 
 // What both halves are named after: NAME, whether NAME, NAME.spd or one of the halves was given.
 std::string common_beginning(std::string_view output) {
@@ -55,14 +46,9 @@ int write_pair(const std::vector<materials::ExportFile>& files, const Shell& she
 
 int run_export(const ExportArguments& arguments, const Shell& shell) {
     const materials::Dataset dataset = arguments.database.open().dataset(arguments.name);
-    try {
-        const auto files =
-            materials::export_dataset(dataset, format_of(arguments.format), arguments.options);
-        if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
-        shell.write_text(files.front().text);
-    } catch (const std::invalid_argument& error) {
-        throw InputError(error.what());
-    }
+    const auto files = materials::export_dataset(dataset, arguments.format, arguments.options);
+    if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
+    shell.write_text(files.front().text);
     return kGood;
 }
 
@@ -147,10 +133,16 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     auto* command =
         materials.add_subcommand("export", "write a dataset in a format other programs read");
     command->add_option("name", exported->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();
-    command
-        ->add_option("--format", exported->format,
-                     "csv, yaml (refractiveindex.info), nk (SOPRA), tfcalc, imd, spd (two files)")
-        ->check(CLI::IsMember({"csv", "yaml", "rii", "nk", "sopra", "tfcalc", "imd", "spd"}))
+    std::string formats;
+    std::vector<std::string> names;
+    for (const auto& format : materials::material_formats()) {
+        if (!format.written) continue;
+        const std::string& name = format.other_name.empty() ? format.name : format.other_name;
+        formats += fmt::format("{}{} ({})", formats.empty() ? "" : ", ", name, format.title);
+        names.insert(names.end(), {format.name, name});
+    }
+    command->add_option("--format", exported->format, formats)
+        ->check(CLI::IsMember(names))
         ->capture_default_str();
     command->add_flag("--unknown-k-zero", exported->options.unknown_k_as_zero,
                       "write k = 0 for unknown k where the format needs a number");

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "materials/database/database.h"
+#include <miebrdf/database.h>
 #include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {

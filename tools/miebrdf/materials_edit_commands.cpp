@@ -1,9 +1,8 @@
 // miebrdf materials import, alias, default, remove: what changes the user's database.
 #include <fmt/format.h>
 
+#include <miebrdf/database.h>
 #include <miebrdf/error.h>
-#include "materials/database/database_writer.h"
-#include "materials/database/import.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {
@@ -15,7 +14,6 @@ using materials::DatabaseWriter;
 struct ImportArguments {
     DatabaseArgument database;
     std::vector<std::string> files;
-    std::string format;
     bool replace = false;
     materials::ImportOptions options;
 };
@@ -56,7 +54,6 @@ Table table_of(const std::vector<materials::ImportItem>& items, const Shell& she
 int run_import(const ImportArguments& arguments, const Shell& shell) {
     materials::ImportOptions options = arguments.options;
     options.replace = arguments.replace;
-    if (!arguments.format.empty()) options.format = materials::parse_format(arguments.format);
     if (arguments.files.size() > 1 && !options.label.empty()) {
         throw UsageError("--label names one dataset, so it goes with one file");
     }
@@ -75,8 +72,14 @@ void add_import(CLI::App& materials, Shell& shell) {
                      "files, folders, or a folder with the refractiveindex.info database")
         ->required()
         ->check(CLI::ExistingPath);
-    command->add_option("--format", arguments->format, "default: recognised by content")
-        ->check(CLI::IsMember({"sopra", "tfcalc", "rii", "csv", "imd", "spd"}));
+    std::vector<std::string> formats;
+    for (const auto& format : materials::material_formats()) {
+        if (!format.read) continue;
+        formats.push_back(format.name);
+        if (!format.other_name.empty()) formats.push_back(format.other_name);
+    }
+    command->add_option("--format", arguments->options.format, "default: recognised by content")
+        ->check(CLI::IsMember(formats));
     command->add_option("--name", arguments->options.material, "name of the material");
     command->add_option("--label", arguments->options.label, "name of the dataset");
     command->add_option("--source", arguments->options.source, "collection it comes from");

@@ -62,21 +62,17 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
     Table table;
     add_facts(table, dataset, arguments);
     table.columns = {"wavelength_nm", "n", "k"};
-    try {
-        const auto index = database.refractive_index(full_name, options_of(arguments));
-        for (const double wavelength_nm : wavelengths_nm) {
-            const auto m = index.at(wavelength_nm);
-            if (!index.covers(wavelength_nm)) {
-                table.facts.emplace_back(
-                    "extrapolated",
-                    fmt::format("{} nm is outside {} to {} nm: value of "
-                                "the nearer end",
-                                wavelength_nm, index.shortest_nm(), index.longest_nm()));
-            }
-            table.rows.push_back({wavelength_nm, m.real(), std::max(m.imag(), arguments.k_floor)});
+    const auto index = database.refractive_index(full_name, options_of(arguments));
+    for (const double wavelength_nm : wavelengths_nm) {
+        const auto m = index.at(wavelength_nm);
+        if (!index.covers(wavelength_nm)) {
+            table.facts.emplace_back(
+                "extrapolated",
+                fmt::format("{} nm is outside {} to {} nm: value of "
+                            "the nearer end",
+                            wavelength_nm, index.shortest_nm(), index.longest_nm()));
         }
-    } catch (const std::logic_error& error) {  // out of range, or a dataset without n
-        throw InputError(error.what());
+        table.rows.push_back({wavelength_nm, m.real(), std::max(m.imag(), arguments.k_floor)});
     }
     shell.write(std::move(table));
     return kGood;
@@ -108,20 +104,16 @@ plot::IndexCurve curve_of(const materials::Database& database, const std::string
     const auto dataset = database.dataset_info(name);
     plot::IndexCurve curve;
     curve.label = dataset.material + "/" + dataset.label;
-    try {
-        const auto index = database.refractive_index(curve.label);
-        for (const double wavelength_nm : wavelengths_of(index, from, to)) {
-            const auto m = index.at(wavelength_nm);
-            curve.wavelength_nm.push_back(wavelength_nm);
-            curve.n.push_back(m.real());
-            curve.k.push_back(m.imag());
-        }
-        if (curve.n.empty()) {
-            throw InputError(fmt::format("{} covers {} to {} nm: nothing to draw", curve.label,
-                                         index.shortest_nm(), index.longest_nm()));
-        }
-    } catch (const std::logic_error& error) {
-        throw InputError(error.what());
+    const auto index = database.refractive_index(curve.label);
+    for (const double wavelength_nm : wavelengths_of(index, from, to)) {
+        const auto m = index.at(wavelength_nm);
+        curve.wavelength_nm.push_back(wavelength_nm);
+        curve.n.push_back(m.real());
+        curve.k.push_back(m.imag());
+    }
+    if (curve.n.empty()) {
+        throw InputError(fmt::format("{} covers {} to {} nm: nothing to draw", curve.label,
+                                     index.shortest_nm(), index.longest_nm()));
     }
     return curve;
 }

@@ -195,6 +195,8 @@ std::string message_of(const Error& error) {
             message.replace(at, word.field.size(), option);
         }
     }
+    if (error.field() == "wavelength_nm" && dynamic_cast<const InputError*>(&error) != nullptr)
+        message += "; `miebrdf materials import` takes a table that goes further";
     return message;
 }
 

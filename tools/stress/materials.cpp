@@ -6,8 +6,8 @@
 #include <complex>
 
 #include <miebrdf/brdf.h>
-#include "materials/database/database.h"
-#include "materials/index/refractive_index.h"
+#include <miebrdf/database.h>
+#include <miebrdf/index.h>
 #include "tools/stress/battery.h"
 
 namespace miebrdf::stress {

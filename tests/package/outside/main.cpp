@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include <miebrdf/miebrdf.h>
-#include <miebrdf/sphere.h>
 
 using namespace miebrdf;
 

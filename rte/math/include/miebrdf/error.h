@@ -23,6 +23,13 @@ class Error : public std::runtime_error {
     Error(std::string field, double value, std::string allowed)
         : Error(std::move(field), shortest(value), std::move(allowed)) {}
 
+    /// With a message of its own, where the value needs more words.
+    Error(const std::string& message, std::string field, std::string value, std::string allowed)
+        : std::runtime_error(message),
+          field_(std::move(field)),
+          value_(std::move(value)),
+          allowed_(std::move(allowed)) {}
+
     const std::string& field() const { return field_; }
     const std::string& value() const { return value_; }
     const std::string& allowed() const { return allowed_; }

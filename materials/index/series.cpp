@@ -1,15 +1,18 @@
-#include "materials/index/dispersion_formula.h"
+#include "materials/index/series.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
+#include "materials/index/units.h"
 
 namespace miebrdf::materials {
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 // c(1) is the first coefficient, as in the formulas.
 struct Coefficients {
@@ -73,14 +76,78 @@ double exotic(const Coefficients& c, double L) {
     return c(1) + first + second;
 }
 
-double root(double n_squared) { return n_squared > 0 ? std::sqrt(n_squared) : no_value; }
+double root(double n_squared) { return n_squared > 0 ? std::sqrt(n_squared) : kNoValue; }
 
 }  // namespace
+
+std::vector<double> Series::wavelengths_nm() const {
+    std::vector<double> wavelengths;
+    wavelengths.reserve(x.size());
+    for (const double value : x) wavelengths.push_back(to_nm(value, unit));
+    return wavelengths;
+}
+
+Series make_table(Unit unit, std::vector<double> x, std::vector<double> y) {
+    Series series;
+    series.unit = unit;
+    series.x = std::move(x);
+    series.y = std::move(y);
+    if (!series.x.empty()) {
+        series.shortest_nm = to_nm(series.x.front(), unit);
+        series.longest_nm = to_nm(series.x.back(), unit);
+    }
+    return series;
+}
+
+void check_series(const Series& series, char quantity) {
+    const auto refuse = [&](const std::string& reason) {
+        throw InputError(fmt::format("{}: {}", quantity, reason));
+    };
+    if (!(series.shortest_nm > 0 && series.shortest_nm <= series.longest_nm &&
+          std::isfinite(series.longest_nm))) {
+        refuse(fmt::format("range {} to {} nm; both must be positive and ascending",
+                           series.shortest_nm, series.longest_nm));
+    }
+    if (series.y.empty()) refuse("no values");
+    if (!std::all_of(series.y.begin(), series.y.end(), [](double v) { return std::isfinite(v); })) {
+        refuse("values must be finite");
+    }
+    if (!series.tabulated()) {
+        if (series.formula < 1 || series.formula > 9) refuse("formulas are numbered 1 to 9");
+        return;
+    }
+    if (series.x.size() != series.y.size()) {
+        refuse(fmt::format("{} wavelengths for {} values", series.x.size(), series.y.size()));
+    }
+    double previous_nm = 0;
+    double previous_ev = 0;
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+        const double wavelength_nm = to_nm(series.x[i], series.unit);
+        const double energy_ev = from_nm(wavelength_nm, Unit::electronvolt);
+        if (!(wavelength_nm > 0 && std::isfinite(wavelength_nm) && energy_ev > 0)) {
+            refuse(fmt::format("row {}: wavelength {} nm", i + 1, wavelength_nm));
+        }
+        if (i > 0 && !(wavelength_nm > previous_nm && energy_ev < previous_ev)) {
+            refuse(fmt::format("row {}: wavelength {} nm does not follow {} nm", i + 1,
+                               wavelength_nm, previous_nm));
+        }
+        if (quantity == 'n' && !(series.y[i] > 0)) {
+            refuse(fmt::format("row {} ({} nm) is {}; must be > 0", i + 1, wavelength_nm,
+                               series.y[i]));
+        }
+        if (quantity == 'k' && !(series.y[i] >= 0)) {
+            refuse(fmt::format("row {} ({} nm) is {}; must be >= 0", i + 1, wavelength_nm,
+                               series.y[i]));
+        }
+        previous_nm = wavelength_nm;
+        previous_ev = energy_ev;
+    }
+}
 
 double dispersion_formula(int formula, std::span<const double> coefficients, double wavelength_um) {
     const Coefficients c{coefficients};
     const double L = wavelength_um;
-    double n = no_value;
+    double n = kNoValue;
     switch (formula) {
         case 1:
             n = root(sellmeier(c, L, true));
@@ -110,10 +177,9 @@ double dispersion_formula(int formula, std::span<const double> coefficients, dou
             n = root(exotic(c, L));
             break;
         default:
-            throw std::invalid_argument(
-                fmt::format("dispersion formula {}; allowed: 1 to 9", formula));
+            throw UsageError("formula", formula, "1 to 9");
     }
-    return n > 0 && std::isfinite(n) ? n : no_value;
+    return n > 0 && std::isfinite(n) ? n : kNoValue;
 }
 
 }  // namespace miebrdf::materials

@@ -1,9 +1,17 @@
-// The nine dispersion formulas of refractiveindex.info.
+// One series of n or k: what makes it sound, and the nine dispersion formulas of
+// refractiveindex.info.
 #pragma once
 
 #include <span>
 
+#include <miebrdf/index.h>
+
 namespace miebrdf::materials {
+
+/// A series must be finite, ascending in wavelength (and strictly descending in photon energy, in
+/// which it will be interpolated), with n > 0 and k >= 0 wherever it is tabulated.
+/// @throws InputError  naming the row
+void check_series(const Series& series, char quantity);
 
 /// n of formula 1-9 at a vacuum wavelength in micrometres; coefficients as in the source, missing
 /// trailing ones are 0. With L the wavelength:
@@ -17,7 +25,7 @@ namespace miebrdf::materials {
 ///   8  (n^2 - 1) / (n^2 + 2) = c1 + c2 L^2 / (L^2 - c3) + c4 L^2   (retro)
 ///   9  n^2 = c1 + c2 / (L^2 - c3) + c4 (L - c5) / ((L - c5)^2 + c6)   (exotic)
 /// Not a number where the formula has no positive real value.
-/// @throws std::invalid_argument  for another formula number
+/// @throws UsageError  for another formula number
 double dispersion_formula(int formula, std::span<const double> coefficients, double wavelength_um);
 
 }  // namespace miebrdf::materials

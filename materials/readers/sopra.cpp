@@ -1,15 +1,20 @@
 // SOPRA .nk: `code min max intervals`, then intervals + 1 pairs n k on a uniform grid.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
 
-#include "materials/readers/raw_table.h"
-#include "materials/readers/readers.h"
+#include "materials/index/units.h"
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
 
-constexpr std::string_view separators = " \t\r\n\f\v,;";
+constexpr std::string_view kSeparators = " \t\r\n\f\v,;";
 
 /// The stream of words of the file, each with its line. DOS files end at Ctrl-Z.
 class Words {
@@ -18,12 +23,12 @@ class Words {
 
     /// The next word, empty at the end.
     std::string_view next() {
-        while (at_ < text_.size() && separators.find(text_[at_]) != std::string_view::npos) {
+        while (at_ < text_.size() && kSeparators.find(text_[at_]) != std::string_view::npos) {
             if (text_[at_] == '\n') ++line_;
             ++at_;
         }
         const std::size_t start = at_;
-        while (at_ < text_.size() && separators.find(text_[at_]) == std::string_view::npos) ++at_;
+        while (at_ < text_.size() && kSeparators.find(text_[at_]) == std::string_view::npos) ++at_;
         return text_.substr(start, at_ - start);
     }
 
@@ -36,13 +41,13 @@ class Words {
     int line_ = 1;
 };
 
-struct Header {
+struct SopraHeader {
     int code = 0;
     double first = 0.0, last = 0.0;
     int intervals = 0;
 };
 
-std::optional<Header> read_header(Words& words) {
+std::optional<SopraHeader> read_sopra_header(Words& words) {
     const auto code = parse_number(words.next());
     const auto first = parse_number(words.next());
     const auto last = parse_number(words.next());
@@ -50,10 +55,10 @@ std::optional<Header> read_header(Words& words) {
     if (!code || !first || !last || !intervals) return std::nullopt;
     if (!(*code >= 1 && *code <= 4 && *code == std::floor(*code))) return std::nullopt;
     if (!(*first > 0 && *last > *first && std::isfinite(*last))) return std::nullopt;
-    if (!(*intervals >= 1 && *intervals < most_rows && *intervals == std::floor(*intervals))) {
+    if (!(*intervals >= 1 && *intervals < kMostRows && *intervals == std::floor(*intervals))) {
         return std::nullopt;
     }
-    return Header{static_cast<int>(*code), *first, *last, static_cast<int>(*intervals)};
+    return SopraHeader{static_cast<int>(*code), *first, *last, static_cast<int>(*intervals)};
 }
 
 Unit unit_of(int code) {
@@ -72,7 +77,7 @@ Unit unit_of(int code) {
 // The collection's INAS.NK declares micrometres for a grid of photon energies; read as eV it is the
 // table of Aspnes & Studna, Phys. Rev. B 27, 985 (1983). Recognised by its header and first row, so
 // that a renamed copy is read right and nothing else is touched.
-bool is_mislabelled_inas(const Header& header, const RawTable& table) {
+bool is_mislabelled_inas(const SopraHeader& header, const RawTable& table) {
     return header.code == 2 && header.first == 1 && header.last == 6 && header.intervals == 200 &&
            table.rows.front().n == 3.548 && table.rows.front().k == 0.278;
 }
@@ -95,17 +100,16 @@ void read_trailer(Words& words, Dataset& dataset) {
     dataset.note = remark;
 }
 
-}  // namespace
-
 bool looks_like_sopra(std::string_view text) {
     Words words(text);
-    if (!read_header(words)) return false;
+    if (!read_sopra_header(words)) return false;
     return parse_number(words.next()) && parse_number(words.next());
 }
 
-Dataset read_sopra(std::string_view text, const std::string& file, const ReadOptions& options) {
-    Words words(text);
-    const std::optional<Header> header = read_header(words);
+Dataset read_sopra(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
+    Words words(source.text);
+    const std::optional<SopraHeader> header = read_sopra_header(words);
     if (!header) {
         throw ImportError(
             file, 1,
@@ -144,5 +148,62 @@ Dataset read_sopra(std::string_view text, const std::string& file, const ReadOpt
     add_table(dataset, std::move(table), file, options);
     return dataset;
 }
+
+int sopra_code(const Dataset& d, Unit unit) {
+    switch (unit) {
+        case Unit::electronvolt:
+            return 1;
+        case Unit::micrometre:
+            return 2;
+        case Unit::per_centimetre:
+            return 3;
+        case Unit::nanometre:
+            return 4;
+        default:
+            refuse_export(d, "sopra", fmt::format("it has no unit {}", name_of(unit)));
+    }
+}
+
+std::vector<ExportFile> write_sopra(const Dataset& d, const ExportOptions& options) {
+    const JointTable table = joint_table(d, "sopra", options);
+    const std::size_t count = table.n.x.size();
+    const auto ascending = [&](std::size_t i) {  // in the unit, as the format wants it
+        return is_reciprocal(table.n.unit) ? count - 1 - i : i;
+    };
+    if (count < 2) refuse_export(d, "sopra", "it needs two rows");
+    const double first = table.n.x[ascending(0)];
+    const double last = table.n.x[ascending(count - 1)];
+    const int intervals = static_cast<int>(count) - 1;
+    std::string text =
+        fmt::format("{} {} {} {}\r\n", sopra_code(d, table.n.unit), first, last, intervals);
+    for (int i = 0; i <= intervals; ++i) {
+        const std::size_t row = ascending(static_cast<std::size_t>(i));
+        const double expected = i == intervals ? last : first + (last - first) * i / intervals;
+        // Decimal steps (0.36, 0.365, ...) are rounded one by one: the reader's grid differs from
+        // them by units in the last place, not by a step.
+        const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max(first, last);
+        if (!(std::abs(table.n.x[row] - expected) <= rounding)) {
+            refuse_export(d, "sopra",
+                          fmt::format("its grid is not uniform ({} {} where {} is expected)",
+                                      table.n.x[row], name_of(table.n.unit), expected));
+        }
+        fmt::format_to(std::back_inserter(text), "{} {}\r\n", table.n.y[row], table.k[row]);
+    }
+    return {{".nk", std::move(text)}};
+}
+
+}  // namespace
+
+extern const FileFormat kSopra;
+constinit const FileFormat kSopra{
+    .name = "sopra",
+    .other_name = "nk",
+    .title = "SOPRA",
+    .endings = {".nk"},
+    .caseless_names = true,
+    .looks_like = looks_like_sopra,
+    .read = read_sopra,
+    .write = write_sopra,
+};
 
 }  // namespace miebrdf::materials

@@ -2,16 +2,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
 
-#include "materials/database/provenance.h"
-#include "materials/readers/delimited.h"
-#include "materials/readers/raw_table.h"
-#include "materials/readers/readers.h"
+#include "materials/index/units.h"
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
 
-std::string lower(std::string_view text) {
+std::string lower_case(std::string_view text) {
     std::string out(without_blanks(text));
     std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) {
         return c < 0x80 ? static_cast<char>(std::tolower(c)) : static_cast<char>(c);
@@ -19,7 +22,7 @@ std::string lower(std::string_view text) {
     return out;
 }
 
-struct Header {
+struct CsvHeader {
     int x = -1, n = -1, k = -1;
     std::optional<Unit> unit;
     std::string x_name;
@@ -29,10 +32,10 @@ struct Header {
 // "wavelength_um", "Wavelength (nm)", "lambda[A]", "energy_eV", "nm" -> unit; "wl" alone is what
 // refractiveindex.info writes, in micrometres. Empty when it is no spectral column at all.
 std::optional<std::string> unit_text(const std::string& name) {
-    static constexpr std::string_view quantities[] = {
+    static constexpr std::string_view kQuantities[] = {
         "wavelength", "lambda", "wl", "\xce\xbb", "energy", "photon", "wavenumber", "frequency"};
     if (parse_unit(name)) return name;
-    for (const std::string_view quantity : quantities) {
+    for (const std::string_view quantity : kQuantities) {
         if (!name.starts_with(quantity)) continue;
         const std::string rest = name.substr(quantity.size());
         const auto first = rest.find_first_not_of(" _([,/");
@@ -48,10 +51,10 @@ std::optional<std::string> unit_text(const std::string& name) {
     return std::nullopt;
 }
 
-std::optional<Header> read_header(const std::vector<std::string>& fields) {
-    Header header;
+std::optional<CsvHeader> read_csv_header(const std::vector<std::string>& fields) {
+    CsvHeader header;
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-        const std::string name = lower(fields[static_cast<std::size_t>(i)]);
+        const std::string name = lower_case(fields[static_cast<std::size_t>(i)]);
         if (name == "n" || name == "eta" || name == "ior") {
             header.n = i;
         } else if (name == "k" || name == "kappa") {
@@ -80,7 +83,7 @@ struct Parts {
     RawTable n, k;
 };
 
-void read_row(Parts& parts, const Header& header, const std::vector<std::string>& fields,
+void read_row(Parts& parts, const CsvHeader& header, const std::vector<std::string>& fields,
               const std::string& file, int line) {
     const auto field = [&](int i) {
         return i >= 0 && i < static_cast<int>(fields.size()) ? fields[static_cast<std::size_t>(i)]
@@ -109,24 +112,23 @@ void add_parts(Dataset& dataset, Parts parts, const std::string& file, const Rea
     if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
 }
 
-}  // namespace
-
 bool looks_like_csv(std::string_view text) {
     for (const std::string_view line : split_lines(text.substr(0, 100000))) {
         if (without_blanks(line).empty() || without_blanks(line).front() == '#') continue;
-        return read_header(split_fields(line, separator_of(line))).has_value();
+        return read_csv_header(split_fields(line, separator_of(line))).has_value();
     }
     return false;
 }
 
-Dataset read_csv(std::string_view text, const std::string& file, const ReadOptions& options) {
+Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
     Dataset dataset;
     dataset.format = "csv";
     Parts parts;
-    std::optional<Header> header;
+    std::optional<CsvHeader> header;
     char separator = ',';
     int line = 0;
-    for (const std::string_view raw : split_lines(text)) {
+    for (const std::string_view raw : split_lines(source.text)) {
         ++line;
         const std::string_view content = without_blanks(raw);
         if (content.empty()) continue;
@@ -138,13 +140,13 @@ Dataset read_csv(std::string_view text, const std::string& file, const ReadOptio
         const auto fields = split_fields(content, header ? separator : found);
         if (!header || !parse_number(fields.front())) {
             separator = found;
-            const auto next = read_header(split_fields(content, found));
+            const auto next = read_csv_header(split_fields(content, found));
             if (!next)
                 throw ImportError(file, line, "no header with a wavelength column and n or k");
             if (!next->unit) {
                 throw ImportError(file, line,
                                   fmt::format("the unit of '{}' is not known: name the column "
-                                              "wavelength_nm, wavelength_um, energy_eV, ...",
+                                              "with its unit, as in wavelength_um or energy_eV",
                                               next->x_name));
             }
             header = next;
@@ -160,5 +162,59 @@ Dataset read_csv(std::string_view text, const std::string& file, const ReadOptio
     add_parts(dataset, std::move(parts), file, options);
     return dataset;
 }
+
+const char* csv_column(Unit unit) {
+    switch (unit) {
+        case Unit::nanometre:
+            return "wavelength_nm";
+        case Unit::micrometre:
+            return "wavelength_um";
+        case Unit::angstrom:
+            return "wavelength_angstrom";
+        case Unit::electronvolt:
+            return "energy_eV";
+        case Unit::per_centimetre:
+            return "wavenumber_cm-1";
+        case Unit::terahertz:
+            break;
+    }
+    return "frequency_THz";
+}
+
+void append_csv(std::string& text, const Series& series, const char* column, const Series* second) {
+    fmt::format_to(std::back_inserter(text), "{},{}{}\n", csv_column(series.unit), column,
+                   second != nullptr ? ",k" : "");
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "{},{}", series.x[i], series.y[i]);
+        if (second != nullptr) fmt::format_to(std::back_inserter(text), ",{}", second->y[i]);
+        text += '\n';
+    }
+}
+
+std::vector<ExportFile> write_csv(const Dataset& d, const ExportOptions&) {
+    if (d.n && !d.n->tabulated())
+        refuse_export(d, "csv", "n is a formula; only yaml keeps formulas");
+    std::string text = remarks(d, "# ");
+    if (d.n && d.k && d.n->unit == d.k->unit && d.n->x == d.k->x) {
+        append_csv(text, *d.n, "n", &*d.k);
+        return {{".csv", std::move(text)}};
+    }
+    if (d.n) append_csv(text, *d.n, "n", nullptr);
+    if (d.n && d.k) text += '\n';
+    if (d.k) append_csv(text, *d.k, "k", nullptr);
+    return {{".csv", std::move(text)}};
+}
+
+}  // namespace
+
+extern const FileFormat kCsv;
+constinit const FileFormat kCsv{
+    .name = "csv",
+    .title = "CSV with a header",
+    .endings = {".csv"},
+    .looks_like = looks_like_csv,
+    .read = read_csv,
+    .write = write_csv,
+};
 
 }  // namespace miebrdf::materials

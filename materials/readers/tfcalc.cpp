@@ -1,9 +1,15 @@
 // TFCalc .MAT: lines of fields between asterisks; wavelengths in nm.
 #include <fmt/format.h>
 
-#include "materials/readers/delimited.h"
-#include "materials/readers/raw_table.h"
-#include "materials/readers/readers.h"
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include "materials/index/units.h"
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -20,15 +26,14 @@ std::vector<std::string_view> fields_of(std::string_view line) {
     return fields;
 }
 
-}  // namespace
-
 bool looks_like_tfcalc(std::string_view text) {
     const std::string_view start = without_blanks(text.substr(0, 200));
     return start.starts_with("VERSION*") || start.starts_with("FORMAT*") ||
            start.starts_with("POINTS*");
 }
 
-Dataset read_tfcalc(std::string_view text, const std::string& file, const ReadOptions& options) {
+Dataset read_tfcalc(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
     Dataset dataset;
     dataset.format = "tfcalc";
     RawTable table;
@@ -36,7 +41,7 @@ Dataset read_tfcalc(std::string_view text, const std::string& file, const ReadOp
     std::optional<double> announced;
     bool ended = false;
     int line = 0;
-    for (const std::string_view raw : split_lines(text)) {
+    for (const std::string_view raw : split_lines(source.text)) {
         ++line;
         const auto fields = fields_of(without_blanks(raw.substr(0, raw.find('\x1a'))));
         if (fields.empty() || ended) continue;
@@ -65,5 +70,29 @@ Dataset read_tfcalc(std::string_view text, const std::string& file, const ReadOp
     add_table(dataset, std::move(table), file, options);
     return dataset;
 }
+
+std::vector<ExportFile> write_tfcalc(const Dataset& d, const ExportOptions& options) {
+    const JointTable table = joint_table(d, "tfcalc", options);
+    std::string text = fmt::format("VERSION*1*\nFORMAT*1*\nPOINTS*{}*\n", table.n.x.size());
+    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "DATA1*{}*{}*{}*{}*\n", i + 1,
+                       in_unit(table.n, i, Unit::nanometre), table.n.y[i], table.k[i]);
+    }
+    std::string name = d.material + "/" + d.label;
+    std::replace(name.begin(), name.end(), '*', ' ');
+    return {{".MAT", text + fmt::format("COMMENT*{}*\nEOF*\n", name)}};
+}
+
+}  // namespace
+
+extern const FileFormat kTfcalc;
+constinit const FileFormat kTfcalc{
+    .name = "tfcalc",
+    .title = "TFCalc",
+    .endings = {".MAT"},
+    .looks_like = looks_like_tfcalc,
+    .read = read_tfcalc,
+    .write = write_tfcalc,
+};
 
 }  // namespace miebrdf::materials

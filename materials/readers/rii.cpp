@@ -1,15 +1,17 @@
 // Data files of refractiveindex.info: REFERENCES, COMMENTS, CONDITIONS and a list of DATA blocks.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
-#include "materials/database/provenance.h"
-#include "materials/index/dispersion_formula.h"
-#include "materials/readers/delimited.h"
-#include "materials/readers/markup.h"
-#include "materials/readers/raw_table.h"
-#include "materials/readers/readers.h"
+#include "materials/index/series.h"
+#include "materials/index/units.h"
+#include "materials/readers/catalogue.h"
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
 #include "materials/readers/yaml_node.h"
 
 namespace miebrdf::materials {
@@ -98,7 +100,7 @@ void read_formula(Dataset& dataset, const YamlNode& block, int formula, const st
     series.longest_nm = to_nm(std::max(ends_um[0], ends_um[1]), Unit::micrometre);
     try {
         check_series(series, 'n');
-    } catch (const std::invalid_argument& error) {
+    } catch (const InputError& error) {
         throw ImportError(file, block.line, error.what());
     }
     check_formula(dataset, series);
@@ -170,14 +172,13 @@ void read_provenance(Dataset& dataset, const YamlNode& page) {
     read_conditions(dataset, page);
 }
 
-}  // namespace
-
 bool looks_like_rii_page(std::string_view text) {
     return text.starts_with("DATA:") || text.find("\nDATA:") != std::string_view::npos;
 }
 
-Dataset read_rii_page(std::string_view text, const std::string& file, const ReadOptions& options) {
-    const YamlNode page = parse_yaml(text, file);
+Dataset read_rii_page(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
+    const YamlNode page = parse_yaml(source.text, file);
     const YamlNode* data = page.find("DATA");
     if (data == nullptr || data->kind != YamlNode::Kind::sequence || data->items.empty()) {
         throw ImportError(file, 0, "no list of DATA blocks");
@@ -186,14 +187,77 @@ Dataset read_rii_page(std::string_view text, const std::string& file, const Read
     dataset.format = "rii-yaml";
     // Our own exports say in comments what the format has no keys for.
     bool ours = false;
-    for (const std::string_view line : split_lines(text)) {
-        if (!line.starts_with(provenance_mark)) continue;
+    for (const std::string_view line : split_lines(source.text)) {
+        if (!line.starts_with(kProvenanceMark)) continue;
         ours = true;
-        read_provenance_line(dataset, line.substr(provenance_mark.size()));
+        read_provenance_line(dataset, line.substr(kProvenanceMark.size()));
     }
     if (!ours) read_provenance(dataset, page);
     read_blocks(dataset, *data, file, options);
     return dataset;
 }
+
+void read_page_path(Dataset& dataset, const std::filesystem::path& path) {
+    const auto page = page_of_path(path);
+    if (!page) return;
+    if (dataset.material.empty()) dataset.material = page->material;
+    if (dataset.label.empty()) dataset.label = page->label;
+    if (dataset.key.empty()) dataset.key = page->key;
+}
+
+std::string literal_block(const std::string& key, const std::string& text) {
+    if (text.empty()) return "";
+    std::string line = text;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return fmt::format("{}: |\n    {}\n", key, line);
+}
+
+std::string yaml_block(const Series& series, const char* type, const Series* second) {
+    if (!series.tabulated()) {
+        return fmt::format(
+            "  - type: formula {}\n    wavelength_range: {} {}\n    coefficients: {}\n",
+            series.formula, from_nm_exactly(series.shortest_nm, Unit::micrometre),
+            from_nm_exactly(series.longest_nm, Unit::micrometre), fmt::join(series.y, " "));
+    }
+    std::string text = fmt::format("  - type: {}\n    data: |\n", type);
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "        {} {}",
+                       in_unit(series, i, Unit::micrometre), series.y[i]);
+        if (second != nullptr) fmt::format_to(std::back_inserter(text), " {}", second->y[i]);
+        text += '\n';
+    }
+    return text;
+}
+
+std::vector<ExportFile> write_rii_page(const Dataset& d, const ExportOptions&) {
+    std::string text = remarks(d, kProvenanceMark);
+    text += literal_block("REFERENCES", d.reference);
+    text += literal_block("COMMENTS", d.note);
+    if (d.temperature_k || !d.ray.empty()) text += "CONDITIONS:\n";
+    if (!d.ray.empty()) text += fmt::format("    direction: {}\n", d.ray);
+    if (d.temperature_k) text += fmt::format("    temperature: {}\n", *d.temperature_k);
+    text += "DATA:\n";
+    if (d.n && d.k && d.n->tabulated() && d.n->unit == d.k->unit && d.n->x == d.k->x) {
+        return {{".yml", text + yaml_block(*d.n, "tabulated nk", &*d.k)}};
+    }
+    if (d.n) text += yaml_block(*d.n, "tabulated n", nullptr);
+    if (d.k) text += yaml_block(*d.k, "tabulated k", nullptr);
+    return {{".yml", std::move(text)}};
+}
+
+}  // namespace
+
+extern const FileFormat kRefractiveIndexInfo;
+constinit const FileFormat kRefractiveIndexInfo{
+    .name = "rii",
+    .other_name = "yaml",
+    .title = "refractiveindex.info YAML",
+    .endings = {".yml"},
+    .names_material = true,
+    .looks_like = looks_like_rii_page,
+    .read = read_rii_page,
+    .write = write_rii_page,
+    .read_path = read_page_path,
+};
 
 }  // namespace miebrdf::materials

@@ -1,0 +1,128 @@
+// Optical constants n + ik: as their source gives them, and at any wavelength.
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace miebrdf::materials {
+
+enum class Unit { nanometre, micrometre, angstrom, electronvolt, per_centimetre, terahertz };
+
+/// "nm", "um", "angstrom", "eV", "cm-1", "THz": how units are stored and printed.
+const char* name_of(Unit unit);
+
+/// Vacuum wavelength in nm; the value must be positive.
+double to_nm(double value, Unit unit);
+double from_nm(double wavelength_nm, Unit unit);
+
+/// n or k as a function of wavelength: a table on its native grid and in its native unit (never
+/// resampled), or a dispersion formula.
+struct Series {
+    int formula = 0;              ///< 0: a table; 1-9: numbering of refractiveindex.info
+    Unit unit = Unit::nanometre;  ///< of x; formulas are always in micrometres
+    std::vector<double> x;  ///< ascending in wavelength (so descending in eV); empty for formulas
+    std::vector<double> y;  ///< table: the values; formula: the coefficients
+    double shortest_nm = 0.0;  ///< first valid wavelength
+    double longest_nm = 0.0;   ///< last valid wavelength
+
+    bool tabulated() const { return formula == 0; }
+    std::vector<double> wavelengths_nm() const;
+    bool operator==(const Series&) const = default;
+};
+
+/// A table in the given unit; shortest and longest follow from x.
+Series make_table(Unit unit, std::vector<double> x, std::vector<double> y);
+
+struct Dataset {
+    std::string material;  ///< name of the material it belongs to
+    std::string title;     ///< e.g. "Titanium dioxide"
+    std::string formula;   ///< chemical formula, may be empty
+    std::vector<std::string> aliases;
+
+    std::string label;      ///< unique within the material, e.g. "Malitson", "SOPRA"
+    std::string source;     ///< collection, e.g. "SOPRA", "refractiveindex.info"
+    std::string key;        ///< its name there, e.g. "GAP", "main/GaP/Bond"
+    std::string reference;  ///< publication
+    std::string doi;
+    std::string licence;
+    std::string ray;  ///< "o", "e" or empty
+    std::string composition;
+    std::string note;
+    std::string format;       ///< of the file it was read from
+    std::string file;         ///< name of that file
+    std::string file_sha256;  ///< of that file's bytes
+    std::optional<double> temperature_k;
+
+    std::optional<Series> n;  ///< nothing: the source gives k only
+    std::optional<Series> k;  ///< nothing: k is unknown, which is not the same as k = 0
+    std::vector<std::string> corrections;  ///< what the reader changed, in words
+};
+
+/// A table of n and k on its own grid, never resampled.
+struct IndexTable {
+    std::vector<double> wavelength_nm;  ///< vacuum, ascending, > 0
+    std::vector<double> n;              ///< > 0
+    std::vector<double> k;              ///< >= 0; all 0 when k_known is false
+    bool k_known = true;  ///< false: k was not measured, which is not the same as k = 0
+};
+
+enum class Interpolation {
+    pchip,  ///< monotone cubic in photon energy (Fritsch & Butland 1984): no overshoot, k >= 0
+    linear_in_energy,
+    linear_in_wavelength,  ///< what most other tools do
+};
+enum class Extrapolation { refuse, clamp };
+
+struct IndexOptions {
+    Interpolation interpolation = Interpolation::pchip;
+    Extrapolation extrapolation = Extrapolation::refuse;  ///< clamp: the value at the nearer end
+    /// Where n is known and k is not: true gives k = 0 instead of an error. Has no effect when k is
+    /// unknown everywhere: then k is 0 and `k_known()` is false.
+    bool missing_k_is_zero = false;
+};
+
+/// Where else to look when a wavelength is not covered; only used in the message.
+struct Coverage {
+    std::string name;
+    double shortest_nm = 0.0;
+    double longest_nm = 0.0;
+};
+
+/// Interpolates n and k separately, each on its own grid, monotonically (PCHIP) in photon energy;
+/// dispersion formulas are evaluated exactly. Tables of fewer than 4 rows are interpolated linearly
+/// in photon energy (PCHIP needs 4), a table of one row is valid at that wavelength alone.
+/// Copies are cheap and share the table; `at` may be called from several threads.
+class RefractiveIndex {
+  public:
+    /// @throws InputError  for a table that is empty, not ascending or not physical
+    RefractiveIndex(std::string material, IndexTable table);
+
+    /// @param k  nothing when it is unknown
+    /// @throws InputError  for a series that is empty, not ascending or not physical, or
+    ///         when n is missing or n and k have no wavelength in common
+    RefractiveIndex(std::string material, std::optional<Series> n, std::optional<Series> k,
+                    const IndexOptions& options = {}, std::vector<Coverage> alternatives = {});
+
+    /// n + ik at a vacuum wavelength.
+    /// @throws InputError  outside the data, naming material, asked and valid range (the field is
+    ///         wavelength_nm); also where a formula has no real value
+    std::complex<double> at(double wavelength_nm) const;
+
+    /// First and last wavelength at which both n and k are given (n alone when k is unknown).
+    double shortest_nm() const;
+    double longest_nm() const;
+    bool covers(double wavelength_nm) const;
+    bool k_known() const;
+
+    /// n and k at every native wavelength of the range; for formulas 201 points even in energy.
+    IndexTable table() const;
+
+  private:
+    struct State;
+    std::shared_ptr<const State> state_;
+};
+
+}  // namespace miebrdf::materials

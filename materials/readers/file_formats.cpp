@@ -1,0 +1,199 @@
+// The list of formats, what all of them share, and one file from its bytes to a dataset that knows
+// where it came from.
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "materials/index/checksum.h"
+#include "materials/index/units.h"
+#include "materials/readers/file_format.h"
+
+namespace miebrdf::materials {
+
+extern const FileFormat kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd;
+
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 256u << 20;
+
+// In the order in which contents are tried: those that cannot be mistaken come first.
+constexpr const FileFormat* kFormats[] = {
+    &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd,
+};
+
+// The format whose pairs end so, and the pair's common beginning.
+struct Pair {
+    const FileFormat* format;
+    std::filesystem::path base;
+};
+Pair pair_of(const std::filesystem::path& file) {
+    const std::string name = file.string();
+    for (const FileFormat* format : kFormats) {
+        if (format->endings[1] == nullptr) continue;
+        for (const char* ending : format->endings) {
+            if (name.size() > std::strlen(ending) && name.ends_with(ending))
+                return {format, name.substr(0, name.size() - std::strlen(ending))};
+        }
+    }
+    return {nullptr, file};
+}
+
+// The file's name without folder and extension: "GAP.NK" -> "GAP", "Ag.eta.spd" -> "Ag".
+std::string source_stem(const std::filesystem::path& file) {
+    const std::filesystem::path base = pair_base(file);
+    return base == file ? file.stem().string() : base.filename().string();
+}
+
+}  // namespace
+
+const FileFormat& format_named(std::string_view name) {
+    std::string known;
+    for (const FileFormat* format : kFormats) {
+        if (name == format->name || (!name.empty() && name == format->other_name)) return *format;
+        known += (known.empty() ? "" : ", ") + std::string(format->name);
+    }
+    throw UsageError(fmt::format("unknown format '{}'; allowed: {}", name, known));
+}
+
+const FileFormat* recognise(std::string_view text) {
+    for (const FileFormat* format : kFormats) {
+        if (format->looks_like(text)) return format;
+    }
+    return nullptr;
+}
+
+std::vector<MaterialFormat> material_formats() {
+    std::vector<MaterialFormat> formats;
+    for (const FileFormat* f : kFormats) {
+        MaterialFormat& format = formats.emplace_back();
+        format.name = f->name;
+        format.other_name = f->other_name;
+        format.title = f->title;
+        for (const char* ending : f->endings) {
+            if (ending != nullptr) format.endings.emplace_back(ending);
+        }
+        format.read = f->read != nullptr;
+        format.written = f->write != nullptr;
+    }
+    return formats;
+}
+
+std::string read_text(const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) {
+        throw ImportError(file.string(), 0, "is a folder");
+    }
+    const auto size = std::filesystem::file_size(file, error);
+    if (!error && size > kLargestFile) throw ImportError(file.string(), 0, "larger than 256 MiB");
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw ImportError(file.string(), 0, std::strerror(errno));
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (stream.bad()) throw ImportError(file.string(), 0, "cannot be read");
+    return text;
+}
+
+SourceFile read_source(const std::filesystem::path& file) {
+    SourceFile source{file, {}, {}};
+    const Pair pair = pair_of(file);
+    if (pair.format == nullptr) {
+        source.text = read_text(file);
+        return source;
+    }
+    const std::filesystem::path first = pair.base.string() + pair.format->endings[0];
+    const std::filesystem::path second = pair.base.string() + pair.format->endings[1];
+    if (std::filesystem::exists(first)) source.text = read_text(first);
+    if (std::filesystem::exists(second)) source.second_text = read_text(second);
+    if (source.text.empty() && source.second_text.empty())
+        throw ImportError(file.string(), 0, "is empty");
+    return source;
+}
+
+std::filesystem::path pair_base(const std::filesystem::path& file) { return pair_of(file).base; }
+
+void fill_origin(Dataset& dataset, const SourceFile& source, const FileFormat& format,
+                 const ImportOptions& options) {
+    dataset.file = source.path.filename().string();
+    dataset.file_sha256 = sha256_hex(source.text + source.second_text);
+    if (!options.source.empty()) dataset.source = options.source;
+    if (format.read_path != nullptr) format.read_path(dataset, source.path);
+    std::string stem = source_stem(source.path);
+    if (format.caseless_names) {
+        for (char& c : stem) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+    if (dataset.key.empty()) dataset.key = stem;
+    if (!options.label.empty()) dataset.label = options.label;
+    if (dataset.label.empty()) {
+        dataset.label =
+            fmt::format("{}-{}", dataset.source.empty() ? dataset.format : dataset.source, stem);
+    }
+    if (!options.material.empty()) dataset.material = options.material;
+    if (dataset.material.empty()) dataset.material = stem;
+}
+
+ReadFile read_recognised(const std::filesystem::path& file, const ImportOptions& options) {
+    const SourceFile source = read_source(file);
+    const FileFormat* format =
+        options.format.empty() ? recognise(source.text.empty() ? source.second_text : source.text)
+                               : &format_named(options.format);
+    if (format == nullptr) {
+        std::string known;
+        for (const FileFormat* f : kFormats)
+            known += (known.empty() ? "" : ", ") + std::string(f->title);
+        throw ImportError(
+            file.string(), 0,
+            fmt::format("format not recognised; known: {} (a format can be given by name)", known));
+    }
+    ReadFile read{format->read(source, {.negative_k_tolerance = options.negative_k_tolerance}),
+                  *format};
+    fill_origin(read.dataset, source, *format, options);
+    return read;
+}
+
+Dataset read_file(const std::filesystem::path& file, const ImportOptions& options) {
+    return read_recognised(file, options).dataset;
+}
+
+std::vector<ExportFile> export_dataset(const Dataset& dataset, std::string_view format,
+                                       const ExportOptions& options) {
+    const FileFormat& asked = format_named(format);
+    if (asked.write == nullptr) refuse_export(dataset, asked.name, "the format is not written");
+    return asked.write(dataset, options);
+}
+
+void refuse_export(const Dataset& d, const char* format, const std::string& reason) {
+    throw InputError(
+        fmt::format("{}/{} cannot be written as {}: {}", d.material, d.label, format, reason));
+}
+
+std::string in_unit(const Series& series, std::size_t row, Unit unit) {
+    if (series.unit == unit) return fmt::format("{}", series.x[row]);
+    return fmt::format("{}", from_nm_exactly(to_nm(series.x[row], series.unit), unit));
+}
+
+JointTable joint_table(const Dataset& d, const char* format, const ExportOptions& options) {
+    if (!d.n) refuse_export(d, format, "n is unknown");
+    if (!d.n->tabulated()) refuse_export(d, format, "n is a formula; only yaml keeps formulas");
+    if (!d.k && !options.unknown_k_as_zero) {
+        refuse_export(
+            d, format,
+            "k is unknown and the format has no word for it (unknown_k_as_zero writes 0)");
+    }
+    if (d.k && (d.k->unit != d.n->unit || d.k->x != d.n->x)) {
+        refuse_export(d, format, "n and k have different grids; csv, yaml and spd can");
+    }
+    return {*d.n, d.k ? d.k->y : std::vector<double>(d.n->y.size(), 0.0)};
+}
+
+std::string remarks(const Dataset& d, std::string_view comment) {
+    std::string text;
+    for (const std::string& line : provenance_lines(d))
+        text += fmt::format("{}{}\n", comment, line);
+    return text;
+}
+
+}  // namespace miebrdf::materials

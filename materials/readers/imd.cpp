@@ -1,0 +1,59 @@
+// IMD / Luxpop .nk: ';' comments, then wavelength in Angstrom, n, k.
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
+
+namespace miebrdf::materials {
+namespace {
+
+char first_character(std::string_view text) {
+    const std::string_view start = without_blanks(text);
+    return start.empty() ? '\0' : start.front();
+}
+
+bool looks_like_imd(std::string_view text) {
+    return first_character(text) == ';' && first_row_has(text, ';', 3);
+}
+
+Dataset read_imd(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
+    Dataset dataset;
+    dataset.format = "imd";
+    RawTable table;
+    table.unit = Unit::angstrom;
+    const Columns columns = read_columns(source.text, ';', 3, file);
+    for (const auto& [line, numbers] : columns.rows) {
+        table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
+    }
+    dataset.note = columns.comments;
+    add_table(dataset, std::move(table), file, options);
+    return dataset;
+}
+
+std::vector<ExportFile> write_imd(const Dataset& d, const ExportOptions& options) {
+    const JointTable table = joint_table(d, "imd", options);
+    std::string text = remarks(d, "; ") + "; wavelength (A), n, k\n";
+    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, Unit::angstrom),
+                       table.n.y[i], table.k[i]);
+    }
+    return {{".nk", std::move(text)}};
+}
+
+}  // namespace
+
+extern const FileFormat kImd;
+constinit const FileFormat kImd{
+    .name = "imd",
+    .title = "IMD/Luxpop",
+    .endings = {".nk"},
+    .looks_like = looks_like_imd,
+    .read = read_imd,
+    .write = write_imd,
+};
+
+}  // namespace miebrdf::materials

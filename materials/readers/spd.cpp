@@ -1,0 +1,69 @@
+// Mitsuba / pbrt .spd: lines of nm and value; n and k are a pair of files.
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
+#include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
+
+namespace miebrdf::materials {
+namespace {
+
+bool looks_like_spd(std::string_view text) { return first_row_has(text, '#', 2); }
+
+Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = pair_base(source.path).string();
+    Dataset dataset;
+    dataset.format = "spd";
+    const auto read = [&](std::string_view text, double RawRow::*member, bool is_n) {
+        if (text.empty()) return;
+        RawTable table;
+        table.has_n = is_n;
+        table.has_k = !is_n;
+        const Columns columns = read_columns(text, '#', 2, file + (is_n ? ".eta.spd" : ".k.spd"));
+        for (const auto& [line, numbers] : columns.rows) {
+            RawRow row{numbers[0], 0.0, 0.0, line};
+            row.*member = numbers[1];
+            table.rows.push_back(row);
+        }
+        if (dataset.note.empty()) dataset.note = columns.comments;
+        add_table(dataset, std::move(table), file + (is_n ? ".eta.spd" : ".k.spd"), options);
+    };
+    read(source.text, &RawRow::n, true);
+    read(source.second_text, &RawRow::k, false);
+    if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
+    return dataset;
+}
+
+std::vector<ExportFile> write_spd(const Dataset& d, const ExportOptions&) {
+    std::vector<ExportFile> files;
+    const auto add = [&](const std::optional<Series>& series, const char* suffix) {
+        if (!series) return;
+        if (!series->tabulated())
+            refuse_export(d, "spd", "n is a formula; only yaml keeps formulas");
+        std::string text = remarks(d, "# ");
+        for (std::size_t i = 0; i < series->x.size(); ++i) {
+            fmt::format_to(std::back_inserter(text), "{} {}\n",
+                           in_unit(*series, i, Unit::nanometre), series->y[i]);
+        }
+        files.push_back({suffix, std::move(text)});
+    };
+    add(d.n, ".eta.spd");
+    add(d.k, ".k.spd");
+    return files;
+}
+
+}  // namespace
+
+extern const FileFormat kSpd;
+constinit const FileFormat kSpd{
+    .name = "spd",
+    .title = "spd",
+    .endings = {".eta.spd", ".k.spd"},
+    .looks_like = looks_like_spd,
+    .read = read_spd,
+    .write = write_spd,
+};
+
+}  // namespace miebrdf::materials

@@ -1,0 +1,147 @@
+#include "materials/readers/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <miebrdf/database.h>
+#include "materials/index/units.h"
+
+namespace miebrdf::materials {
+namespace {
+
+constexpr std::pair<std::string_view, std::string_view> kEntities[] = {
+    {"&amp;", "&"},  {"&lt;", "<"},         {"&gt;", ">"},    {"&quot;", "\""},
+    {"&nbsp;", " "}, {"&deg;", "\xc2\xb0"}, {"&ndash;", "-"}, {"&mdash;", "-"},
+};
+
+// A '<' starts a tag only before a letter, '/' or '!': "<100>" is a crystal direction.
+bool starts_tag(std::string_view html, std::size_t at) {
+    if (html[at] != '<' || at + 1 >= html.size()) return false;
+    const char next = html[at + 1];
+    const bool letter = (next >= 'a' && next <= 'z') || (next >= 'A' && next <= 'Z');
+    return (letter || next == '/' || next == '!') && html.find('>', at) != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string_view without_blanks(std::string_view text) {
+    const char* blanks = " \t\r\n\f\v";
+    const auto first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::vector<std::string> split_fields(std::string_view line, char separator) {
+    std::vector<std::string> fields(1);
+    bool quoted = false;
+    bool was_quoted = false;
+    const auto finish = [&] {
+        if (!was_quoted) fields.back() = std::string(without_blanks(fields.back()));
+        was_quoted = false;
+    };
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const char c = line[i];
+        if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+            fields.back() += '"';
+            ++i;
+        } else if (c == '"' && (quoted || without_blanks(fields.back()).empty())) {
+            if (!quoted) fields.back().clear();
+            quoted = !quoted;
+            was_quoted = true;
+        } else if (c == separator && !quoted) {
+            finish();
+            fields.emplace_back();
+        } else if (quoted || !was_quoted || (c != ' ' && c != '\r')) {
+            fields.back() += c;
+        }
+    }
+    finish();
+    return fields;
+}
+
+std::string quoted_field(std::string_view field) {
+    if (field.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(field);
+    std::string quoted = "\"";
+    for (const char c : field) {
+        if (c == '"') quoted += '"';
+        quoted += c;
+    }
+    return quoted + '"';
+}
+
+std::vector<std::string_view> split_lines(std::string_view text) {
+    std::vector<std::string_view> lines;
+    std::size_t start = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '\n' && text[i] != '\r') continue;
+        lines.push_back(text.substr(start, i - start));
+        if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') ++i;
+        start = i + 1;
+    }
+    if (start < text.size()) lines.push_back(text.substr(start));
+    return lines;
+}
+
+double require_number(std::string_view text, const std::string& file, int line) {
+    const std::optional<double> value = parse_number(text);
+    if (!value || !std::isfinite(*value)) {
+        throw ImportError(file, line, fmt::format("'{}' is not a number", text.substr(0, 40)));
+    }
+    return *value;
+}
+
+std::vector<std::string_view> split_words(std::string_view line, std::string_view separators) {
+    std::vector<std::string_view> words;
+    std::size_t start = line.find_first_not_of(separators);
+    while (start != std::string_view::npos) {
+        const std::size_t end = std::min(line.find_first_of(separators, start), line.size());
+        words.push_back(line.substr(start, end - start));
+        start = line.find_first_not_of(separators, end);
+    }
+    return words;
+}
+
+std::string without_markup(std::string_view html) {
+    std::string text;
+    bool blank = false;
+    const auto append = [&](std::string_view part) {
+        if (blank && !text.empty()) text += ' ';
+        blank = false;
+        text += part;
+    };
+    for (std::size_t i = 0; i < html.size(); ++i) {
+        const char c = html[i];
+        if (c == ' ' || c == '\t' || c == '\n' || c == '\r') {
+            blank = true;
+        } else if (starts_tag(html, i)) {
+            const std::size_t end = html.find('>', i);
+            if (html.substr(i, 3) == "<br" || html.substr(i, 2) == "<p") blank = true;
+            i = end;
+        } else if (c == '&') {
+            std::string_view value = "&";
+            for (const auto& [entity, character] : kEntities) {
+                if (html.substr(i, entity.size()) != entity) continue;
+                value = character;
+                i += entity.size() - 1;
+                break;
+            }
+            append(value);
+        } else {
+            append(html.substr(i, 1));
+        }
+    }
+    return text;
+}
+
+std::string first_doi(std::string_view text) {
+    const std::size_t start = text.find("doi.org/10.");
+    if (start == std::string_view::npos) return "";
+    const std::string_view doi = text.substr(start + 8);
+    return without_markup(doi.substr(0, doi.find_first_of("\"'<> \t\r\n")));
+}
+
+}  // namespace miebrdf::materials
