@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "materials/index/refractive_index.h"
+#include <miebrdf/index.h>
 
 namespace miebrdf {
 
