@@ -1,11 +1,11 @@
 #include <miebrdf/brdf.h>
+#include <miebrdf/surface.h>
 #include <miebrdf/table1.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "rte/math/quadrature.h"
-#include <miebrdf/surface.h>
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 

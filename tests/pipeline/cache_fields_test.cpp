@@ -139,14 +139,13 @@ TEST_CASE("the report of a wavelength comes back from the cache whole", "[pipeli
 }
 
 TEST_CASE("what is packed is read in its order", "[pipeline][cache]") {
-    Eigen::MatrixXd matrix(2, 3);
-    matrix << 1, 2, 3, 4, 5, 6;
+    const std::vector<double> list = {1, 2, 3}, nothing;
     const std::optional<double> none, some = -0.0;
     const std::string text("a\0b", 3);
     const auto numbers = NumberPacker()
                              .add(true)
-                             .add(matrix)
-                             .add(Eigen::MatrixXd(0, 0))
+                             .add(list)
+                             .add(nothing)
                              .add(none)
                              .add(some)
                              .add(std::complex(1.5, -0.25))
@@ -154,17 +153,17 @@ TEST_CASE("what is packed is read in its order", "[pipeline][cache]") {
                              .add(rte::GridKind::paper)
                              .numbers();
     bool flag = false;
-    Eigen::MatrixXd read_matrix, empty(1, 1);
+    std::vector<double> read_list, empty = {7};
     std::optional<double> read_none = 3.0, read_some;
     std::complex<double> index;
     std::string read_text;
     rte::GridKind grid = rte::GridKind::automatic;
     NumberUnpacker unpacker(numbers);
     const auto read = [&](auto&... values) { (unpacker.read(values), ...); };
-    read(flag, read_matrix, empty, read_none, read_some, index, read_text, grid);
+    read(flag, read_list, empty, read_none, read_some, index, read_text, grid);
     CHECK(flag);
-    CHECK(read_matrix == matrix);
-    CHECK(empty.size() == 0);
+    CHECK(read_list == list);
+    CHECK(empty.empty());
     CHECK_FALSE(read_none);
     REQUIRE(read_some);
     CHECK(std::signbit(*read_some));

@@ -1,13 +1,13 @@
 #include "pipeline/solve/checks.h"
 
 #include <fmt/format.h>
+#include <miebrdf/ensemble.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "mie/ensemble/phase_table.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -19,10 +19,15 @@ namespace {
 
 // P = 1 everywhere, in two panels whose noise differs.
 rte::Optics noisy_isotropic(double albedo, double forward, double backward) {
+    constexpr double kPi = std::numbers::pi;
+    constexpr auto kNodes = static_cast<std::size_t>(mie::PhaseTable::kPanelNodes);
+    mie::PhaseTable::Parts parts;
+    parts.edges = {0, kPi / 2, kPi};
+    parts.coefficients.assign(2 * kNodes, 0.0);
+    parts.coefficients[0] = parts.coefficients[kNodes] = 1.0;
+    parts.noise = {forward, backward};
     rte::Optics optics = rte::isotropic_optics(albedo);
-    constexpr double pi = std::numbers::pi;
-    optics.phase =
-        mie::PhaseTable({0, pi / 2, pi}, Eigen::MatrixXd::Ones(8, 2), 0, 0, {forward, backward}, 0);
+    optics.phase = mie::PhaseTable(std::move(parts));
     return optics;
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/solve/rules.h"
 
 #include <miebrdf/plan.h>
+#include <miebrdf/surface.h>
 
 #include <cmath>
 #include <limits>
@@ -9,8 +10,8 @@
 
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/scene_optics.h"
+#include "rte/stack/hidden_layers.h"
 #include "rte/stack/layered_reflection.h"
-#include <miebrdf/surface.h>
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -85,13 +86,13 @@ TEST_CASE("hidden layers: their Mie theory is not computed, and the result is th
 
 TEST_CASE("hidden layers: a coat that lets light through hides nothing", "[pipeline][rules]") {
     const Directions directions{{1.0}, {1.0}, {0.0}};
-    CHECK_FALSE(may_hide(0.1, directions, 1e-3));
-    CHECK(may_hide(10, directions, 1e-3));
+    CHECK_FALSE(rte::may_hide(0.1, directions, 1e-3));
+    CHECK(rte::may_hide(10, directions, 1e-3));
     // Without absorption transmission falls like 1 / depth: 20 is not enough, 1e7 is.
     const rte::Optics white = rte::isotropic_optics(1.0);
-    CHECK_FALSE(hides_what_is_below(white, 20, directions, 1e-3));
-    CHECK(hides_what_is_below(white, 1e7, directions, 1e-3));
-    CHECK(hides_what_is_below(rte::isotropic_optics(0.5), 20, directions, 1e-3));
+    CHECK_FALSE(rte::hides_what_is_below(white, 20, directions, 1e-3));
+    CHECK(rte::hides_what_is_below(white, 1e7, directions, 1e-3));
+    CHECK(rte::hides_what_is_below(rte::isotropic_optics(0.5), 20, directions, 1e-3));
     CHECK_FALSE(leaves_out(scene_of("isotropic:0.5", {"isotropic:1@5"}), "hidden layers"));
 }
 
@@ -102,7 +103,7 @@ TEST_CASE("hidden layers: what is called hidden changes by less than a tenth of 
     const rte::Optics coat = rte::henyey_greenstein_optics(albedo, asymmetry);
     const Directions directions{{0.2, 1.0}, {0.1, 0.5, 1.0}, {0, 90, 180}};
     double depth = 1;
-    while (!hides_what_is_below(coat, depth, directions, 1e-3)) depth *= 1.2;
+    while (!rte::hides_what_is_below(coat, depth, directions, 1e-3)) depth *= 1.2;
     SolverOptions options;
     options.streams = 24;
     rte::Stack over;  // the worst base: it returns everything, forward into the coat again

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <miebrdf/error.h>
 #include <miebrdf/colour.h>
+#include <miebrdf/error.h>
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 

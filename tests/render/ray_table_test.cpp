@@ -3,6 +3,7 @@
 #include "pipeline/render/ray_table.h"
 
 #include <miebrdf/error.h>
+#include <miebrdf/surface.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@
 
 #include "pipeline/render/table_nodes.h"
 #include "rte/math/quadrature.h"
-#include <miebrdf/surface.h>
 #include "tests/render/support.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
