@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::materials {
 
 namespace sqlite {
@@ -318,3 +319,4 @@ std::vector<Finding> verify(const Database& database, const std::string& name = 
 double kramers_kronig_residual(const Dataset& dataset);
 
 }  // namespace miebrdf::materials
+#pragma GCC visibility pop

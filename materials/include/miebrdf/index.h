@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace miebrdf::materials {
 
 enum class Unit { nanometre, micrometre, angstrom, electronvolt, per_centimetre, terahertz };
@@ -126,3 +127,4 @@ class RefractiveIndex {
 };
 
 }  // namespace miebrdf::materials
+#pragma GCC visibility pop
