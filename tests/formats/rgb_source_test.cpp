@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
 #include "tests/support/catch.h"
