@@ -15,7 +15,7 @@
 
 namespace miebrdf::materials {
 
-extern const FileFormat kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd;
+extern const FileFormat kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd, kAtrri;
 
 namespace {
 
@@ -23,7 +23,7 @@ constexpr std::uintmax_t kLargestFile = 256u << 20;
 
 // In the order in which contents are tried: those that cannot be mistaken come first.
 constexpr const FileFormat* kFormats[] = {
-    &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd,
+    &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd, &kAtrri,
 };
 
 // The format whose pairs end so, and the pair's common beginning.

@@ -163,6 +163,36 @@ TEST_CASE("CSV: units by column name, two parts, other separators", "[materials]
     CHECK_THROWS_WITH(read("csv", "a,b\n1,2\n", "t.csv"), Catch::Contains("no header"));
 }
 
+TEST_CASE("atrri: three columns, read when they are asked for", "[materials][import]") {
+    const char* text = "# our sample\n400 1.6 0.1\n500 1.5 0.05  # a remark\n\n600 1.4 0\n";
+    const Dataset d = read("atrri", text, "x.atrri");
+    CHECK(d.n->x == Numbers{400, 500, 600});
+    CHECK(d.k->y == Numbers{0.1, 0.05, 0.0});
+    CHECK_THAT(d.note, Catch::StartsWith("our sample"));
+    CHECK(recognise(text) == nullptr);
+    CHECK_THROWS_WITH(read("atrri", "400 1.5\n", "x.atrri"),
+                      Catch::Contains("x.atrri:1: 2 columns"));
+}
+
+TEST_CASE("formats are known by name, and an unknown name lists them all", "[materials][import]") {
+    std::string refusal;
+    try {
+        format_named("zip");
+    } catch (const UsageError& error) {
+        refusal = error.what();
+    }
+    CHECK_THAT(refusal, Catch::Contains("'zip'"));
+    for (const MaterialFormat& format : material_formats()) {
+        CAPTURE(format.name);
+        CHECK(format_named(format.name).name == format.name);
+        CHECK_THAT(refusal, Catch::Contains(format.name));
+        CHECK(format.read);
+        CHECK((!format.written || !format.endings.empty()));
+    }
+    CHECK(format_named("nk").name == std::string("sopra"));
+    CHECK(format_named("yaml").name == std::string("rii"));
+}
+
 TEST_CASE("IMD and spd: Angstrom and nm, pairs of files", "[materials][import]") {
     const Dataset imd = sample("imd.nk");
     CHECK(imd.n->shortest_nm == 400.0);

@@ -1,0 +1,53 @@
+// AsToRia refractive index, atrri(5) of the htrdr renderers: wavelength in nm, n, k; '#' begins a
+// comment.
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
+#include "materials/readers/file_format.h"
+
+namespace miebrdf::materials {
+namespace {
+
+// Three bare columns could be anything: this format has to be asked for.
+bool never(std::string_view) { return false; }
+
+Dataset read_atrri(const SourceFile& source, const ReadOptions& options) {
+    const std::string file = source.path.string();
+    Dataset dataset;
+    dataset.format = "atrri";
+    RawTable table;
+    table.unit = Unit::nanometre;
+    const Columns columns = read_columns(source.text, '#', 3, file);
+    for (const auto& [line, numbers] : columns.rows) {
+        table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
+    }
+    dataset.note = columns.comments;
+    add_table(dataset, std::move(table), file, options);
+    return dataset;
+}
+
+std::vector<ExportFile> write_atrri(const Dataset& d, const ExportOptions& options) {
+    const JointTable table = joint_table(d, "atrri", options);
+    std::string text = remarks(d, "# ");
+    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, Unit::nanometre),
+                       table.n.y[i], table.k[i]);
+    }
+    return {{".atrri", std::move(text)}};
+}
+
+}  // namespace
+
+extern const FileFormat kAtrri;
+constinit const FileFormat kAtrri{
+    .name = "atrri",
+    .title = "atrri",
+    .endings = {".atrri"},
+    .looks_like = never,
+    .read = read_atrri,
+    .write = write_atrri,
+};
+
+}  // namespace miebrdf::materials
