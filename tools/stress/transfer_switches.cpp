@@ -116,7 +116,7 @@ void check_hidden_base(Log& log) {
                                                  demand_of(solver, 0.0, PhaseDemand::whole))
                                       .optics;
                 const auto hidden = [&](double depth) {
-                    return long(hides_what_is_below(coat, depth, kDirections, tolerance));
+                    return long(rte::hides_what_is_below(coat, depth, kDirections, tolerance));
                 };
                 const auto found = find_switches(0.1, 1e3, 30, hidden);
                 log.at_most(name, "depths from which the base is left out, minus 1",
