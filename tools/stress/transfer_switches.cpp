@@ -9,6 +9,7 @@
 #include "pipeline/solve/scene_optics.h"
 #include "rte/grid/discretisation.h"
 #include "rte/phase/scaled_medium.h"
+#include "rte/stack/hidden_layers.h"
 #include "rte/stack/layered_reflection.h"
 #include "tools/bench/truth.h"
 #include "tools/stress/battery.h"
