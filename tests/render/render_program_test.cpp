@@ -75,9 +75,9 @@ TEST_CASE("render refuses lights that cannot be, naming them", "[render][program
 
 TEST_CASE("render lights by a sun, a sky and a map of light", "[render][program]") {
     const support::TemporaryFolder folder;
-    const std::string map =
-        folder.write("grey.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
-                                     "\x80\x80\x80\x80\x80\x80\x80\x80");
+    std::string grey = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+    grey.append(8, '\x80');
+    const std::string map = folder.write("grey.hdr", grey);
     for (const std::string& light :
          {std::string("directional:30,20"), std::string("sky:30,20"), "map:" + map + ",2"}) {
         const auto outcome = run_render({"--base=isotropic:0.5", "-o", folder / "a.png", "--exr",

@@ -14,14 +14,14 @@ namespace {
 
 std::string described(const Request& request) {
     const auto& [scene, wavelength_nm, solver] = request;
-    std::string text = describe(scene) + " " + scene.database;
     const mie::SizeDistribution& sizes = scene.particles.sizes;
+    std::string text = describe(scene) + " " + scene.database + " " + name_of(sizes.kind);
     for (const double value :
-         {sizes.effective_radius_um, sizes.effective_variance, double(int(sizes.kind)),
-          scene.particles.host_index, scene.particles.k_floor, scene.particles.tolerance,
-          double(int(scene.coupling)), solver.tolerance, double(solver.streams),
-          double(int(solver.grid)), double(int(solver.half_space_method)),
-          double(int(solver.coat_method)), double(solver.coat_substeps), double(solver.delta_m),
+         {sizes.effective_radius_um, sizes.effective_variance, scene.particles.host_index,
+          scene.particles.k_floor, scene.particles.tolerance, double(int(scene.coupling)),
+          solver.tolerance, double(solver.streams), double(int(solver.grid)),
+          double(int(solver.half_space_method)), double(int(solver.coat_method)),
+          double(solver.coat_substeps), double(solver.delta_m),
           double(solver.single_scattering_correction)}) {
         text += " " + std::to_string(value);
     }
