@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+#include "mie/sizes/size_law.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
@@ -30,8 +32,7 @@ TEST_CASE("extinction off the real axis agrees with the contour column of the re
 TEST_CASE("extinction off the real axis agrees with sizes on it", "[mie][extinction]") {
     // Absorbing spheres, where sampling converges quickly: a second method.
     mie::EnsembleRequest request;
-    request.sizes.kind =
-        mie::parse_size_distribution(GENERATE("power-law", "gamma", "log-normal", "rosin-rammler"));
+    request.sizes.kind = mie::parse_size_distribution(GENERATE("power-law", "gamma", "log-normal"));
     request.sizes.effective_radius_um = GENERATE(1.0, 4.0);
     request.sizes.effective_variance = 0.1;
     request.refractive_index = {1.5, 0.2};
@@ -41,6 +42,28 @@ TEST_CASE("extinction off the real axis agrees with sizes on it", "[mie][extinct
     const double exact = mie::exact_extinction(request.refractive_index, request.sizes, range,
                                                2 * std::numbers::pi / 0.55);
     CHECK(sampled.q_ext == Approx(exact).epsilon(1e-8));
+}
+
+TEST_CASE("extinction of Rosin-Rammler powders agrees with a sum over single spheres",
+          "[mie][extinction]") {
+    // Midpoints in ln r, where the integrand vanishes at both ends. Averages over sizes are no
+    // reference here: at a tolerance of 1e-9 they err by 3e-8.
+    const mie::SizeDistribution sizes{mie::parse_size_distribution("rosin-rammler"),
+                                      GENERATE(1.0, 4.0), GENERATE(0.01, 0.1, 0.5)};
+    const std::complex<double> m(1.5, 0.2);
+    const double wave_number = 2 * std::numbers::pi / 0.55;
+    const auto range = mie::radius_range(sizes, 1e-14);
+    const auto density = mie::area_density(sizes);
+    constexpr int count = 10'000;
+    const double first = std::log(range.smallest_um), last = std::log(range.largest_um);
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const double radius = std::exp(first + (last - first) * (i + 0.5) / count);
+        sum += density->at(radius) * radius * (last - first) / count *
+               mie::scatter_by_sphere(m, wave_number * radius).q_ext;
+    }
+    CAPTURE(sizes.effective_radius_um, sizes.effective_variance);
+    CHECK(mie::exact_extinction(m, sizes, range, wave_number) == Approx(sum).epsilon(1e-9));
 }
 
 TEST_CASE("extinction of large grains is that of rays and edges", "[mie][extinction]") {
