@@ -12,7 +12,7 @@ int main() try {
     dusty.layers = {miebrdf::layer("C_graphite,radius=0.5@0.05")};  // optical depth 0.05
 
     std::vector<double> wavelength_nm;
-    for (int nm = 400; nm <= 1000; nm += 100) wavelength_nm.push_back(nm);
+    for (int nm = 400; nm <= 800; nm += 50) wavelength_nm.push_back(nm);
     const std::vector<double> mu_in = {0.5};  // the sun at 60 degrees
 
     // What both scenes have in common, the ice, goes through Mie theory once.

@@ -56,10 +56,13 @@ mie::EnsembleOptics average(const Medium& medium, const mie::EnsembleRequest& re
     try {
         return mie::average_over_sizes(request, run);
     } catch (const UsageError& error) {
+        const ParticleSizes& own = medium.sizes;
         throw UsageError(fmt::format(
-            "medium '{}': {} (effective_radius_um {}, effective_variance {}, host_index {}, at {} "
-            "nm)",
-            describe(medium), error.what(), request.sizes.effective_radius_um,
+            "medium '{}': {} ({}, {} {}, host_index {}, at {} nm)", describe(medium), error.what(),
+            own.effective_radius_um
+                ? fmt::format("radius {} um", *own.effective_radius_um)
+                : fmt::format("effective_radius_um {}", request.sizes.effective_radius_um),
+            own.effective_variance ? "variance" : "effective_variance",
             request.sizes.effective_variance, request.host_index, request.wavelength_nm));
     }
 }

@@ -176,8 +176,8 @@ TEST_CASE("axes of a plot have labels of times and decades, between them where t
     };
     const auto svg = drawn(1e-6, 20, 1e-5, 1e-2);
     for (const char* label :
-         {">1 us<", ">10 us<", ">10 s<", ">10\u207b\u2075<", ">10\u207b\u00b2<"}) {
-        CAPTURE(label);
+         {">1 us<", ">100 us<", ">1 s<", ">10\u207b\u2075<", ">10\u207b\u00b2<"}) {
+        CAPTURE(label, svg);
         CHECK(count(svg, label) == 1);
     }
     const auto close = drawn(1.5e-3, 6e-3, 1e-5, 1e-2);

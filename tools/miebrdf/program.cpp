@@ -189,7 +189,8 @@ std::string message_of(const Error& error) {
             const std::string unit = word.unit.empty() ? "" : fmt::format(" ({})", word.unit);
             message.replace(0, word.field.size(), option + unit);
         }
-        if (word.field.find('_') == std::string::npos) continue;  // an ordinary word
+        if (message.rfind(word.name + ":", 0) == 0) message.insert(0, "--");  // a word's own
+        if (word.field.find('_') == std::string::npos) continue;              // an ordinary word
         for (std::size_t at = message.find(word.field); at != std::string::npos;
              at = message.find(word.field, at)) {
             message.replace(at, word.field.size(), option);

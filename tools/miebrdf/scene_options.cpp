@@ -84,11 +84,8 @@ void SceneArguments::add(CLI::App& command, Shell& shell, const std::vector<std:
         }
         auto* option =
             group->add_option("--" + name, values_[name], word.help)->type_name(word.placeholder);
-        if (word.kind == WordKind::repeated) {
-            option->allow_extra_args(false);
-        } else {
-            option->expected(1);
-        }
+        if (word.kind != WordKind::repeated) option->expected(1);
+        option->allow_extra_args(false);
         const std::string& by_default =
             name == "wavelengths" ? default_wavelengths_ : word.default_text;
         if (!by_default.empty()) option->default_str(by_default);
