@@ -9,8 +9,8 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// Base of all exceptions. Where one value was at fault, it is named with the field that held it and
-/// with what would have been allowed; otherwise these are empty and what() says it all.
+/// Base of all exceptions. Where one value was at fault, it is named with the field that held it
+/// and with what would have been allowed; otherwise these are empty and what() says it all.
 class Error : public std::runtime_error {
   public:
     explicit Error(const std::string& message) : std::runtime_error(message) {}
