@@ -38,7 +38,7 @@ class JobKey {
     }
     template <HasFields T>
     JobKey& add(const T& value) {
-        std::apply([this](const auto&... field) { (add(field), ...); }, fields(value));
+        std::apply([this](const auto&... field) { (this->add(field), ...); }, fields(value));
         return *this;
     }
 

@@ -27,7 +27,7 @@ class NumberPacker {
     }
     template <HasFields T>
     NumberPacker& add(const T& value) {
-        std::apply([this](const auto&... field) { (add(field), ...); }, fields(value));
+        std::apply([this](const auto&... field) { (this->add(field), ...); }, fields(value));
         return *this;
     }
 
@@ -59,7 +59,7 @@ class NumberUnpacker {
     }
     template <HasFields T>
     void read(T& value) {
-        std::apply([this](auto&... field) { (read(field), ...); }, fields(value));
+        std::apply([this](auto&... field) { (this->read(field), ...); }, fields(value));
     }
 
   private:

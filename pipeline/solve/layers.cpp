@@ -174,7 +174,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     const DistinctDirections distinct(request.directions);
     LayerRequest reduced = request;
     reduced.directions = distinct.directions();
-    const auto [jobs, serving] = list_layer_jobs(reduced);
+    const LayerJobs list = list_layer_jobs(reduced);
+    const std::vector<LayerJob>& jobs = list.jobs;
     std::vector<LayerSlice> solved(jobs.size());
     std::vector<std::size_t> missing, missing_wavelengths;
     for (std::size_t j = 0; j < solved.size(); ++j) {
@@ -199,8 +200,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
         if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
     });
     std::vector<LayerSlice> slices;
-    for (std::size_t w = 0; w < serving.size(); ++w) {
-        slices.push_back(spread(solved[serving[w]], distinct, request.quantity));
+    for (std::size_t w = 0; w < list.serving.size(); ++w) {
+        slices.push_back(spread(solved[list.serving[w]], distinct, request.quantity));
         slices.back().report.wavelength_nm = request.scene.wavelength_nm[w];
     }
     return slices;
