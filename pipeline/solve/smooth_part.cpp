@@ -7,7 +7,6 @@
 namespace miebrdf {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Stands for the horizon, where R itself has a limit but mu = 0 is no direction.
 constexpr double kHorizon = 1e-9;
 constexpr int kStencil = 6;
@@ -27,7 +26,8 @@ struct Stencil {
 
 Stencil stencil_at(double mu) {
     constexpr int intervals = SmoothPart::kNodes - 1;
-    const double x = 2.0 / kPi * std::asin(std::sqrt(std::clamp(mu, 0.0, 1.0))) * intervals;
+    const double x =
+        2.0 / std::numbers::pi * std::asin(std::sqrt(std::clamp(mu, 0.0, 1.0))) * intervals;
     const int first =
         std::clamp(static_cast<int>(x) - kStencil / 2 + 1, 0, intervals + 1 - kStencil);
     Stencil stencil;
@@ -51,8 +51,8 @@ const std::vector<double>& SmoothPart::nodes() {
     static const std::vector<double> cosines = [] {
         std::vector<double> list;
         for (std::size_t k = 0; k < kNodes; ++k) {
-            const double sine =
-                std::sin(kPi / 2 * static_cast<double>(k) / static_cast<double>(kNodes - 1));
+            const double sine = std::sin(std::numbers::pi / 2 * static_cast<double>(k) /
+                                         static_cast<double>(kNodes - 1));
             list.push_back(k + 1 == kNodes ? 1.0 : std::max(sine * sine, kHorizon));
         }
         return list;

@@ -16,7 +16,6 @@
 namespace miebrdf {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 /// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
 Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
@@ -24,7 +23,7 @@ Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
     for (std::size_t m = 0; m < orders; ++m) {
         for (std::size_t j = 0; j <= n; ++j) {
             const double angle =
-                kPi * static_cast<double>((m * j) % (2 * n)) / static_cast<double>(n);
+                std::numbers::pi * static_cast<double>((m * j) % (2 * n)) / static_cast<double>(n);
             matrix(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(j)) =
                 (j == 0 || j == n ? 0.5 : 1.0) * (m == 0 ? 1.0 : 2.0) / static_cast<double>(n) *
                 std::cos(angle);
@@ -134,11 +133,11 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
     std::vector<double> cos_azimuth;
     cos_azimuth.reserve(directions.size());
     for (const Direction& d : directions)
-        cos_azimuth.push_back(std::cos(d.azimuth_deg * (kPi / 180)));
+        cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
     first_order_.evaluate(mu_in, mu_out, cos_azimuth, values);
     for (std::size_t w = 0; w < count; ++w) {
         const WavelengthTable& table = tables_[w];
-        const double transmitted = table.transmitted(mu_in, mu_out) / kPi;
+        const double transmitted = table.transmitted(mu_in, mu_out) / std::numbers::pi;
         for (std::size_t d = 0; d < directions.size(); ++d) {
             double& value = values[d * count + w];
             value *= transmitted;
@@ -152,8 +151,8 @@ void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions,
     std::vector<double> series;
     smooth.series_at(directions[0].mu_in, directions[0].mu_out, series);
     for (std::size_t a = 0; a < directions.size(); ++a) {
-        const double cos_azimuth = std::cos(directions[a].azimuth_deg * kPi / 180);
-        values[a * stride] += cosine_sum(series, cos_azimuth) / kPi;
+        const double cos_azimuth = std::cos(directions[a].azimuth_deg * std::numbers::pi / 180);
+        values[a * stride] += cosine_sum(series, cos_azimuth) / std::numbers::pi;
     }
 }
 

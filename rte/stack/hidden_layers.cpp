@@ -14,7 +14,7 @@ constexpr double kSafety = 10.0;  // bases that are not Lambertian
 // Enough for transmissions to some per cent, which is all that a yes or no needs.
 constexpr int kStreams = 16;
 // Differences below this are rounding of the solver: nothing is left to see.
-constexpr double kRounding = 1e-13;
+constexpr double kDarkest = 1e-13;
 constexpr double kDeepestCoat = 1e100;
 
 double largest(const std::vector<double>& cosines) {
@@ -61,7 +61,7 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
         const double allowed = kHiddenLayersShare * tolerance * black.plane_albedo[i];
         if (albedo_only && !(kSafety * visible(i) <= allowed)) return false;
         for (std::size_t o = incident; o < cosines.size(); ++o) {
-            const double change = visible(i) * visible(o) / std::max(mean, kRounding);
+            const double change = visible(i) * visible(o) / std::max(mean, kDarkest);
             if (!(kSafety * change <= allowed)) return false;
         }
     }

@@ -24,6 +24,9 @@ include(GNUInstallDirs)
 add_library(miebrdf_flags INTERFACE)
 target_compile_options(miebrdf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                                                -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual)
+# Boost's package defines it for whoever asks for Boost; defined for all, one precompiled header
+# serves them all.
+target_compile_definitions(miebrdf_flags INTERFACE BOOST_ALL_NO_LIB)
 if(MIEBRDF_WERROR)
     target_compile_options(miebrdf_flags INTERFACE -Werror)
 endif()

@@ -15,7 +15,7 @@ namespace {
 using materials::Database;
 using materials::RefractiveIndex;
 
-struct ExportArguments {
+struct DatasetExport {
     DatabaseArgument database;
     std::string name;
     std::string format = "csv";
@@ -44,7 +44,7 @@ int write_pair(const std::vector<materials::ExportFile>& files, const Shell& she
     return kGood;
 }
 
-int run_export(const ExportArguments& arguments, const Shell& shell) {
+int run_export(const DatasetExport& arguments, const Shell& shell) {
     const materials::Dataset dataset = arguments.database.open().dataset(arguments.name);
     const auto files = materials::export_dataset(dataset, arguments.format, arguments.options);
     if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
@@ -129,7 +129,7 @@ int run_verify(const DatabaseArgument& argument, const std::string& name, const 
 }  // namespace
 
 void add_materials_check_commands(CLI::App& materials, Shell& shell) {
-    auto exported = std::make_shared<ExportArguments>();
+    auto exported = std::make_shared<DatasetExport>();
     auto* command =
         materials.add_subcommand("export", "write a dataset in a format other programs read");
     command->add_option("name", exported->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();

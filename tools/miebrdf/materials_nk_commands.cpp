@@ -177,7 +177,7 @@ void add_nk(CLI::App& materials, Shell& shell) {
     shell.on_run(*command, [arguments, &shell] { return run_nk(*arguments, shell); });
 }
 
-void add_plot(CLI::App& materials, Shell& shell) {
+void add_nk_plot(CLI::App& materials, Shell& shell) {
     auto arguments = std::make_shared<IndexPlotArguments>();
     auto* command = materials.add_subcommand("plot", "n and k over wavelength, as SVG or PNG");
     command
@@ -198,7 +198,7 @@ void add_plot(CLI::App& materials, Shell& shell) {
 
 void add_materials_nk_commands(CLI::App& materials, Shell& shell) {
     add_nk(materials, shell);
-    add_plot(materials, shell);
+    add_nk_plot(materials, shell);
 }
 
 }  // namespace miebrdf::program

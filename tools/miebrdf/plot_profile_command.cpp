@@ -11,6 +11,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
 #include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {
