@@ -16,7 +16,6 @@
 namespace miebrdf {
 namespace {
 
-
 /// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
 Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
     Eigen::MatrixXd matrix(static_cast<Eigen::Index>(orders), static_cast<Eigen::Index>(n + 1));
