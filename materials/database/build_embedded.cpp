@@ -109,6 +109,11 @@ void build(const std::filesystem::path& folder, const std::filesystem::path& out
     for (const Row& row : read_rows(folder / "aliases.csv")) {
         find(datasets, row.at("name")).aliases.push_back(row.at("alias"));
     }
+    for (const Row& row : read_rows(folder / "densities.csv")) {
+        Dataset& dataset = find(datasets, row.at("name"));
+        dataset.density_g_cm3 = number(row, "density_g_cm3");
+        dataset.density_source = row.at("source");
+    }
     for (const Row& row : read_rows(folder / "formulas.csv")) {
         find(datasets, row.at("name")).formula = row.at("formula");
     }

@@ -159,6 +159,16 @@ MaterialInfo Database::info(const std::string& name) const {
     info.longest_nm = dataset.longest_nm;
     info.rows = dataset.rows;
     info.k_known = dataset.k_known;
+    // shown has the dataset described alone when one was asked for.
+    if (one_dataset) {
+        for (DatasetInfo& other : datasets(info.name)) shown.push_back(std::move(other));
+    }
+    for (const DatasetInfo& d : shown) {
+        if (!d.density_g_cm3) continue;
+        info.density_g_cm3 = d.density_g_cm3;
+        info.density_source = d.density_source;
+        break;
+    }
     return info;
 }
 
@@ -254,6 +264,8 @@ Dataset Database::dataset(const std::string& name) const {
     dataset.file = info.file;
     dataset.file_sha256 = info.file_sha256;
     dataset.temperature_k = info.temperature_k;
+    dataset.density_g_cm3 = info.density_g_cm3;
+    dataset.density_source = info.density_source;
     dataset.corrections = info.corrections;
     for (const auto& layer : layers_) {
         const auto material = layer->material(info.material);

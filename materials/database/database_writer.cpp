@@ -37,6 +37,10 @@ void check_dataset(const Dataset& dataset) {
             throw InputError("a dataset needs the name of its material and a label");
         }
         if (!dataset.n && !dataset.k) throw InputError("neither n nor k");
+        const double density = dataset.density_g_cm3.value_or(1.0);
+        if (!(density > 0 && density < 100)) {
+            throw InputError(fmt::format("density {} g/cm3; allowed: between 0 and 100", density));
+        }
         if (dataset.n) check_series(*dataset.n, 'n');
         if (dataset.k) check_series(*dataset.k, 'k');
     } catch (const InputError& error) {
@@ -124,11 +128,12 @@ void insert(const sqlite::Connection& c, const Dataset& d, std::int64_t material
     sqlite::Statement statement = c.prepare(
         "INSERT INTO dataset (material_id, label, source, source_key, reference, doi, licence, "
         "ray, composition, note, format, file, file_sha256, content_sha256, temperature_k, "
-        "imported) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        "density_g_cm3, density_source, imported) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     statement.bind(material).bind(d.label).bind(d.source).bind(d.key).bind(d.reference).bind(d.doi);
     statement.bind(d.licence).bind(d.ray).bind(d.composition).bind(d.note).bind(d.format);
     statement.bind(d.file).bind(d.file_sha256).bind(content_sha256(d)).bind(d.temperature_k);
-    statement.bind(imported).run();
+    statement.bind(d.density_g_cm3).bind(d.density_source).bind(imported).run();
     const std::int64_t id = c.last_insert_rowid();
     if (d.n) insert_series(c, id, 'n', *d.n, true);
     if (d.k) {

@@ -33,7 +33,8 @@ Unit stored_unit(const std::string& text) {
 }
 
 void read_series_info(DatasetInfo& info, const sqlite::Statement& row) {
-    // Columns 15-19: n's formula, unit, range, rows; 20-24: the same of k. 25: when imported.
+    // Columns 15-19: n's formula, unit, range, rows; 20-24: the same of k. 25: when imported, 26:
+    // density, 27: its source.
     info.n_known = !row.is_null(15);
     info.k_known = !row.is_null(20);
     if (info.n_known) {
@@ -75,6 +76,8 @@ DatasetInfo read_dataset(const sqlite::Statement& row) {
     if (!row.is_null(14)) info.temperature_k = row.number(14);
     read_series_info(info, row);
     info.imported = row.text(25);
+    if (!row.is_null(26)) info.density_g_cm3 = row.number(26);
+    info.density_source = row.text(27);
     return info;
 }
 
@@ -126,7 +129,8 @@ std::vector<std::pair<std::int64_t, DatasetInfo>> Database::Layer::datasets(
         "d.composition, d.note, d.format, d.file, d.file_sha256, d.content_sha256, "
         "d.temperature_k, "
         "n.formula, n.unit, n.shortest_nm, n.longest_nm, n.row_count, "
-        "k.formula, k.unit, k.shortest_nm, k.longest_nm, k.row_count, d.imported "
+        "k.formula, k.unit, k.shortest_nm, k.longest_nm, k.row_count, d.imported, "
+        "d.density_g_cm3, d.density_source "
         "FROM dataset d LEFT JOIN series n ON n.dataset_id = d.id AND n.quantity = 'n' "
         "LEFT JOIN series k ON k.dataset_id = d.id AND k.quantity = 'k' "
         "WHERE d.material_id = ? ORDER BY d.id");

@@ -50,6 +50,8 @@ CREATE TABLE dataset (
     file_sha256    TEXT NOT NULL DEFAULT '' CHECK (length(file_sha256) IN (0, 64)),
     content_sha256 TEXT NOT NULL CHECK (length(content_sha256) = 64),
     temperature_k  REAL CHECK (temperature_k > 0),
+    density_g_cm3  REAL CHECK (density_g_cm3 > 0 AND density_g_cm3 < 100),
+    density_source TEXT NOT NULL DEFAULT '',
     imported       TEXT NOT NULL DEFAULT '',  -- UTC, ISO 8601; '' when that is not known
     UNIQUE (material_id, label)
 ) STRICT;

@@ -11,7 +11,7 @@ namespace miebrdf::materials {
 /// "mieb": marks the file in SQLite's header, so that a foreign database is never taken for ours.
 inline constexpr int kDatabaseApplicationId = 0x6d696562;
 /// The only version that is read and written.
-inline constexpr int kDatabaseVersion = 2;
+inline constexpr int kDatabaseVersion = 3;
 
 enum class DatabaseState { empty, ready };
 

@@ -99,12 +99,19 @@ Series column(const RawTable& table, double RawRow::*member) {
 
 using Field = std::pair<const char*, std::string Dataset::*>;
 constexpr Field kFields[] = {
-    {"material", &Dataset::material},       {"title", &Dataset::title},
-    {"formula", &Dataset::formula},         {"label", &Dataset::label},
-    {"source", &Dataset::source},           {"key", &Dataset::key},
-    {"reference", &Dataset::reference},     {"doi", &Dataset::doi},
-    {"licence", &Dataset::licence},         {"ray", &Dataset::ray},
-    {"composition", &Dataset::composition}, {"note", &Dataset::note},
+    {"material", &Dataset::material},
+    {"title", &Dataset::title},
+    {"formula", &Dataset::formula},
+    {"label", &Dataset::label},
+    {"source", &Dataset::source},
+    {"key", &Dataset::key},
+    {"reference", &Dataset::reference},
+    {"doi", &Dataset::doi},
+    {"licence", &Dataset::licence},
+    {"ray", &Dataset::ray},
+    {"composition", &Dataset::composition},
+    {"note", &Dataset::note},
+    {"density_source", &Dataset::density_source},
 };
 
 std::string one_line(std::string text) {
@@ -174,6 +181,8 @@ std::vector<std::string> provenance_lines(const Dataset& dataset) {
     }
     if (dataset.temperature_k)
         lines.push_back(fmt::format("temperature_k: {}", *dataset.temperature_k));
+    if (dataset.density_g_cm3)
+        lines.push_back(fmt::format("density_g_cm3: {}", *dataset.density_g_cm3));
     for (const std::string& correction : dataset.corrections) {
         lines.push_back("correction: " + one_line(correction));
     }
@@ -191,6 +200,10 @@ void read_provenance_line(Dataset& dataset, std::string_view line) {
     if (name == "temperature_k") {
         const auto kelvin = parse_number(value);
         if (kelvin && *kelvin > 0 && *kelvin < 1e6) dataset.temperature_k = kelvin;
+    }
+    if (name == "density_g_cm3") {
+        const auto density = parse_number(value);
+        if (density && *density > 0 && *density < 100) dataset.density_g_cm3 = density;
     }
     if (name == "correction") dataset.corrections.push_back(value);
     if (dataset.ray != "o" && dataset.ray != "e") dataset.ray.clear();

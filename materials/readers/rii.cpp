@@ -162,6 +162,17 @@ void read_conditions(Dataset& dataset, const YamlNode& page) {
     }
 }
 
+// The first of PROPERTIES: density: [{value: 2510, temperature: 293}, ...], in kg/m3.
+void read_density(Dataset& dataset, const YamlNode& page) {
+    const YamlNode* properties = page.find("PROPERTIES");
+    const YamlNode* density = properties != nullptr ? properties->find("density") : nullptr;
+    if (density == nullptr || density->items.empty()) return;
+    const auto value = parse_number(density->items.front().text_of("value"));
+    if (!value || !(*value > 0 && *value < 1e5)) return;
+    dataset.density_g_cm3 = *value / 1000;
+    dataset.density_source = dataset.source;
+}
+
 void read_provenance(Dataset& dataset, const YamlNode& page) {
     dataset.source = "refractiveindex.info";
     dataset.licence = "CC0-1.0";
@@ -170,6 +181,7 @@ void read_provenance(Dataset& dataset, const YamlNode& page) {
     dataset.doi = first_doi(references);
     dataset.note = without_markup(page.text_of("COMMENTS"));
     read_conditions(dataset, page);
+    read_density(dataset, page);
 }
 
 bool looks_like_rii_page(std::string_view text) {

@@ -128,6 +128,18 @@ TEST_CASE("every material says where it comes from and what it covers", "[materi
                       Catch::Contains("BaTiO3") && Catch::Contains("400 to 700 nm"));
 }
 
+TEST_CASE("densities are known with their source, or not at all", "[materials][density]") {
+    const Database database = Database::embedded();
+    CHECK(database.info("TiO2").density_g_cm3 == 4.23);
+    CHECK(database.info("sopra:GAP").density_g_cm3 == 4.14);
+    CHECK(database.dataset("gold").density_g_cm3 == 19.3);
+    CHECK_FALSE(database.info("ITO").density_g_cm3.has_value());
+    for (const MaterialInfo& material : database.list()) {
+        CAPTURE(material.name);
+        CHECK(material.density_g_cm3.has_value() == !material.density_source.empty());
+    }
+}
+
 TEST_CASE("search finds words of name, alias, title and provenance", "[materials][search]") {
     const Database database = Database::embedded();
     const auto names = [&](const std::string& text) {

@@ -138,6 +138,8 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
           "table.csv", "two_parts.csv", "energy.csv", "imd.nk", "pair.eta.spd"}) {
         const support::TemporaryFolder folder;
         Dataset original = read_file(samples / name);
+        original.density_g_cm3 = 4.23;
+        original.density_source = "a handbook";
         for (const MaterialFormat& kind : material_formats()) {
             const std::string& format = kind.name;
             CAPTURE(name, format);
@@ -167,6 +169,8 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
                 CHECK(back.reference == original.reference);
                 CHECK(back.ray == original.ray);
                 CHECK(back.temperature_k == original.temperature_k);
+                CHECK(back.density_g_cm3 == 4.23);
+                CHECK(back.density_source == "a handbook");
                 CHECK(back.corrections == original.corrections);
             }
         }

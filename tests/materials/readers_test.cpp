@@ -123,6 +123,7 @@ TEST_CASE("refractiveindex.info: formulas, the older key of the range, unknown k
     const Dataset d = sample("page_formula.yml");
     CHECK_FALSE(d.k.has_value());
     CHECK(d.n->formula == 3);
+    CHECK(d.density_g_cm3 == 2.51);
     const RefractiveIndex index("x", d.n, d.k);
     CHECK(index.at(500).real() == Approx(std::sqrt(2.25 + 0.01 / 0.25)).epsilon(1e-15));
     CHECK_THROWS_AS(index.at(399), InputError);

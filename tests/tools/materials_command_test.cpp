@@ -48,6 +48,7 @@ TEST_CASE("materials list, search and show", "[program][materials]") {
     CHECK(found.text(0, "name") == "TiO2");
     CHECK(bench.run("search zzzz").exit_code == kCheckFailed);
     CHECK_THAT(bench.run("show AlGaAs7").out, Catch::Contains("AlGaAs_70/visible"));
+    CHECK_THAT(bench.run("show Fe2O3").out, Catch::Contains("density (g/cm3),5.26 ("));
     CHECK_THAT(bench.run("show gap --json").out, Catch::StartsWith("{"));
     check_error(bench.run("search x --covers 1:2:3"), kUsage, "--covers");
     check_error(bench.run("show TiO3"), kBadInput, "TiO2");
@@ -85,6 +86,8 @@ TEST_CASE("materials import, alias, default, export and remove go round", "[prog
     REQUIRE(bench.run("import " + file + " --name GaP --label mine").exit_code == 0);
     CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("GaP/visible"));
     CHECK(bench.run("default GaP/mine").exit_code == 0);
+    // The table is another one, the substance is not.
+    CHECK_THAT(bench.run("show GaP").out, Catch::Contains("4.14 (CRC"));
     CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("500,1.6,0.2"));
     CHECK(bench.run("remove GaP/mine").exit_code == 0);
     CHECK_THAT(bench.run("nk GaP --wavelengths 500").out, Catch::Contains("GaP/visible"));

@@ -114,6 +114,12 @@ void add_ranges(Rows& rows, const DatasetInfo& d) {
             d.k_known ? range_text(d.k_shortest_nm, d.k_longest_nm) : "unknown");
 }
 
+std::string density_text(const DatasetInfo& d) {
+    if (!d.density_g_cm3) return "";
+    const std::string source = d.density_source.empty() ? "" : " (" + d.density_source + ")";
+    return fmt::format("{}{}", *d.density_g_cm3, source);
+}
+
 void add_dataset(Rows& rows, const DatasetInfo& d) {
     add_row(rows, "dataset", d.material + "/" + d.label);
     add_row(rows, "source", d.source + (d.key.empty() ? "" : ":" + d.key));
@@ -122,6 +128,7 @@ void add_dataset(Rows& rows, const DatasetInfo& d) {
     add_row(rows, "licence", d.licence);
     add_row(rows, "ray", d.ray);
     add_row(rows, "temperature (K)", d.temperature_k ? fmt::format("{}", *d.temperature_k) : "");
+    add_row(rows, "density (g/cm3)", density_text(d));
     add_row(rows, "composition", d.composition);
     add_row(rows, "note", d.note);
     for (const std::string& correction : d.corrections) add_row(rows, "correction", correction);

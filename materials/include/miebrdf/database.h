@@ -77,6 +77,8 @@ struct DatasetInfo {
     std::string content_sha256;
     std::string imported;  ///< when: UTC, ISO 8601; empty: not known
     std::optional<double> temperature_k;
+    std::optional<double> density_g_cm3;  ///< of the solid or liquid
+    std::string density_source;
     std::vector<std::string> corrections;  ///< what was changed while it was read
     bool n_known = true;
     bool k_known = true;
@@ -105,6 +107,10 @@ struct MaterialInfo {
     std::string default_dataset;  ///< label of the dataset described; empty when a material has
                                   ///< aliases only
     int datasets = 0;
+    /// Of the dataset described, else of the first of the material's that has one: a density
+    /// belongs to the substance more than to its table.
+    std::optional<double> density_g_cm3;
+    std::string density_source;
 };
 
 struct SearchFilter {

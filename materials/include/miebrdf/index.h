@@ -56,6 +56,8 @@ struct Dataset {
     std::string file;         ///< name of that file
     std::string file_sha256;  ///< of that file's bytes
     std::optional<double> temperature_k;
+    std::optional<double> density_g_cm3;  ///< of the solid or liquid; nothing: not given
+    std::string density_source;           ///< where the density is from
 
     std::optional<Series> n;  ///< nothing: the source gives k only
     std::optional<Series> k;  ///< nothing: k is unknown, which is not the same as k = 0
