@@ -9,7 +9,7 @@
 int main() try {
     // A band of absorption in the green. Between these wavelengths n and k are interpolated;
     // outside them they are not known, and solve() says so.
-    const miebrdf::Medium pigment{
+    const miebrdf::Species pigment{
         .kind = "table",
         .name = "pigment of mine",
         .wavelength_nm = {420, 480, 520, 550, 580, 640, 700},
@@ -25,7 +25,7 @@ int main() try {
 
     miebrdf::Scene scene;
     scene.base = miebrdf::medium("hg:0.98,0.6");  // albedo and asymmetry, at every wavelength
-    scene.layers = {{pigment, 0.5}};              // optical depth 0.5
+    scene.layers = {{pigment, 0.5}};              // optical depth 0.5 at 550 nm
     scene.surface = miebrdf::rte::SurfaceOptions{.beckmann_alpha = 0.2};
 
     const std::vector<double> wavelength_nm = {450, 550, 650};

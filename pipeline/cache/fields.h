@@ -57,8 +57,8 @@ auto fields(T& value) {
 
 template <Is<WavelengthReport> T>
 auto fields(T& value) {
-    auto& [wavelength_nm, solver, mie_error, noise, error, converged] = value;
-    return std::tie(wavelength_nm, solver, mie_error, noise, error, converged);
+    auto& [wavelength_nm, solver, depths, mie_error, noise, error, converged] = value;
+    return std::tie(wavelength_nm, solver, depths, mie_error, noise, error, converged);
 }
 
 template <typename T>

@@ -12,6 +12,8 @@ namespace miebrdf {
 
 /// One field of a table. The empty state is "no value": an empty CSV field, a JSON null.
 using Cell = std::variant<std::monostate, double, std::string>;
+/// Empty where there is no value.
+inline Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
 
 struct Table {
     /// Facts about the whole table, in order: version, command, units, sources, reports.

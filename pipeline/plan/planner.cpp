@@ -58,11 +58,13 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
       request_{scene_, distinct_.directions(), solver_, quantity},
       demand_(demand_of(solver_, scene_.particles.tolerance, phase_demand(quantity))),
       needs_layers_(is_albedo() || wants_layers(parts)),
-      streams_(expected_streams(scene_, solver_)) {}
+      streams_(expected_streams(scene_, solver_)),
+      lowest_(scene_.first_medium()) {}
 
 Plan Planner::plan() {
     list_jobs();
     for (const Layer& layer : scene_.empty_layers) leave_out_layer(layer);
+    if (scene_.substrate) leave_out("substrate", "a ground in place of a base: no half-space", 0.0);
     hide_layers();
     single_scattering();
     radiative_transfer();
@@ -75,10 +77,21 @@ std::size_t Planner::cosines() const {
 }
 
 double Planner::mie_cost(std::size_t medium, std::size_t w) const {
-    const ResolvedMedium& of = scene_.media[medium];
-    if (!of.needs_mie()) return 0.0;
-    return mie_seconds(of.sizes, scene_.particles.host_index, scene_.wavelength_nm[w],
-                       demand_.whole_phase_function);
+    double sum = 0.0;
+    for (const ResolvedSpecies& species : scene_.media[medium].species)
+        sum += mie_cost(species, w, demand_.whole_phase_function);
+    return sum;
+}
+
+double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
+    if (!species.needs_mie()) return 0.0;
+    const Particles& at = species.particles[w];
+    return mie_seconds(species.sizes, at.host_index, at.wavelength_nm, whole);
+}
+
+double Planner::typical_mie_cost(std::size_t w) const {
+    return mie_seconds(scene_.particles.sizes, scene_.particles.host.index.real(),
+                       scene_.wavelength_nm[w], demand_.whole_phase_function);
 }
 
 double Planner::mie_cost(std::size_t medium) const {
@@ -133,11 +146,7 @@ void Planner::list_jobs() {
 void Planner::leave_out_layer(const Layer& layer) {
     double saved = jobs() * orders() * order_seconds(streams_, 1, cosines());
     if (needs_mie(layer.medium)) {
-        for (const LayerJob& job : jobs_) {
-            saved +=
-                mie_seconds(scene_.particles.sizes, scene_.particles.host_index,
-                            scene_.wavelength_nm[job.wavelength], demand_.whole_phase_function);
-        }
+        for (const LayerJob& job : jobs_) saved += typical_mie_cost(job.wavelength);
     }
     leave_out("no depth",
               fmt::format("coat {} has optical depth 0: no optics, no Fourier modes",
@@ -149,8 +158,10 @@ void Planner::hide_layers() {
     if (jobs_.empty()) return;
     for (std::size_t m = scene_.media.size(); m-- > 1;) {
         const Medium& medium = scene_.media[m].medium;
-        const double depth = scene_.optical_depth[m - 1];
-        if (!rte::may_hide(depth, request_.directions, solver_.tolerance)) continue;
+        const ResolvedDepth& given = scene_.depths[m - 1];
+        const double depth = given.optical_depth;
+        const bool follows = !given.is_grey();  // known when the extinction is
+        if (!follows && !rte::may_hide(depth, request_.directions, solver_.tolerance)) continue;
         if (scene_.media[m].needs_mie() && !std::isinf(depth)) {
             leave_out(
                 "hidden layers",
@@ -177,7 +188,8 @@ void Planner::hide_layers() {
 void Planner::single_scattering() {
     if (jobs_.empty()) return;
     std::set<std::string> given;
-    std::map<std::string, std::pair<std::size_t, std::size_t>> count;  // medium, jobs
+    std::map<std::string, std::pair<const ResolvedSpecies*, std::size_t>> count;  // and jobs
+    bool mixes = false;
     double repeated_s = 0.0, cached_s = 0.0;
     std::size_t repeated = 0, cached = 0;
     for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
@@ -186,35 +198,43 @@ void Planner::single_scattering() {
             given.insert(describe(medium.medium));
             continue;
         }
-        for (const LayerJob& job : jobs_) {
-            const std::string hash = optics_hash(medium, job.wavelength, demand_);
-            if (!earlier_.optics.insert(hash).second) {
-                ++repeated;
-                repeated_s += mie_cost(m, job.wavelength);
-            } else if (cache_ != nullptr && cache_->find(hash)) {
-                ++cached;
-                cached_s += mie_cost(m, job.wavelength);
-            } else {
-                auto& [of, jobs] = count[describe(medium.medium)];
-                of = m;
-                ++jobs;
+        mixes = mixes || medium.species.size() > 1;
+        for (const ResolvedSpecies& species : medium.species) {
+            for (const LayerJob& job : jobs_) {
+                const std::string hash = optics_hash(species, job.wavelength, demand_);
+                const double cost = mie_cost(species, job.wavelength, demand_.whole_phase_function);
+                if (!earlier_.optics.insert(hash).second) {
+                    ++repeated;
+                    repeated_s += cost;
+                } else if (cache_ != nullptr && cache_->find(hash)) {
+                    ++cached;
+                    cached_s += cost;
+                } else {
+                    auto& [of, jobs] = count[describe(species.species)];
+                    of = &species;
+                    ++jobs;
+                }
             }
         }
     }
-    std::vector<std::size_t> computed;
+    std::vector<const ResolvedSpecies*> computed;
     for (const auto& [name, of] : count) {
+        double cost = 0.0;
+        for (const LayerJob& job : jobs_)
+            cost += mie_cost(*of.first, job.wavelength, demand_.whole_phase_function);
         plan_.steps.push_back(
             {"single scattering",
              fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand_.tolerance,
                          demand_.whole_phase_function ? ", every angle" : ", moments only"),
-             of.second, mie_cost(of.first)});
+             of.second, cost});
         computed.push_back(of.first);
+    }
+    if (!computed.empty() && !mixes) {
+        leave_out("one species", "no layer holds more than one species: no mixing", 0.0);
     }
     for (const std::string& name : given) {
         leave_out("analytic medium", fmt::format("{} is given: no Mie theory", name),
-                  jobs() * mie_seconds(scene_.particles.sizes, scene_.particles.host_index,
-                                       scene_.wavelength_nm[jobs_.front().wavelength],
-                                       demand_.whole_phase_function));
+                  jobs() * typical_mie_cost(jobs_.front().wavelength));
     }
     if (repeated > 0) {
         leave_out("same spheres",
@@ -229,16 +249,12 @@ void Planner::single_scattering() {
     if (!demand_.whole_phase_function && !computed.empty()) leave_out_phase_functions(computed);
 }
 
-void Planner::leave_out_phase_functions(const std::vector<std::size_t>& media) {
+void Planner::leave_out_phase_functions(const std::vector<const ResolvedSpecies*>& computed) {
     double saved = 0.0;
-    for (const std::size_t m : media) {
-        for (const LayerJob& job : jobs_) {
-            const auto cost = [&](bool whole) {
-                return mie_seconds(scene_.media[m].sizes, scene_.particles.host_index,
-                                   scene_.wavelength_nm[job.wavelength], whole);
-            };
-            saved += cost(true) - cost(false);
-        }
+    for (const ResolvedSpecies* species : computed) {
+        for (const LayerJob& job : jobs_)
+            saved += mie_cost(*species, job.wavelength, true) -
+                     mie_cost(*species, job.wavelength, false);
     }
     leave_out(
         "few moments",

@@ -28,7 +28,7 @@ class Planner {
     /// Removes what lies below a layer that hides it, as far as that is known before computing.
     void hide_layers();
     void single_scattering();
-    void leave_out_phase_functions(const std::vector<std::size_t>& media);
+    void leave_out_phase_functions(const std::vector<const ResolvedSpecies*>& computed);
 
     void radiative_transfer();  ///< plan_transfer.cpp
     void leave_out_orders();
@@ -39,13 +39,18 @@ class Planner {
     double jobs() const { return static_cast<double>(jobs_.size()); }
     /// Media that show: lowest_, ..., the uppermost.
     std::size_t layers() const { return scene_.media.size() - lowest_; }
-    std::size_t coats() const { return layers() - 1; }
+    std::size_t coats() const {
+        return layers() - (lowest_ == scene_.first_medium() && scene_.substrate ? 0 : 1);
+    }
     std::size_t cosines() const;
     /// Fourier orders of one solution under the rules, and without them.
     int orders() const;
     int all_orders() const;
 
     double mie_cost(std::size_t medium, std::size_t w) const;
+    double mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const;
+    /// Of particles as the scene has them where a medium says nothing.
+    double typical_mie_cost(std::size_t w) const;
     double mie_cost(std::size_t medium) const;  ///< at all the jobs' wavelengths
     /// Mie theory for all the layers at the first wavelength, each different medium once.
     double scene_mie_cost() const;
@@ -63,7 +68,7 @@ class Planner {
     OpticsDemand demand_;
     bool needs_layers_ = true;
     int streams_ = 0;
-    std::size_t lowest_ = 0;      ///< index of the lowest medium that shows
+    std::size_t lowest_;          ///< index of the lowest medium that shows
     std::vector<LayerJob> jobs_;  ///< that need work
     Plan plan_;
 };

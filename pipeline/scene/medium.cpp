@@ -4,12 +4,16 @@
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/scene/particle_sizes.h"
+#include "pipeline/scene/scene_parts.h"
+#include "pipeline/scene/species_keys.h"
 
 namespace miebrdf {
 namespace {
@@ -36,14 +40,14 @@ void require_ranges(const std::string& text, const MediumKind& kind,
     }
 }
 
-/// Sizes belong to spheres.
-void require_particles(const std::string& text, const MediumKind& kind,
-                       const ParticleSizes& sizes) {
-    if (!kind.optics || sizes == ParticleSizes{}) return;
+/// Sizes and amounts belong to spheres.
+void require_particles(const std::string& text, const MediumKind& kind, const Species& species) {
+    const std::string keys = describe_keys(species);
+    if (!kind.optics || keys.empty()) return;
     throw UsageError(
-        fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes belong to "
-                    "media that go through Mie theory: materials, source:KEY, index:N,K",
-                    text, kind.name, describe(sizes)));
+        fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes and amounts "
+                    "belong to media that go through Mie theory: materials, source:KEY, index:N,K",
+                    text, kind.name, keys));
 }
 
 /// The numbers after the colon, one for each parameter of the kind.
@@ -61,61 +65,194 @@ std::vector<double> read_parameters(const std::string& text, const std::string& 
     return parameters;
 }
 
-/// A medium without sizes of its own.
-Medium read_medium(const std::string& text, const MediumKind& kind) {
+/// What stands before the keys.
+void read_species(const std::string& text, const MediumKind& kind, Species& species) {
     if (text.empty()) {
         throw UsageError("an empty medium; write a material's name, e.g. TiO2, or hg:0.9,0.7");
     }
-    Medium medium;
-    medium.kind = kind.name;
+    species.kind = kind.name;
     const std::string values = kind.name == "material" ? text : text.substr(text.find(':') + 1);
     if (kind.read) {
-        kind.read(values, medium);
+        kind.read(values, species);
     } else {
-        medium.parameters = read_parameters(text, values, kind);
+        species.parameters = read_parameters(text, values, kind);
     }
-    return medium;
+}
+
+/// The parts of a text between ` + `.
+std::vector<std::string> split_mixture(const std::string& text) {
+    const std::string plus = " + ";
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t at = text.find(plus); at != std::string::npos; at = text.find(plus, begin)) {
+        parts.push_back(text.substr(begin, at - begin));
+        begin = at + plus.size();
+    }
+    parts.push_back(text.substr(begin));
+    return parts;
+}
+
+bool is_mass(const Species& species) {
+    return species.amount && species.amount->kind == Amount::Kind::mass_fraction;
+}
+
+void require_sum(const std::string& text, const Medium& medium, Amount::Kind kind,
+                 const char* name) {
+    double sum = 0.0;
+    for (const Species& species : medium.species) {
+        if (species.amount && species.amount->kind == kind) sum += species.amount->value;
+    }
+    constexpr double kRounding = 1e-12;
+    if (sum <= 1.0 + kRounding) return;
+    throw UsageError(fmt::format("medium '{}': the {} fractions add up to {}; allowed: up to 1",
+                                 text, name, sum));
+}
+
+void require_amounts(const Medium& medium) {
+    const std::string text = describe(medium);
+    for (const Species& species : medium.species) {
+        if (species.amount && species.amount->kind == Amount::Kind::volume_fraction &&
+            species.amount->value > kDensestPacking) {
+            throw UsageError(fmt::format(
+                "medium '{}': volume fraction {} is out of range; allowed: up to {}, the densest "
+                "packing of equal spheres",
+                text, species.amount->value, kDensestPacking));
+        }
+    }
+    require_sum(text, medium, Amount::Kind::volume_fraction, "volume");
+    require_sum(text, medium, Amount::Kind::mass_fraction, "mass");
+    if (medium.species.size() == 1) return;
+    std::size_t without = 0, by_mass = 0;
+    for (const Species& species : medium.species) {
+        if (!needs_mie(species)) {
+            throw UsageError(fmt::format(
+                "medium '{}': {} brings its optics and no extinction, so nobody knows how much of "
+                "it to mix; allowed in a mixture: materials, source:KEY, index:N,K",
+                text, describe(species)));
+        }
+        without += species.amount ? 0 : 1;
+        by_mass += is_mass(species) ? 1 : 0;
+    }
+    const bool is_rest = without == 1 && by_mass + 1 == medium.species.size();
+    if (without == 0 || is_rest) return;
+    throw UsageError(fmt::format(
+        "medium '{}': {} of {} species without an amount; give each volume=, mass= or number=, "
+        "e.g. volume=15%; where all but one are mass fractions, that one is the rest",
+        text, without, medium.species.size()));
 }
 
 }  // namespace
 
-Medium medium(const std::string& text) {
+Species species(const std::string& text) {
+    Species species;
     const MediumKind& kind = kind_of_text(text);
-    const SizedText parts = split_sizes(text, !kind.optics);
-    require_particles(text, kind, parts.sizes);
-    Medium medium = read_medium(parts.medium, kind);
-    medium.sizes = parts.sizes;
+    const std::string before_keys = take_keys(text, !kind.optics, species);
+    require_particles(text, kind, species);
+    read_species(before_keys, kind, species);
+    validate_keys(species, text);
+    return species;
+}
+
+Medium medium(const std::string& text) {
+    Medium medium;
+    std::string mixture = text;
+    const std::string in = " in ";
+    const std::size_t at = text.rfind(in);
+    if (at != std::string::npos && !std::filesystem::exists(text.substr(text.find(':') + 1))) {
+        medium.host = host(trimmed_text(text.substr(at + in.size())));
+        mixture = text.substr(0, at);
+    }
+    for (const std::string& part : split_mixture(mixture))
+        medium.species.push_back(species(trimmed_text(part)));
+    require_amounts(medium);
     return medium;
 }
 
-void validate(const Medium& medium) {
-    const MediumKind& kind = kind_of(medium);
-    const std::string text = describe(medium);
-    if (medium.parameters.size() != kind.parameters.size()) {
+Host host(const std::string& text) {
+    const std::string prefix = "index:";
+    double n = 0.0;
+    const bool is_number = std::isdigit(static_cast<unsigned char>(text.empty() ? 'x' : text[0])) &&
+                           text.find_first_not_of("0123456789.,eE+-") == std::string::npos;
+    Host host;
+    if (!is_number && !text.starts_with(prefix)) {
+        if (text.empty()) throw UsageError("host: empty; write PMMA or index:1.5");
+        host.name = text;
+        return host;
+    }
+    const auto parts = split_list(is_number ? text : text.substr(prefix.size()));
+    if (parts.empty() || parts.size() > 2)
+        throw UsageError(fmt::format("host '{}': write a material's name or index:N,K", text));
+    n = parse_number(parts[0], fmt::format("host '{}'", text));
+    const double k =
+        parts.size() == 2 ? parse_number(parts[1], fmt::format("host '{}'", text)) : 0.0;
+    host.index = {n, k};
+    validate(host);
+    return host;
+}
+
+void validate(const Host& host) {
+    const double n = host.index.real(), k = host.index.imag();
+    if (!(n > 0.0 && std::isfinite(n))) throw UsageError("host_index", n, "finite and > 0");
+    if (!(k >= 0.0 && std::isfinite(k)))
+        throw UsageError("host_index, its k", k, "finite and >= 0");
+}
+
+void validate(const Species& species) {
+    const MediumKind& kind = kind_of(species);
+    const std::string text = describe(species);
+    if (species.parameters.size() != kind.parameters.size()) {
         std::vector<std::string> names;
         for (const MediumParameter& parameter : kind.parameters) names.push_back(parameter.name);
         throw UsageError(fmt::format("medium '{}': parameters: {} given; allowed: {} ({})", text,
-                                     medium.parameters.size(), names.size(),
+                                     species.parameters.size(), names.size(),
                                      fmt::join(names, ", ")));
     }
-    require_ranges(text, kind, medium.parameters);
-    require_particles(text, kind, medium.sizes);
-    validate(medium.sizes, text);
+    require_ranges(text, kind, species.parameters);
+    require_particles(text, kind, species);
+    validate_keys(species, text);
     try {
-        kind.check(medium);
+        kind.check(species);
     } catch (const std::exception& error) {
         throw UsageError(fmt::format("medium '{}': {}", text, error.what()));
     }
 }
 
-std::string describe(const Medium& medium) {
-    const std::string sizes = describe(medium.sizes);
-    if (medium.kind == "material") return medium.name + sizes;
-    if (!medium.name.empty()) return fmt::format("{}:{}{}", medium.kind, medium.name, sizes);
-    return fmt::format("{}:{}{}", medium.kind, fmt::join(medium.parameters, ","), sizes);
+void validate(const Medium& medium) {
+    if (medium.species.empty()) {
+        throw UsageError("an empty medium; write a material's name, e.g. TiO2, or hg:0.9,0.7");
+    }
+    for (const Species& species : medium.species) validate(species);
+    if (medium.host) validate(*medium.host);
+    require_amounts(medium);
 }
 
-bool needs_mie(const Medium& medium) { return !kind_of(medium).optics; }
+std::string describe(const Species& species) {
+    const std::string keys = describe_keys(species);
+    if (species.kind == "material") return species.name + keys;
+    if (!species.name.empty()) return fmt::format("{}:{}{}", species.kind, species.name, keys);
+    return fmt::format("{}:{}{}", species.kind, fmt::join(species.parameters, ","), keys);
+}
+
+std::string describe(const Host& host) {
+    if (!host.name.empty()) return host.name;
+    if (host.index.imag() == 0.0) return fmt::format("index:{}", host.index.real());
+    return fmt::format("index:{},{}", host.index.real(), host.index.imag());
+}
+
+std::string describe(const Medium& medium) {
+    std::string text;
+    for (const Species& species : medium.species)
+        text += (text.empty() ? "" : " + ") + describe(species);
+    if (medium.host) text += " in " + describe(*medium.host);
+    return text;
+}
+
+bool needs_mie(const Species& species) { return !kind_of(species).optics; }
+
+bool needs_mie(const Medium& medium) {
+    return std::any_of(medium.species.begin(), medium.species.end(),
+                       [](const Species& species) { return needs_mie(species); });
+}
 
 std::vector<MediumForm> medium_forms() {
     std::vector<MediumForm> forms;
@@ -129,22 +266,21 @@ Layer layer(const std::string& text) {
     const std::size_t at = text.rfind('@');
     if (at != std::string::npos && text.find('=', at) != std::string::npos) {
         throw UsageError(
-            fmt::format("coat '{}': what belongs to the medium comes before the optical depth, "
-                        "e.g. TiO2,radius=0.1@1",
+            fmt::format("coat '{}': what belongs to the medium comes before the depth, e.g. "
+                        "TiO2,radius=0.1@1",
                         text));
     }
     if (at == std::string::npos) {
-        throw UsageError(
-            fmt::format("coat '{}' has no optical depth; write MEDIUM@OPTICAL_DEPTH, "
-                        "e.g. AlGaAs7@0.1",
-                        text));
+        throw UsageError(fmt::format(
+            "coat '{}' has no depth; write MEDIUM@DEPTH, e.g. AlGaAs7@0.1 (optical depth at 550 "
+            "nm) or TiO2,volume=15%@40um",
+            text));
     }
-    const double optical_depth = parse_number_or_infinity(text.substr(at + 1), "optical depth");
-    if (!(optical_depth >= 0.0)) {
-        throw UsageError(fmt::format("coat '{}': optical depth {} is out of range; allowed: >= 0",
-                                     text, optical_depth));
+    try {
+        return {medium(text.substr(0, at)), depth(text.substr(at + 1))};
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("coat '{}': {}", text, error.what()));
     }
-    return {medium(text.substr(0, at)), optical_depth};
 }
 
 }  // namespace miebrdf

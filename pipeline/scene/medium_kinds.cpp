@@ -18,9 +18,9 @@ MediumKind material() {
             .form = "NAME",
             .example = "TiO2",
             .help = "spheres of a material of the database, by name or source:KEY",
-            .read = [](const std::string& values, Medium& medium) { medium.name = values; },
+            .read = [](const std::string& values, Species& species) { species.name = values; },
             .check =
-                [](const Medium& m) {
+                [](const Species& m) {
                     if (m.name.empty()) throw std::invalid_argument("a material needs a name");
                 }};
 }
@@ -37,7 +37,7 @@ MediumKind index() {
 MediumKind table() {
     return {.name = "table",
             .help = "spheres of a refractive index n + ik given at some wavelengths",
-            .check = [](const Medium& m) { own_index(m); }};
+            .check = [](const Species& m) { own_index(m); }};
 }
 
 MediumKind isotropic() {
@@ -46,8 +46,8 @@ MediumKind isotropic() {
             .example = "isotropic:0.9",
             .help = "a medium that scatters alike in all directions",
             .parameters = {kAlbedo},
-            .optics = [](const Medium& m) { return rte::isotropic_optics(m.parameters[0]); },
-            .most_fourier_orders = [](const Medium&) { return 1; }};
+            .optics = [](const Species& m) { return rte::isotropic_optics(m.parameters[0]); },
+            .most_fourier_orders = [](const Species&) { return 1; }};
 }
 
 MediumKind rayleigh() {
@@ -56,8 +56,8 @@ MediumKind rayleigh() {
             .example = "rayleigh:0.9",
             .help = "particles much smaller than the wavelength",
             .parameters = {kAlbedo},
-            .optics = [](const Medium& m) { return rte::rayleigh_optics(m.parameters[0]); },
-            .most_fourier_orders = [](const Medium&) { return 3; }};
+            .optics = [](const Species& m) { return rte::rayleigh_optics(m.parameters[0]); },
+            .most_fourier_orders = [](const Species&) { return 3; }};
 }
 
 MediumKind henyey_greenstein() {
@@ -67,7 +67,7 @@ MediumKind henyey_greenstein() {
             .help = "the phase function of Henyey and Greenstein (1941) with asymmetry G",
             .parameters = {kAlbedo,
                            {"asymmetry", "(-1, 1)", [](double g) { return g > -1.0 && g < 1.0; }}},
-            .optics = [](const Medium& m) {
+            .optics = [](const Species& m) {
                 return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
             }};
 }
@@ -79,14 +79,14 @@ MediumKind moments() {
             .help = "albedo and Legendre moments from a CSV file",
             .parameters = {kAlbedo},
             .read =
-                [](const std::string& values, Medium& medium) {
+                [](const std::string& values, Species& species) {
                     MomentsFile file = read_moments_file(values);
-                    medium.name = values;
-                    medium.parameters = {file.single_scattering_albedo};
-                    medium.chi = std::move(file.chi);
+                    species.name = values;
+                    species.parameters = {file.single_scattering_albedo};
+                    species.chi = std::move(file.chi);
                 },
             .optics =
-                [](const Medium& m) {
+                [](const Species& m) {
                     rte::Optics optics;
                     optics.single_scattering_albedo = m.parameters[0];
                     optics.one_minus_albedo = 1.0 - m.parameters[0];
@@ -94,12 +94,12 @@ MediumKind moments() {
                     return optics;
                 },
             .check =
-                [](const Medium& m) {
+                [](const Species& m) {
                     rte::Optics optics;
                     optics.chi = m.chi;
                     rte::validate(optics);
                 },
-            .most_fourier_orders = [](const Medium& m) { return static_cast<int>(m.chi.size()); }};
+            .most_fourier_orders = [](const Species& m) { return static_cast<int>(m.chi.size()); }};
 }
 
 }  // namespace
@@ -111,28 +111,28 @@ const std::vector<MediumKind>& medium_kinds() {
     return kinds;
 }
 
-const MediumKind& kind_of(const Medium& medium) {
+const MediumKind& kind_of(const Species& species) {
     for (const MediumKind& kind : medium_kinds()) {
-        if (kind.name == medium.kind) return kind;
+        if (kind.name == species.kind) return kind;
     }
-    throw UsageError(fmt::format("unknown kind of medium '{}'", medium.kind));
+    throw UsageError(fmt::format("unknown kind of medium '{}'", species.kind));
 }
 
-materials::RefractiveIndex own_index(const Medium& medium) {
-    const std::size_t count = medium.wavelength_nm.size();
-    if (count == 0 || medium.index.size() != count) {
+materials::RefractiveIndex own_index(const Species& species) {
+    const std::size_t count = species.wavelength_nm.size();
+    if (count == 0 || species.index.size() != count) {
         throw std::invalid_argument(
             fmt::format("{} wavelengths and {} refractive indices; allowed: "
                         "as many of the one as of the other, at least one",
-                        count, medium.index.size()));
+                        count, species.index.size()));
     }
     materials::IndexTable table;
-    table.wavelength_nm = medium.wavelength_nm;
-    for (const std::complex<double> index : medium.index) {
+    table.wavelength_nm = species.wavelength_nm;
+    for (const std::complex<double> index : species.index) {
         table.n.push_back(index.real());
         table.k.push_back(index.imag());
     }
-    return {medium.name, std::move(table)};
+    return {species.name, std::move(table)};
 }
 
 }  // namespace miebrdf

@@ -28,27 +28,29 @@ struct MediumKind {
     std::vector<MediumParameter> parameters = {};
     /// Reads what follows the colon into name, parameters and chi; empty: `parameters`, numbers
     /// separated by commas.
-    std::function<void(const std::string& values, Medium& medium)> read = {};
+    std::function<void(const std::string& values, Species& species)> read = {};
     /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
     /// theory. The first parameter is then the single-scattering albedo.
-    std::function<rte::Optics(const Medium& medium)> optics = {};
+    std::function<rte::Optics(const Species& species)> optics = {};
     /// Refuses what no such medium can be, beyond ranges of parameters.
-    std::function<void(const Medium& medium)> check = [](const Medium&) {};
+    std::function<void(const Species& species)> check = [](const Species&) {};
     /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.
-    std::function<int(const Medium& medium)> most_fourier_orders = [](const Medium&) { return 0; };
+    std::function<int(const Species& species)> most_fourier_orders = [](const Species&) {
+        return 0;
+    };
 };
 
 const std::vector<MediumKind>& medium_kinds();
 
 /// @throws UsageError  for a kind that is not in the list
-const MediumKind& kind_of(const Medium& medium);
+const MediumKind& kind_of(const Species& species);
 
-/// Holds a medium, however it was made, to what its kind allows.
-/// @throws UsageError  naming the medium, the value and the allowed range
-void validate(const Medium& medium);
+/// Holds a species, however it was made, to what its kind allows.
+/// @throws UsageError  naming the species, the value and the allowed range
+void validate(const Species& species);
 
 /// The refractive index that a medium of the kind "table" brings.
 /// @throws std::invalid_argument  for a table that is empty, not ascending or not physical
-materials::RefractiveIndex own_index(const Medium& medium);
+materials::RefractiveIndex own_index(const Species& species);
 
 }  // namespace miebrdf

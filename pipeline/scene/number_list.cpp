@@ -12,15 +12,16 @@
 #include "materials/index/units.h"
 
 namespace miebrdf {
-namespace {
-
-constexpr std::size_t kLongestList = 1'000'000;  // beyond this it is a typing mistake
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t");
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
+
+namespace {
+
+constexpr std::size_t kLongestList = 1'000'000;  // beyond this it is a typing mistake
 
 using Parse = std::function<double(std::string_view)>;
 
@@ -136,6 +137,22 @@ double parse_number(std::string_view text, const std::string& what) {
 double parse_number_or_infinity(std::string_view text, const std::string& what) {
     if (trimmed(text) == "inf") return std::numeric_limits<double>::infinity();
     return parse_number(text, what);
+}
+
+double parse_quantity(std::string_view text, const std::string& what, std::span<const Unit> units) {
+    const std::string_view whole = trimmed(text);
+    const std::string_view name = unit_text(whole);
+    std::string known;
+    for (const Unit& unit : units) {
+        if (unit.name == name && name.size() < whole.size()) {
+            const double number = parse_number(whole.substr(0, whole.size() - name.size()), what);
+            return number * unit.times / unit.by;
+        }
+        if (!unit.name.empty()) known += (known.empty() ? "" : ", ") + std::string(unit.name);
+    }
+    if (name.size() == whole.size()) parse_number(whole, what);  // no number at all
+    throw UsageError(
+        fmt::format("{}: '{}' has no unit that is known here; allowed: {}", what, whole, known));
 }
 
 std::vector<std::string> split_list(std::string_view text, char separator) {

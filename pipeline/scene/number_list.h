@@ -1,11 +1,16 @@
 // Numbers and lists of numbers as people type them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace miebrdf {
+
+/// The text without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+inline std::string trimmed_text(std::string_view text) { return std::string(trimmed(text)); }
 
 /// Reads one finite number; the whole text must be the number.
 /// @param what  names the quantity in the message ("cosine of incidence")
@@ -14,6 +19,16 @@ double parse_number(std::string_view text, const std::string& what);
 
 /// The same, and infinity from `inf`.
 double parse_number_or_infinity(std::string_view text, const std::string& what);
+
+/// A unit that may stand behind a number: the value is number * times / by.
+struct Unit {
+    std::string_view name;  ///< empty: of a number without a unit
+    double times, by;
+};
+
+/// Reads a number with one of these units: `15%`, `200nm`, `1e6/cm3`.
+/// @throws UsageError  for anything else, with the units that are known
+double parse_quantity(std::string_view text, const std::string& what, std::span<const Unit> units);
 
 /// Splits at commas (or another separator), blanks around the parts removed.
 std::vector<std::string> split_list(std::string_view text, char separator = ',');

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
 namespace {
@@ -17,19 +18,22 @@ void validate(const ParticleOptions& particles) {
     require_positive(particles.sizes.effective_radius_um, "effective_radius_um");
     if (particles.sizes.kind != mie::SizeDistributionKind::mono)
         require_positive(particles.sizes.effective_variance, "effective_variance");
-    require_positive(particles.host_index, "host_index");
+    validate(particles.host);
     if (!(particles.k_floor >= 0.0 && std::isfinite(particles.k_floor)))
         throw UsageError("k_floor", particles.k_floor, ">= 0");
     if (!(particles.tolerance >= 0.0 && particles.tolerance < 1.0))
         throw UsageError("mie_tolerance", particles.tolerance,
                          "[0, 1); 0: a share of the tolerance");
+    if (particles.layer_density_kg_m3)
+        require_positive(*particles.layer_density_kg_m3, "layer_density_kg_m3");
 }
 
 void validate(const Medium& medium, const ParticleOptions& of_scene) {
     validate(medium);
     // Radius and variance of a table are its own: another number would change nothing.
-    if (of_scene.sizes.kind == mie::SizeDistributionKind::tabulated &&
-        medium.sizes != ParticleSizes{} && !medium.sizes.distribution) {
+    if (of_scene.sizes.kind != mie::SizeDistributionKind::tabulated) return;
+    for (const Species& species : medium.species) {
+        if (species.sizes == ParticleSizes{} || species.sizes.distribution) continue;
         throw UsageError(
             fmt::format("medium '{}': the scene's sizes are a table, so a layer with sizes of its "
                         "own needs a distribution, too",
@@ -37,31 +41,47 @@ void validate(const Medium& medium, const ParticleOptions& of_scene) {
     }
 }
 
+/// "optical depth 0.1", "40um"
+std::string depth_text(const Depth& depth) {
+    const bool is_optical = depth.kind == Depth::Kind::optical_depth;
+    return (is_optical ? "optical depth " : "") + describe(depth);
+}
+
 }  // namespace
 
 std::string describe(const Scene& scene) {
-    std::string text = describe(scene.base);
-    for (const Layer& layer : scene.layers) {
-        text = fmt::format("{} (optical depth {}) on {}", describe(layer.medium),
-                           layer.optical_depth, text);
-    }
+    std::string text =
+        scene.substrate ? "substrate " + describe(*scene.substrate) : describe(scene.base);
+    for (const Layer& layer : scene.layers)
+        text = fmt::format("{} ({}) on {}", describe(layer.medium), depth_text(layer.depth), text);
     if (scene.surface) text += fmt::format(", surface roughness {}", scene.surface->beckmann_alpha);
     return text;
 }
 
 const Medium& top_medium(const Scene& scene) {
-    return scene.layers.empty() ? scene.base : scene.layers.back().medium;
+    if (!scene.layers.empty()) return scene.layers.back().medium;
+    if (scene.substrate) {
+        throw UsageError(fmt::format("substrate '{}' has no layers on it; give at least one coat",
+                                     describe(*scene.substrate)));
+    }
+    return scene.base;
 }
 
 void validate(const Scene& scene) {
     validate(scene.particles);
     if (scene.surface) rte::validate(*scene.surface);
-    validate(scene.base, scene.particles);
+    if (scene.substrate) {
+        validate(*scene.substrate);
+        top_medium(scene);
+    } else {
+        validate(scene.base, scene.particles);
+    }
     for (const Layer& layer : scene.layers) {
         validate(layer.medium, scene.particles);
-        if (!(layer.optical_depth >= 0.0)) {
-            throw UsageError(fmt::format("coat {}: optical depth {} is out of range; allowed: >= 0",
-                                         describe(layer.medium), layer.optical_depth));
+        try {
+            validate(layer.depth);
+        } catch (const UsageError& error) {
+            throw UsageError(fmt::format("coat {}: {}", describe(layer.medium), error.what()));
         }
     }
 }

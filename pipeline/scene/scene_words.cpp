@@ -8,7 +8,6 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
-#include "pipeline/scene/particle_sizes.h"
 
 namespace miebrdf {
 namespace {
@@ -47,6 +46,8 @@ using Names = std::vector<std::pair<const char*, Value>>;
 
 const Names<rte::SurfaceCoupling> kCouplings = {{"paper", rte::SurfaceCoupling::paper},
                                                 {"reciprocal", rte::SurfaceCoupling::reciprocal}};
+const Names<Packing> kPackings = {{"independent", Packing::independent},
+                                  {"percus-yevick", Packing::percus_yevick}};
 const Names<rte::GridKind> kGrids = {{"auto", rte::GridKind::automatic},
                                      {"gauss", rte::GridKind::gauss},
                                      {"mapped-gauss", rte::GridKind::mapped_gauss},
@@ -119,10 +120,23 @@ std::vector<SceneWord> layer_words() {
              [](const SceneWord& word, Values values, Request& request) {
                  request.scene.base = medium(text_of(one_value(word, values)));
              }},
+        {.name = "substrate",
+         .placeholder = "GROUND",
+         .help = "in place of the base: black, none (a free film), lambert:ALBEDO (a ground that "
+                 "reflects alike in all directions; isotropic:ALBEDO is a medium of scatterers) or "
+                 "lambert:FILE.csv (wavelength_nm,albedo)",
+         .field = "substrate",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.substrate = substrate(text_of(one_value(word, values)));
+             }},
         {.name = "coat",
-         .placeholder = "MEDIUM@OPTICAL_DEPTH",
-         .help = "a layer on top of the base and of the coats before it; repeat it for more. A "
-                 "coat of depth inf hides everything below",
+         .placeholder = "MEDIUM@DEPTH",
+         .help = "a layer on top of the base and of the coats before it; repeat it for more. DEPTH "
+                 "is an optical depth at 550 nm that follows the extinction (0.1), at another "
+                 "wavelength (0.1[450nm]) or the same at all (0.1[grey]), a thickness (40um, 2mm: "
+                 "needs amounts), a mass (2kg/m2: needs densities) or inf, which hides everything "
+                 "below",
          .kind = WordKind::repeated,
          .field = "layers",
          .set =
@@ -217,14 +231,43 @@ std::vector<SceneWord> particle_words() {
                          mie::parse_size_distribution(text_of(one_value(word, values)));
                  }},
             {.name = "host-index",
-             .placeholder = "N",
-             .help = "refractive index of what lies between the particles",
+             .placeholder = "HOST",
+             .help = "what lies between the particles, of media that do not say it (TiO2 in PMMA): "
+                     "N, N,K or a material's name",
              .group = group,
-             .default_text = fmt::format("{}", defaults.host_index),
+             .default_text = "1",
              .field = "host_index",
              .set =
                  [](const SceneWord& word, Values values, Request& request) {
-                     set_number(word, values, request.scene.particles.host_index);
+                     std::string text;
+                     for (const WordValue& value : values)
+                         text += (text.empty() ? "" : ",") + text_of(value);
+                     if (text.empty()) one_value(word, values);
+                     request.scene.particles.host = host(text);
+                 }},
+            {.name = "layer-density",
+             .placeholder = "KG_M3",
+             .help = "bulk density of the layers in kg/m3, where mass fractions and a thickness "
+                     "meet; snow has 50 to 550",
+             .group = group,
+             .field = "layer_density_kg_m3",
+             .unit = "kg/m3",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     double density = 0.0;
+                     set_number(word, values, density);
+                     request.scene.particles.layer_density_kg_m3 = density;
+                 }},
+            {.name = "packing",
+             .placeholder = "NAME",
+             .help = "how crowded particles scatter: " + list_of(kPackings) +
+                     " (hard spheres that see their own kind; needs amounts)",
+             .group = group,
+             .default_text = kPackings.front().first,
+             .field = "packing",
+             .set =
+                 [](const SceneWord& word, Values values, Request& request) {
+                     request.scene.particles.packing = one_of(kPackings, word, values);
                  }},
             {.name = "k-floor",
              .placeholder = "K",
@@ -332,7 +375,8 @@ std::string forms_of_media() {
     for (const MediumForm& form : medium_forms()) text += (text.empty() ? "" : ", ") + form.form;
     return text +
            "; particles may have sizes of their own: "
-           "TiO2,radius=0.2,variance=0.1,distribution=gamma";
+           "TiO2,radius=0.2,variance=0.1,distribution=gamma; mixtures and hosts: "
+           "\"TiO2,radius=0.13,volume=15% + carbon,radius=0.04,mass=1% in PMMA\"";
 }
 
 const std::vector<SceneWord>& scene_words() {

@@ -147,6 +147,7 @@ BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) 
     values.directions = directions;
     values.tolerance = state_->solver.tolerance;
     values.sources = scene.sources;
+    values.notes = scene.notes;
     for (const LayerSlice& layer : layers) values.wavelengths.push_back(layer.report);
     values.slices.resize(layers.size());
     run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
@@ -165,6 +166,7 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
     values.mu_in = mu_in;
     values.tolerance = state_->solver.tolerance;
     values.sources = scene.sources;
+    values.notes = scene.notes;
     if (scene.surface) {
         run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
             add_surface_to_albedos(scene, w, mu_in, layers[w].values);
@@ -175,6 +177,10 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
         values.spherical_albedo.push_back(layer.values.back());
         layer.values.pop_back();
         values.plane_albedo.push_back(std::move(layer.values));
+        if (!scene.substrate || scene.surface) continue;
+        values.spherical_transmittance.push_back(layer.transmittance.back());
+        layer.transmittance.pop_back();
+        values.plane_transmittance.push_back(std::move(layer.transmittance));
     }
     return values;
 }

@@ -113,6 +113,7 @@ std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,
     state->tables = solve_wavelengths(*state, control);
     state->report.tolerance = solver.tolerance;
     state->report.sources = scene.sources;
+    state->report.notes = scene.notes;
     for (const WavelengthTable& table : state->tables)
         state->report.wavelengths.push_back(table.report());
     state->provenance = {std::string("miebrdf ") + kVersion,

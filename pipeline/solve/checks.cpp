@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
 #include "rte/math/tolerance_budget.h"
 
@@ -27,19 +29,34 @@ std::vector<std::optional<std::size_t>> places_of(const std::vector<double>& val
 
 /// A layer whose phase function has noise: R of single scattering per P.
 struct NoisyLayer {
-    const mie::PhaseTable* table;
-    double strength;       ///< alpha / (1 - alpha f)
-    double optical_depth;  ///< scaled by delta-M
+    std::vector<std::pair<const mie::PhaseTable*, double>> tables;  ///< with their shares
+    double strength;                                                ///< alpha / (1 - alpha f)
+    double optical_depth;                                           ///< scaled by delta-M
 };
+
+/// The tables of a phase function, or of all that a mixture is made of.
+void add_tables(const rte::Optics& optics, double share,
+                std::vector<std::pair<const mie::PhaseTable*, double>>& tables) {
+    if (const auto* table = optics.phase.target<mie::PhaseTable>())
+        tables.emplace_back(table, share);
+    if (const auto* crowded = optics.phase.target<CrowdedPhase>())
+        add_tables(crowded->alone, share, tables);
+    if (const auto* mixed = optics.phase.target<rte::MixedPhase>()) {
+        for (std::size_t c = 0; c < mixed->components.size(); ++c)
+            add_tables(mixed->components[c], share * mixed->share[c], tables);
+    }
+}
 
 void add_layer(const rte::Optics& optics, double optical_depth, int moments,
                std::vector<NoisyLayer>& layers) {
-    const auto* table = optics.phase.target<mie::PhaseTable>();
-    if (table == nullptr) return;
+    std::vector<std::pair<const mie::PhaseTable*, double>> tables;
+    add_tables(optics, 1.0, tables);
+    if (tables.empty()) return;
     const auto cutoff = static_cast<std::size_t>(std::max(moments, 0));
     const double f = cutoff < optics.chi.size() ? optics.chi[cutoff] : 0.0;
     const double factor = 1.0 - optics.single_scattering_albedo * f;
-    layers.push_back({table, optics.single_scattering_albedo / factor, optical_depth * factor});
+    layers.push_back(
+        {std::move(tables), optics.single_scattering_albedo / factor, optical_depth * factor});
 }
 
 double noise_of(const std::vector<NoisyLayer>& layers, double mu_in, double mu_out,
@@ -48,8 +65,9 @@ double noise_of(const std::vector<NoisyLayer>& layers, double mu_in, double mu_o
     const double slant = 1.0 / mu_in + 1.0 / mu_out;
     double sum = 0.0;
     for (const NoisyLayer& layer : layers) {
-        sum += layer.strength * layer.table->noise(cos_theta) *
-               -std::expm1(-layer.optical_depth * slant);
+        double noise = 0.0;
+        for (const auto& [table, share] : layer.tables) noise += share * table->noise(cos_theta);
+        sum += layer.strength * noise * -std::expm1(-layer.optical_depth * slant);
     }
     return sum / (4.0 * (mu_in + mu_out));
 }

@@ -52,6 +52,7 @@ LayerSlice without_work(const char* method) {
 LayerSlice lossless(std::size_t incidences) {
     LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
+    slice.transmittance.assign(incidences + 1, 0.0);
     return slice;
 }
 
@@ -64,6 +65,7 @@ LayerSlice black(const LayerRequest& request) {
         slice.plane_albedo.assign(d.mu_in.size(), 0.0);
     } else {
         slice.values.assign(d.mu_in.size() + 1, 0.0);
+        slice.transmittance.assign(d.mu_in.size() + 1, 0.0);
     }
     return slice;
 }
@@ -100,6 +102,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     SolverOptions solver = request.solver;
     solver.tolerance = rest_of_tolerance(tolerance, optics.mie_error_estimate);
     LayerSlice slice;
+    slice.report.optical_depths = optics.optical_depths;
     if (request.quantity == LayerQuantity::reflection) {
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
@@ -113,6 +116,9 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
+        slice.transmittance = std::move(table.transmittance);
+        // Nothing comes through a half-space.
+        slice.transmittance.resize(slice.values.size(), 0.0);
         slice.report.solver = table.report;
     }
     judge(slice.report, optics.mie_error_estimate, optics.converged, tolerance);
@@ -129,21 +135,24 @@ LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
     } else {
         all.values = distinct.spread_incident(slice.values);
         all.values.push_back(slice.values.back());  // the spherical albedo
+        all.transmittance = distinct.spread_incident(slice.transmittance);
+        all.transmittance.push_back(slice.transmittance.back());
     }
     return all;
 }
 
 std::vector<double> packed(const LayerSlice& slice) {
-    const auto& [values, plane_albedo, report] = slice;
-    return NumberPacker().add(values).add(plane_albedo).add(report).numbers();
+    const auto& [values, plane_albedo, transmittance, report] = slice;
+    return NumberPacker().add(values).add(plane_albedo).add(transmittance).add(report).numbers();
 }
 
 LayerSlice unpacked(const std::vector<double>& numbers) {
     NumberUnpacker unpacker(numbers);
     LayerSlice slice;
-    auto& [values, plane_albedo, report] = slice;
+    auto& [values, plane_albedo, transmittance, report] = slice;
     unpacker.read(values);
     unpacker.read(plane_albedo);
+    unpacker.read(transmittance);
     unpacker.read(report);
     return slice;
 }
@@ -191,7 +200,10 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     }
     const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
                                   phase_demand(request.quantity));
-    const auto optics = visible_optics(request.scene, reduced.directions, request.solver.tolerance,
+    // What passes the layers is wanted too: only what lets nothing through hides a ground.
+    const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
+    const auto optics = visible_optics(request.scene, reduced.directions,
+                                       transmits ? 0.0 : request.solver.tolerance,
                                        missing_wavelengths, demand, control);
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {

@@ -49,6 +49,8 @@ struct LayerSlice {
     /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
     std::vector<double> values;
     std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` too
+    /// With `albedo` over a substrate: net flux into it, at mu_in and of uniform light.
+    std::vector<double> transmittance;
     WavelengthReport report;
 };
 

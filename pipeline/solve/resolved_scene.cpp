@@ -8,12 +8,14 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <map>
+#include <numbers>
 
 #include <miebrdf/database.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
-#include "pipeline/scene/particle_sizes.h"
+#include "pipeline/scene/species_keys.h"
+#include "pipeline/solve/amounts.h"
+#include "pipeline/solve/packing.h"
 
 namespace miebrdf {
 namespace {
@@ -53,76 +55,267 @@ std::string source_line(const materials::MaterialInfo& info) {
     return line;
 }
 
-ResolvedIndex index_of(const Medium& medium, const std::vector<double>& wavelength_nm,
+ResolvedIndex index_of(const Species& species, const std::vector<double>& wavelength_nm,
                        double k_floor, Materials& materials) {
     ResolvedIndex resolved;
     const auto add = [&](std::complex<double> n_ik) {
         resolved.index.emplace_back(n_ik.real(), std::max(n_ik.imag(), k_floor));
     };
-    if (medium.kind == "index") {
-        Medium bare = medium;
-        bare.sizes = {};
-        resolved.source = describe(bare);
+    if (species.kind == "index") {
+        resolved.source = describe(Species{.kind = species.kind, .parameters = species.parameters});
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
-            add({medium.parameters[0], medium.parameters[1]});
+            add({species.parameters[0], species.parameters[1]});
         return resolved;
     }
-    const bool own = medium.kind == "table";
-    const auto table = own ? own_index(medium) : materials.open().refractive_index(medium.name);
-    resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", medium.name,
-                                        medium.index.size())
-                          : source_line(materials.open().info(medium.name));
+    const bool own = species.kind == "table";
+    const auto table = own ? own_index(species) : materials.open().refractive_index(species.name);
+    resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", species.name,
+                                        species.index.size())
+                          : source_line(materials.open().info(species.name));
     for (const double nm : wavelength_nm) add(table.at(nm));
     return resolved;
 }
 
 /// Particles of the index of their host scatter nothing, and an albedo has no meaning.
-void require_contrast(const ResolvedMedium& medium, const std::vector<double>& wavelength_nm,
-                      double host_index) {
+void require_contrast(const ResolvedSpecies& species) {
     // Quotients of equal numbers are 1; what differs by rounding alone is no contrast either.
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
-    for (std::size_t w = 0; w < medium.index.size(); ++w) {
-        if (std::abs(medium.index[w] / host_index - 1.0) > kRounding) continue;
+    for (const Particles& at : species.particles) {
+        if (std::abs(at.index / at.host_index - 1.0) > kRounding) continue;
         throw UsageError(fmt::format(
             "{}: its refractive index at {} nm is that of its host, {}: without contrast nothing "
             "scatters; give another medium or another host_index",
-            describe(medium.medium), wavelength_nm[w], host_index));
+            describe(species.species), at.wavelength_nm, at.host_index));
     }
 }
 
-/// Only numbers count: two names for the same figures are the same medium.
-std::string key_of(const ResolvedMedium& medium, std::size_t w, double nm, double host_index) {
-    JobKey key("medium");
-    if (medium.needs_mie()) {
-        key.add(medium.index[w]).add(nm).add(medium.sizes).add(host_index);
+/// Only numbers count: two names for the same figures are the same species.
+std::string key_of(const ResolvedSpecies& species, std::size_t w) {
+    JobKey key("species");
+    if (species.needs_mie()) {
+        const Particles& at = species.particles[w];
+        key.add(at.index).add(at.wavelength_nm).add(species.sizes).add(at.host_index);
     } else {
-        key.add(std::string_view(medium.medium.kind)).add(medium.medium.parameters);
-        key.add(medium.medium.chi);
+        key.add(std::string_view(species.species.kind)).add(species.species.parameters);
+        key.add(species.species.chi);
     }
     return key.hash();
 }
 
-ResolvedMedium resolve_medium(const Medium& medium, const Scene& scene,
-                              const std::vector<double>& wavelength_nm, Materials& materials,
-                              std::vector<std::string>& sources) {
-    ResolvedMedium resolved{.medium = medium};
-    std::string source = describe(medium);
-    if (needs_mie(medium)) {
-        ResolvedIndex index = index_of(medium, wavelength_nm, scene.particles.k_floor, materials);
-        resolved.index = std::move(index.index);
-        source = std::move(index.source);
-        resolved.sizes = sizes_of(medium, scene.particles);
-        require_contrast(resolved, wavelength_nm, scene.particles.host_index);
-    }
-    if (std::find(sources.begin(), sources.end(), source) == sources.end())
-        sources.push_back(std::move(source));
-    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-        resolved.key.push_back(key_of(resolved, w, wavelength_nm[w], scene.particles.host_index));
-    }
-    return resolved;
+std::string key_of(const ResolvedMedium& medium, std::size_t w) {
+    const double host = medium.host_absorption[w];
+    const ResolvedSpecies& first = medium.species.front();
+    if (medium.species.size() == 1 && host == 0.0 && !first.crowded) return first.key[w];
+    JobKey key("mixture");
+    for (const ResolvedSpecies& species : medium.species)
+        key.add(std::string_view(species.key[w])).add(species.volume_fraction);
+    return key.add(host).add(first.crowded).hash();
 }
 
-void resolve_surface(const Scene& scene, Materials& materials, ResolvedScene& resolved) {
+/// Notes beyond this: absorption of the host within a particle's size is no longer small.
+constexpr double kWeakHost = 0.01;
+
+/// Looks up the parts of one scene.
+class Resolver {
+  public:
+    /// @param some_nm  a wavelength at which the scene is wanted, for advice
+    Resolver(const Scene& scene, double some_nm)
+        : scene_(scene), some_nm_(some_nm), materials_(scene.database) {}
+
+    ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm) {
+        ResolvedMedium resolved{.medium = medium};
+        const bool has_particles = needs_mie(medium);
+        const HostAt host =
+            has_particles ? look_up(medium.host.value_or(scene_.particles.host), wavelength_nm)
+                          : HostAt{};
+        for (const Species& species : medium.species)
+            resolved.species.push_back(this->species(species, wavelength_nm, host));
+        set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
+        set_host_absorption(host, wavelength_nm, resolved);
+        set_packing(resolved);
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+            resolved.key.push_back(key_of(resolved, w));
+        return resolved;
+    }
+
+    ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium) {
+        ResolvedDepth resolved{.depth = layer.depth, .optical_depth = layer.depth.value};
+        const Depth& depth = layer.depth;
+        if (depth.kind != Depth::Kind::optical_depth) {
+            require_particles(layer);
+            resolved.column_um = column_um(depth, medium);
+        } else if (medium.needs_mie() && depth.wavelength_nm > 0.0 && !std::isinf(depth.value)) {
+            resolved.reference = reference(layer);
+        }
+        return resolved;
+    }
+
+    ResolvedIndex index(const Species& species, const std::vector<double>& wavelength_nm) {
+        return index_of(species, wavelength_nm, scene_.particles.k_floor, materials_);
+    }
+
+    void add_source(std::string source) { add_once(sources_, std::move(source)); }
+    std::vector<std::string> take_sources() { return std::move(sources_); }
+    std::vector<std::string> take_notes() { return std::move(notes_); }
+
+  private:
+    struct HostAt {
+        std::string name = {};
+        std::vector<std::complex<double>> index = {};
+        std::optional<double> density_g_cm3 = {};
+    };
+
+    static void add_once(std::vector<std::string>& lines, std::string line) {
+        if (std::find(lines.begin(), lines.end(), line) == lines.end())
+            lines.push_back(std::move(line));
+    }
+
+    HostAt look_up(const Host& host, const std::vector<double>& wavelength_nm) {
+        HostAt at{.name = describe(host)};
+        if (host.name.empty()) {
+            at.index.assign(wavelength_nm.size(), host.index);
+            return at;
+        }
+        const Species material{.kind = "material", .name = host.name};
+        try {
+            ResolvedIndex found = index_of(material, wavelength_nm, 0.0, materials_);
+            at.index = std::move(found.index);
+            add_source("host " + found.source);
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("host '{}': {}", host.name, error.what()));
+        }
+        at.density_g_cm3 = materials_.open().info(host.name).density_g_cm3;
+        return at;
+    }
+
+    std::optional<double> density_of(const Species& species) {
+        if (species.density_g_cm3 || species.kind != "material") return species.density_g_cm3;
+        return materials_.open().info(species.name).density_g_cm3;
+    }
+
+    ResolvedSpecies species(const Species& species, const std::vector<double>& wavelength_nm,
+                            const HostAt& host) {
+        ResolvedSpecies resolved{.species = species};
+        if (needs_mie(species)) {
+            ResolvedIndex index = this->index(species, wavelength_nm);
+            for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+                resolved.particles.push_back(
+                    {wavelength_nm[w], index.index[w], host.index[w].real()});
+            }
+            resolved.sizes = sizes_of(species, scene_.particles);
+            resolved.effective_radius_um = mie::effective_radius_of(resolved.sizes);
+            resolved.density_g_cm3 = density_of(species);
+            require_contrast(resolved);
+            add_source(std::move(index.source));
+        } else {
+            add_source(describe(species));
+        }
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+            resolved.key.push_back(key_of(resolved, w));
+        return resolved;
+    }
+
+    /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself
+    /// takes the real part of the host's index).
+    void set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
+                             ResolvedMedium& medium) {
+        medium.host_absorption.assign(wavelength_nm.size(), 0.0);
+        for (std::size_t w = 0; w < host.index.size(); ++w) {
+            const double k = host.index[w].imag();
+            if (k == 0.0) continue;
+            if (!medium.has_amounts) {
+                throw UsageError(fmt::format(
+                    "medium '{}': its host {} absorbs (k {:.3g} at {} nm), so what absorbs between "
+                    "the particles depends on how many there are; give amounts, e.g. volume=15%, "
+                    "or a host that does not absorb, e.g. index:{:.4g}",
+                    describe(medium.medium), host.name, k, wavelength_nm[w], host.index[w].real()));
+            }
+            const double per_um = 4.0e3 * std::numbers::pi * k / wavelength_nm[w];
+            medium.host_absorption[w] = per_um * std::max(0.0, 1.0 - packing(medium));
+            note_strong_host(host, k, wavelength_nm[w], medium);
+        }
+    }
+
+    void note_strong_host(const HostAt& host, double k, double nm, const ResolvedMedium& medium) {
+        for (const ResolvedSpecies& species : medium.species) {
+            const double kx = 2.0e3 * std::numbers::pi * species.effective_radius_um * k / nm;
+            if (kx <= kWeakHost) continue;
+            add_once(notes_,
+                     fmt::format("host {} absorbs noticeably within the particles of {}: Mie "
+                                 "theory takes it as transparent (k x > {})",
+                                 host.name, describe(species.species), kWeakHost));
+        }
+    }
+
+    /// Beyond this share of the volume, what neighbours change is said.
+    static constexpr double kCrowded = 0.05;
+
+    void set_packing(ResolvedMedium& medium) {
+        if (!medium.needs_mie()) return;
+        const bool asked = scene_.particles.packing == Packing::percus_yevick;
+        if (asked && !medium.has_amounts) {
+            throw UsageError(fmt::format(
+                "medium '{}': packing percus-yevick needs amounts; give volume=, mass= (with "
+                "layer_density_kg_m3) or number=",
+                describe(medium.medium)));
+        }
+        for (ResolvedSpecies& species : medium.species) {
+            species.crowded = asked;
+            if (asked || !medium.has_amounts || species.volume_fraction <= kCrowded) continue;
+            if (const auto change = crowding(species, 0)) note_crowding(species, *change);
+        }
+    }
+
+    void note_crowding(const ResolvedSpecies& species, double change) {
+        add_once(notes_,
+                 fmt::format("{} fills {:.3g} % of the volume: independent scattering is assumed; "
+                             "hard spheres would have {:.3g} times the reduced scattering at {} nm "
+                             "(packing percus-yevick)",
+                             describe(species.species), 100.0 * species.volume_fraction, change,
+                             species.particles.front().wavelength_nm));
+    }
+
+    static void require_particles(const Layer& layer) {
+        if (needs_mie(layer.medium)) return;
+        throw UsageError(fmt::format(
+            "coat {}@{}: its optics are given without an extinction; give an optical depth",
+            describe(layer.medium), describe(layer.depth)));
+    }
+
+    ResolvedMedium reference(const Layer& layer) {
+        try {
+            return medium(layer.medium, {layer.depth.wavelength_nm});
+        } catch (const InputError& error) {
+            throw InputError(fmt::format(
+                "coat {0}@{1}: an optical depth holds at {2} nm, where this material is not known "
+                "({3}); give it at another wavelength, e.g. {4}[{5}nm], or the same at all, "
+                "{4}[grey]",
+                describe(layer.medium), describe(layer.depth), layer.depth.wavelength_nm,
+                error.what(), layer.depth.value, some_nm_));
+        }
+    }
+
+    const Scene& scene_;
+    double some_nm_;
+    Materials materials_;
+    std::vector<std::string> sources_, notes_;
+};
+
+double ground_albedo_at(const Substrate& ground, double nm) {
+    if (ground.kind != Substrate::Kind::lambertian) return 0.0;
+    const std::vector<double>& at = ground.wavelength_nm;
+    if (at.size() < 2) return ground.albedo.front();
+    if (!(nm >= at.front() && nm <= at.back())) {
+        throw InputError(fmt::format("substrate '{}' has no albedo at {} nm; it covers {} to {} nm",
+                                     describe(ground), nm, at.front(), at.back()));
+    }
+    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, nm);
+    const auto i = static_cast<std::size_t>(above - at.begin());
+    const double t = (nm - at[i - 1]) / (at[i] - at[i - 1]);
+    return (1.0 - t) * ground.albedo[i - 1] + t * ground.albedo[i];
+}
+
+void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.surface = scene.surface;
     resolved.coupling = scene.coupling;
     if (!scene.surface) return;
@@ -131,51 +324,69 @@ void resolve_surface(const Scene& scene, Materials& materials, ResolvedScene& re
         return;
     }
     const Medium& top = top_medium(scene);
-    if (!needs_mie(top)) {
+    if (!needs_mie(top) || top.species.size() > 1) {
         throw UsageError(fmt::format(
-            "the surface of '{}' has no refractive index; give surface_index, or leave the "
-            "surface out",
+            "the surface of '{}' has no refractive index of its own; give surface_index, or leave "
+            "the surface out",
             describe(top)));
     }
-    ResolvedIndex index = index_of(top, resolved.wavelength_nm, scene.particles.k_floor, materials);
+    ResolvedIndex index = resolver.index(top.species.front(), resolved.wavelength_nm);
     resolved.surface_index = std::move(index.index);
-    auto& sources = resolved.sources;
-    if (std::find(sources.begin(), sources.end(), index.source) == sources.end())
-        sources.push_back(std::move(index.source));
+    resolver.add_source(std::move(index.source));
 }
 
 }  // namespace
 
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm) {
-    Materials materials(scene.database);
+    Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front());
     ResolvedScene resolved{.wavelength_nm = wavelength_nm, .particles = scene.particles};
-    const auto add = [&](const Medium& medium) {
-        resolved.media.push_back(
-            resolve_medium(medium, scene, wavelength_nm, materials, resolved.sources));
-    };
-    add(scene.base);
+    if (scene.substrate) {
+        resolved.substrate = scene.substrate->kind;
+        for (const double nm : wavelength_nm)
+            resolved.ground_albedo.push_back(ground_albedo_at(*scene.substrate, nm));
+        resolver.add_source("substrate " + describe(*scene.substrate));
+        resolved.media.emplace_back();
+    } else {
+        resolved.media.push_back(resolver.medium(scene.base, wavelength_nm));
+    }
     for (const Layer& layer : scene.layers) {
-        if (layer.optical_depth == 0.0) {
+        if (layer.depth.value == 0.0) {
             resolved.empty_layers.push_back(layer);
             continue;
         }
-        add(layer.medium);
-        resolved.optical_depth.push_back(layer.optical_depth);
+        resolved.media.push_back(resolver.medium(layer.medium, wavelength_nm));
+        resolved.depths.push_back(resolver.depth(layer, resolved.media.back()));
     }
-    resolve_surface(scene, materials, resolved);
+    resolve_surface(scene, resolver, resolved);
+    resolved.sources = resolver.take_sources();
+    resolved.notes = resolver.take_notes();
     return resolved;
 }
 
-ResolvedIndex resolve_index(const Medium& medium, const std::vector<double>& wavelength_nm,
+ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
                             const std::string& database, double k_floor) {
     Materials materials(database);
-    return index_of(medium, wavelength_nm, k_floor, materials);
+    return index_of(species, wavelength_nm, k_floor, materials);
 }
 
 void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
-    for (std::size_t i = 0; i < media.size(); ++i) {
-        if (i > 0) key.add(optical_depth[i - 1]);
+    key.add(substrate);
+    if (substrate) key.add(ground_albedo[wavelength]);
+    for (std::size_t i = first_medium(); i < media.size(); ++i) {
         key.add(std::string_view(media[i].key[wavelength]));
+        if (i == 0) continue;
+        const ResolvedDepth& depth = depths[i - 1];
+        key.add(depth.is_grey() || depth.reference ? depth.optical_depth : 0.0);
+        key.add(depth.column_um);
+        if (depth.column_um) {
+            for (const ResolvedSpecies& species : media[i].species)
+                key.add(species.volume_fraction);
+        }
+        // A depth given at this very wavelength is the same as a grey one.
+        const bool follows =
+            depth.reference && depth.depth.wavelength_nm != wavelength_nm[wavelength];
+        key.add(follows);
+        if (follows) key.add(std::string_view(depth.reference->key.front()));
     }
 }
 

@@ -1,5 +1,5 @@
-// A scene with its names looked up: n + ik and sizes at every wavelength. Nothing behind it asks
-// the database again.
+// A scene with its names looked up: n + ik, sizes and amounts at every wavelength. Nothing behind
+// it asks the database again.
 #pragma once
 
 #include <miebrdf/scene.h>
@@ -13,40 +13,83 @@ namespace miebrdf {
 
 class JobKey;
 
+/// Spheres of one kind at one wavelength.
+struct Particles {
+    double wavelength_nm = 0.0;
+    std::complex<double> index = {};  ///< n + ik, k raised to the scene's floor
+    double host_index = 1.0;          ///< the real part: docs/maths-mie.md
+};
+
+/// A species at every wavelength of its scene.
+struct ResolvedSpecies {
+    Species species;
+    std::vector<Particles> particles = {};  ///< empty for species that bring their optics
+    mie::SizeDistribution sizes = {};
+    double effective_radius_um = 0.0;
+    /// Of the layer's volume; of single species without amount 1, as of the particles' own.
+    double volume_fraction = 1.0;
+    std::optional<double> density_g_cm3 = {};
+    bool crowded = false;  ///< Packing::percus_yevick
+    /// Names what its optics depend on, at every wavelength: species of the same key are the same.
+    std::vector<std::string> key = {};
+
+    bool needs_mie() const { return !particles.empty(); }
+};
+
 /// A medium at every wavelength of its scene.
 struct ResolvedMedium {
     Medium medium;
-    /// n + ik, k raised to the scene's floor; empty for media that bring their optics.
-    std::vector<std::complex<double>> index = {};
-    mie::SizeDistribution sizes = {};  ///< of media that go through Mie theory
-    /// Names what its optics depend on, at every wavelength: media of the same key are the same.
-    std::vector<std::string> key = {};
+    std::vector<ResolvedSpecies> species = {};
+    /// Volume fractions are those of the layer; otherwise their ratios are all that is known.
+    bool has_amounts = false;
+    /// 1/um of layer, at every wavelength: what the host absorbs between the particles.
+    std::vector<double> host_absorption = {};
+    std::vector<std::string> key = {};  ///< as of species
 
-    bool needs_mie() const { return !index.empty(); }
+    bool needs_mie() const { return species.front().needs_mie(); }
+};
+
+/// How deep a layer is at every wavelength: `optical_depth` where it is the same at all; otherwise
+/// `column_um` times the extinction per um that the volume fractions make; otherwise, with a
+/// reference, that optical depth there.
+struct ResolvedDepth {
+    Depth depth;
+    double optical_depth = 0.0;
+    std::optional<double> column_um = {};
+    std::optional<ResolvedMedium> reference = {};  ///< the medium at the depth's wavelength alone
+
+    bool is_grey() const { return !column_um && !reference; }
 };
 
 struct ResolvedScene {
     std::vector<double> wavelength_nm;
-    std::vector<ResolvedMedium> media = {};  ///< the base, then the layers that have a depth
-    std::vector<double> optical_depth = {};  ///< of media[1], media[2], ...
+    /// The base, then the layers that have a depth. A scene on a substrate has no base: its first
+    /// medium is empty.
+    std::vector<ResolvedMedium> media = {};
+    std::vector<ResolvedDepth> depths = {};  ///< of media[1], media[2], ...
+    std::optional<Substrate::Kind> substrate = {};
+    std::vector<double> ground_albedo = {};  ///< of the substrate, at every wavelength
     ParticleOptions particles = {};
     std::optional<rte::SurfaceOptions> surface = {};
     rte::SurfaceCoupling coupling = rte::SurfaceCoupling::paper;
     std::vector<std::complex<double>> surface_index =
         {};  ///< n + ik of the surface, if there is one
     std::vector<std::string> sources =
-        {};  ///< where the figures come from, one line for each medium
+        {};  ///< where the figures come from, one line for each species and host
+    std::vector<std::string> notes = {};   ///< what holds within limits only, one line each
     std::vector<Layer> empty_layers = {};  ///< of no depth: left out
 
-    std::size_t layers() const { return optical_depth.size(); }
+    std::size_t layers() const { return depths.size(); }
+    /// The lowest medium that there is: 0, or 1 on a substrate.
+    std::size_t first_medium() const { return substrate ? 1 : 0; }
 
     /// Everything that the reflection of the layers at a wavelength depends on.
     void add_to(JobKey& key, std::size_t wavelength) const;
 };
 
 /// Looks everything up, once.
-/// @throws UsageError  for particles without contrast to their host, and for a surface without a
-///         refractive index
+/// @throws UsageError  for particles without contrast to their host, amounts and densities that are
+///         missing, and for a surface without a refractive index
 /// @throws InputError  for unknown names, a database that cannot be read, and wavelengths that a
 ///         material does not cover
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm);
@@ -56,9 +99,10 @@ struct ResolvedIndex {
     std::vector<std::complex<double>> index;
     std::string source;
 };
+/// @param species   a material, index: or table
 /// @param database  file of the user's materials; empty: the default one
 /// @throws InputError  as resolve()
-ResolvedIndex resolve_index(const Medium& medium, const std::vector<double>& wavelength_nm,
+ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
                             const std::string& database = {}, double k_floor = 0.0);
 
 }  // namespace miebrdf

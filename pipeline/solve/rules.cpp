@@ -31,22 +31,30 @@ bool only_across(const Directions& directions) {
 bool is_symmetric(const Directions& directions) { return directions.mu_in == directions.mu_out; }
 
 bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w) {
-    return medium.needs_mie() ? medium.index[w].imag() == 0.0 : medium.medium.parameters[0] == 1.0;
+    if (!medium.needs_mie()) return medium.species.front().species.parameters[0] == 1.0;
+    return medium.host_absorption[w] == 0.0 &&
+           std::all_of(medium.species.begin(), medium.species.end(),
+                       [w](const ResolvedSpecies& species) {
+                           return species.particles[w].index.imag() == 0.0;
+                       });
 }
 
 bool absorbs_nothing(const ResolvedScene& scene, std::size_t w) {
-    return std::all_of(scene.media.begin(), scene.media.end(),
+    if (scene.substrate && scene.ground_albedo[w] != 1.0) return false;
+    return std::all_of(scene.media.begin() + static_cast<std::ptrdiff_t>(scene.first_medium()),
+                       scene.media.end(),
                        [w](const ResolvedMedium& medium) { return absorbs_nothing(medium, w); });
 }
 
 bool scatters_nothing(const Medium& medium) {
-    return !needs_mie(medium) && medium.parameters[0] == 0.0;
+    return !needs_mie(medium) && medium.species.front().parameters[0] == 0.0;
 }
 
 int most_fourier_orders(const ResolvedScene& scene) {
     int most = 0;
-    for (const ResolvedMedium& medium : scene.media) {
-        const int orders = kind_of(medium.medium).most_fourier_orders(medium.medium);
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+        const Species& species = scene.media[m].species.front().species;
+        const int orders = kind_of(species).most_fourier_orders(species);
         if (orders == 0) return 0;
         most = std::max(most, orders);
     }

@@ -9,78 +9,118 @@
 namespace miebrdf {
 namespace {
 
-/// Media first ... last - 1 of a scene, the first as the half-space.
-std::vector<SceneOptics> stacks_of(const ResolvedScene& scene, std::size_t first, std::size_t last,
-                                   const std::vector<std::size_t>& wavelengths,
-                                   const OpticsDemand& demand, const Control& control) {
-    std::vector<std::size_t> media(last - first);
-    std::iota(media.begin(), media.end(), first);
-    std::vector<SceneOptics> scenes;
-    for (const auto& optics : optics_of(scene, media, wavelengths, demand, control)) {
-        SceneOptics& at_wavelength = scenes.emplace_back();
-        for (std::size_t i = 0; i < media.size(); ++i) {
-            if (i == 0) {
-                at_wavelength.stack.base = optics[i].optics;
-            } else {
-                at_wavelength.stack.coats.push_back(
-                    {optics[i].optics, scene.optical_depth[media[i] - 1]});
-            }
-            at_wavelength.mie_error_estimate =
-                std::max(at_wavelength.mie_error_estimate, optics[i].error_estimate);
-            at_wavelength.converged = at_wavelength.converged && optics[i].converged;
+/// A wavelength of the scene, and its place in the list of those wanted.
+struct Place {
+    std::size_t wavelength;
+    std::size_t place;
+};
+
+/// Stacks the optics of a scene.
+class StackBuilder {
+  public:
+    StackBuilder(const ResolvedScene& scene, const Directions& directions, double tolerance,
+                 const std::vector<std::size_t>& wavelengths, const OpticsDemand& demand,
+                 const Control& control)
+        : scene_(scene),
+          directions_(directions),
+          tolerance_(tolerance),
+          demand_(demand),
+          control_(control),
+          depths_(optical_depths_of(scene, wavelengths, demand.tolerance, control)) {}
+
+    /// What shows of media 0 ... last - 1.
+    std::vector<SceneOptics> visible_below(std::size_t last,
+                                           const std::vector<Place>& places) const {
+        if (places.empty()) return {};
+        const std::size_t layer = highest_candidate(last, places);
+        if (layer == 0) return stacks_of(0, last, places);
+
+        std::vector<SceneOptics> stacks = stacks_of(layer, last, places);
+        std::vector<char> hidden(stacks.size());
+        run_parallel("hidden layers", stacks.size(), control_, [&](std::size_t i) {
+            hidden[i] = rte::hides_what_is_below(stacks[i].stack.base, depth(layer, places[i]),
+                                                 directions_, tolerance_);
+        });
+        std::vector<std::size_t> seen;
+        std::vector<Place> seen_places;
+        for (std::size_t i = 0; i < stacks.size(); ++i) {
+            if (hidden[i]) continue;
+            seen.push_back(i);
+            seen_places.push_back(places[i]);
         }
+        const auto lower = visible_below(layer, seen_places);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            stacks[seen[i]] = joined(lower[i], stacks[seen[i]], depth(layer, seen_places[i]));
+        }
+        return stacks;
     }
-    return scenes;
-}
 
-/// Puts `upper`, whose base is a layer of that depth, on `lower`.
-SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper, double optical_depth) {
-    SceneOptics whole = lower;
-    whole.stack.coats.push_back({upper.stack.base, optical_depth});
-    whole.stack.coats.insert(whole.stack.coats.end(), upper.stack.coats.begin(),
-                             upper.stack.coats.end());
-    whole.mie_error_estimate = std::max(lower.mie_error_estimate, upper.mie_error_estimate);
-    whole.converged = lower.converged && upper.converged;
-    return whole;
-}
+    const std::vector<double>& depths(std::size_t place) const { return depths_[place]; }
 
-/// The topmost of media 1 ... last - 1 that may hide what is below; 0: none.
-std::size_t highest_candidate(const ResolvedScene& scene, std::size_t last,
-                              const Directions& directions, double tolerance) {
-    for (std::size_t medium = last; medium-- > 1;) {
-        if (rte::may_hide(scene.optical_depth[medium - 1], directions, tolerance)) return medium;
+  private:
+    double depth(std::size_t medium, Place at) const { return depths_[at.place][medium - 1]; }
+
+    /// Media first ... last - 1, the first as the half-space (but for a substrate).
+    std::vector<SceneOptics> stacks_of(std::size_t first, std::size_t last,
+                                       const std::vector<Place>& places) const {
+        const bool on_ground = first == 0 && scene_.substrate;
+        std::vector<std::size_t> media(last - first - (on_ground ? 1 : 0)), wavelengths;
+        std::iota(media.begin(), media.end(), on_ground ? 1 : first);
+        for (const Place at : places) wavelengths.push_back(at.wavelength);
+        const auto optics = optics_of(scene_, media, wavelengths, demand_, control_);
+        std::vector<SceneOptics> scenes;
+        for (std::size_t p = 0; p < places.size(); ++p) {
+            SceneOptics& whole = scenes.emplace_back();
+            if (on_ground) put_on_ground(places[p].wavelength, whole.stack);
+            for (std::size_t i = 0; i < media.size(); ++i) {
+                const MediumOptics& of = optics[p][i];
+                if (i == 0 && !on_ground) {
+                    whole.stack.base = of.optics;
+                } else {
+                    whole.stack.coats.push_back({of.optics, depth(media[i], places[p])});
+                }
+                whole.mie_error_estimate = std::max(whole.mie_error_estimate, of.error_estimate);
+                whole.converged = whole.converged && of.converged;
+            }
+        }
+        return scenes;
     }
-    return 0;
-}
 
-/// visible_optics of media 0 ... last - 1.
-std::vector<SceneOptics> visible_below(const ResolvedScene& scene, std::size_t last,
-                                       const Directions& directions, double tolerance,
-                                       const std::vector<std::size_t>& wavelengths,
-                                       const OpticsDemand& demand, const Control& control) {
-    if (wavelengths.empty()) return {};
-    const std::size_t layer = highest_candidate(scene, last, directions, tolerance);
-    if (layer == 0) return stacks_of(scene, 0, last, wavelengths, demand, control);
-
-    const double optical_depth = scene.optical_depth[layer - 1];
-    std::vector<SceneOptics> stacks = stacks_of(scene, layer, last, wavelengths, demand, control);
-    std::vector<char> hidden(stacks.size());
-    run_parallel("hidden layers", stacks.size(), control, [&](std::size_t i) {
-        hidden[i] =
-            rte::hides_what_is_below(stacks[i].stack.base, optical_depth, directions, tolerance);
-    });
-    std::vector<std::size_t> seen, seen_wavelengths;
-    for (std::size_t i = 0; i < stacks.size(); ++i) {
-        if (hidden[i]) continue;
-        seen.push_back(i);
-        seen_wavelengths.push_back(wavelengths[i]);
+    void put_on_ground(std::size_t wavelength, rte::Stack& stack) const {
+        stack.ground_albedo = scene_.ground_albedo[wavelength];
+        stack.base_kind =
+            stack.ground_albedo > 0.0 ? rte::BaseKind::lambertian : rte::BaseKind::none;
     }
-    const auto lower =
-        visible_below(scene, layer, directions, tolerance, seen_wavelengths, demand, control);
-    for (std::size_t i = 0; i < seen.size(); ++i)
-        stacks[seen[i]] = joined(lower[i], stacks[seen[i]], optical_depth);
-    return stacks;
-}
+
+    /// Puts `upper`, whose base is a layer of that depth, on `lower`.
+    static SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper,
+                              double optical_depth) {
+        SceneOptics whole = lower;
+        whole.stack.coats.push_back({upper.stack.base, optical_depth});
+        whole.stack.coats.insert(whole.stack.coats.end(), upper.stack.coats.begin(),
+                                 upper.stack.coats.end());
+        whole.mie_error_estimate = std::max(lower.mie_error_estimate, upper.mie_error_estimate);
+        whole.converged = lower.converged && upper.converged;
+        return whole;
+    }
+
+    /// The topmost of media 1 ... last - 1 that may hide what is below at any wavelength; 0: none.
+    std::size_t highest_candidate(std::size_t last, const std::vector<Place>& places) const {
+        for (std::size_t medium = last; medium-- > 1;) {
+            for (const Place at : places) {
+                if (rte::may_hide(depth(medium, at), directions_, tolerance_)) return medium;
+            }
+        }
+        return 0;
+    }
+
+    const ResolvedScene& scene_;
+    const Directions& directions_;
+    double tolerance_;
+    const OpticsDemand& demand_;
+    const Control& control_;
+    std::vector<std::vector<double>> depths_;  ///< [place][layer]
+};
 
 }  // namespace
 
@@ -88,10 +128,14 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         double tolerance,
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control) {
-    std::vector<SceneOptics> stacks = visible_below(scene, scene.media.size(), directions,
-                                                    tolerance, wavelengths, demand, control);
-    for (SceneOptics& optics : stacks)
-        optics.stack = rte::with_black_ground(std::move(optics.stack));
+    const StackBuilder builder(scene, directions, tolerance, wavelengths, demand, control);
+    std::vector<Place> places;
+    for (std::size_t p = 0; p < wavelengths.size(); ++p) places.push_back({wavelengths[p], p});
+    std::vector<SceneOptics> stacks = builder.visible_below(scene.media.size(), places);
+    for (std::size_t p = 0; p < stacks.size(); ++p) {
+        stacks[p].stack = rte::with_black_ground(std::move(stacks[p].stack));
+        stacks[p].optical_depths = builder.depths(p);
+    }
     return stacks;
 }
 

@@ -11,7 +11,8 @@ namespace miebrdf {
 /// A scene at one wavelength, ready for radiative transfer.
 struct SceneOptics {
     rte::Stack stack;
-    double mie_error_estimate = 0.0;  ///< largest of the media
+    std::vector<double> optical_depths = {};  ///< of all layers, also of those that do not show
+    double mie_error_estimate = 0.0;          ///< largest of the media
     bool converged = true;
 };
 

@@ -13,6 +13,7 @@
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/packing.h"
 #include "pipeline/solve/parallel.h"
 #include "rte/first_order/first_order.h"
 #include "rte/math/tolerance_budget.h"
@@ -29,13 +30,14 @@ constexpr int kMostAutomaticStreams = 64;
 /// incidence.
 constexpr double kPhaseFloor = 0.5;
 
-mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const ResolvedMedium& medium,
-                                      std::size_t w, const OpticsDemand& demand) {
+mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_t w,
+                                      const OpticsDemand& demand) {
+    const Particles& at = species.particles[w];
     mie::EnsembleRequest request;
-    request.sizes = medium.sizes;
-    request.refractive_index = medium.index[w];
-    request.host_index = scene.particles.host_index;
-    request.wavelength_nm = scene.wavelength_nm[w];
+    request.sizes = species.sizes;
+    request.refractive_index = at.index;
+    request.host_index = at.host_index;
+    request.wavelength_nm = at.wavelength_nm;
     request.highest_moment = demand.highest_moment;
     request.angles_deg = demand.angles_deg;
     request.tolerance = demand.tolerance;
@@ -51,14 +53,14 @@ mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const Resolved
 }
 
 /// The average; what it refuses is a matter of sizes and wavelength together.
-mie::EnsembleOptics average(const Medium& medium, const mie::EnsembleRequest& request,
+mie::EnsembleOptics average(const Species& species, const mie::EnsembleRequest& request,
                             const mie::Executor& run) {
     try {
         return mie::average_over_sizes(request, run);
     } catch (const UsageError& error) {
-        const ParticleSizes& own = medium.sizes;
+        const ParticleSizes& own = species.sizes;
         throw UsageError(fmt::format(
-            "medium '{}': {} ({}, {} {}, host_index {}, at {} nm)", describe(medium), error.what(),
+            "medium '{}': {} ({}, {} {}, host_index {}, at {} nm)", describe(species), error.what(),
             own.effective_radius_um
                 ? fmt::format("radius {} um", *own.effective_radius_um)
                 : fmt::format("effective_radius_um {}", request.sizes.effective_radius_um),
@@ -102,31 +104,80 @@ MediumOptics remembered(const Control& control, const std::string& hash, const C
     return optics;
 }
 
-/// A job and the place its result goes to.
+/// The structure factor is multiplied with the whole phase function, even where moments are all
+/// that is wanted.
+OpticsDemand crowd_demand(const ResolvedSpecies& species, OpticsDemand demand) {
+    demand.whole_phase_function = demand.whole_phase_function || species.crowded;
+    return demand;
+}
+
+/// Species at a wavelength.
 struct Job {
-    std::size_t medium;
+    const ResolvedSpecies* species;
     std::size_t wavelength;
 };
 
-/// The jobs, each once, and which of them serves each wavelength and medium.
-struct JobList {
-    std::vector<Job> jobs;
-    std::vector<std::vector<std::size_t>> serving;  ///< [place in wavelengths][medium]
+/// Jobs, each once, found by what they depend on.
+class JobList {
+  public:
+    /// The number of the job.
+    std::size_t add(const ResolvedSpecies& species, std::size_t w) {
+        const std::string name = species.crowded
+                                     ? fmt::format("{} {}", species.key[w], species.volume_fraction)
+                                     : species.key[w];
+        const auto [found, is_new] = known_.try_emplace(name, jobs_.size());
+        if (is_new) jobs_.push_back({&species, w});
+        return found->second;
+    }
+
+    std::vector<std::size_t> add(const ResolvedMedium& medium, std::size_t w) {
+        std::vector<std::size_t> all;
+        for (const ResolvedSpecies& species : medium.species) all.push_back(add(species, w));
+        return all;
+    }
+
+    /// The results, job by job.
+    std::vector<MediumOptics> compute(const OpticsDemand& of_all, const Control& control) const {
+        std::vector<MediumOptics> done(jobs_.size());
+        const mie::Executor pieces = pieces_of_job(control);
+        run_parallel("single scattering", jobs_.size(), control, [&](std::size_t j) {
+            const auto [species, w] = jobs_[j];
+            const OpticsDemand demand = crowd_demand(*species, of_all);
+            const auto compute = [&, species = species, w = w] {
+                return compute_optics(*species, w, demand, pieces);
+            };
+            done[j] = species->needs_mie()
+                          ? remembered(control, optics_hash(*species, w, demand), compute)
+                          : compute();
+            if (species->crowded) done[j] = crowded(done[j], *species, w, demand.angles_deg);
+        });
+        return done;
+    }
+
+  private:
+    std::map<std::string, std::size_t> known_;
+    std::vector<Job> jobs_;
 };
 
-JobList list_jobs(const ResolvedScene& scene, const std::vector<std::size_t>& media,
-                  const std::vector<std::size_t>& wavelengths) {
-    JobList list;
-    std::map<std::string, std::size_t> known;
-    for (const std::size_t w : wavelengths) {
-        auto& row = list.serving.emplace_back();
-        for (const std::size_t m : media) {
-            const auto [found, is_new] = known.try_emplace(scene.media[m].key[w], list.jobs.size());
-            row.push_back(found->second);
-            if (is_new) list.jobs.push_back({m, w});
-        }
-    }
-    return list;
+std::vector<MediumOptics> chosen(const std::vector<MediumOptics>& all,
+                                 const std::vector<std::size_t>& which) {
+    std::vector<MediumOptics> some;
+    for (const std::size_t i : which) some.push_back(all[i]);
+    return some;
+}
+
+/// Matter of albedo 0.
+MediumOptics absorber() {
+    MediumOptics optics;
+    optics.optics.single_scattering_albedo = 0.0;
+    optics.optics.one_minus_albedo = 1.0;
+    return optics;
+}
+
+/// 3 f Q_ext / (4 r_eff).
+double extinction_of(const ResolvedSpecies& species, const MediumOptics& optics) {
+    return 0.75 * species.volume_fraction * optics.q_ext.value_or(0.0) /
+           species.effective_radius_um;
 }
 
 std::size_t bytes_of(const MediumOptics& optics) {
@@ -148,22 +199,21 @@ OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, P
     return demand;
 }
 
-std::string optics_hash(const ResolvedMedium& medium, std::size_t w, const OpticsDemand& demand) {
+std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
     const auto& [highest_moment, whole, angles_deg, tolerance] = demand;
     JobKey key("single scattering");
-    key.add(std::string_view(medium.key[w]));
+    key.add(std::string_view(species.key[w]));
     return key.add(highest_moment).add(whole).add(angles_deg).add(tolerance).hash();
 }
 
-MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std::size_t w,
+MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand, const mie::Executor& run) {
-    const ResolvedMedium& resolved = scene.media[medium];
-    if (resolved.needs_mie()) {
-        const auto request = ensemble_request(scene, resolved, w, demand);
-        return from_mie(average(resolved.medium, request, run), request);
+    if (species.needs_mie()) {
+        const auto request = ensemble_request(species, w, demand);
+        return from_mie(average(species.species, request, run), request);
     }
     MediumOptics result;
-    result.optics = kind_of(resolved.medium).optics(resolved.medium);
+    result.optics = kind_of(species.species).optics(species.species);
     result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(
@@ -172,33 +222,120 @@ MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std:
     return result;
 }
 
+double extinction_per_um(const ResolvedMedium& medium, std::size_t w,
+                         const std::vector<MediumOptics>& species) {
+    if (!medium.needs_mie()) return 0.0;
+    double sum = medium.host_absorption[w];
+    for (std::size_t s = 0; s < species.size(); ++s)
+        sum += extinction_of(medium.species[s], species[s]);
+    return sum;
+}
+
+MediumOptics mixed(const ResolvedMedium& medium, std::size_t w,
+                   const std::vector<MediumOptics>& species) {
+    const double host = medium.host_absorption[w];
+    MediumOptics whole = species.front();
+    whole.extinction_per_um = extinction_per_um(medium, w, species);
+    if (species.size() == 1 && host == 0.0) return whole;  // one species: no mixing
+    std::vector<rte::MixtureComponent> components;
+    std::vector<double> scattering;
+    double sum = 0.0;
+    for (std::size_t s = 0; s < species.size(); ++s) {
+        const double extinction = extinction_of(medium.species[s], species[s]);
+        components.push_back({species[s].optics, extinction});
+        scattering.push_back(extinction * species[s].optics.single_scattering_albedo);
+        sum += scattering.back();
+        whole.error_estimate = std::max(whole.error_estimate, species[s].error_estimate);
+        whole.converged = whole.converged && species[s].converged;
+    }
+    if (host > 0.0) components.push_back({absorber().optics, host});
+    whole.optics = rte::mix(components);
+    whole.q_ext.reset();
+    whole.asymmetry = 0.0;
+    std::fill(whole.phase.begin(), whole.phase.end(), 0.0);
+    for (std::size_t s = 0; s < species.size() && sum > 0.0; ++s) {
+        const double share = scattering[s] / sum;
+        whole.asymmetry += share * species[s].asymmetry;
+        for (std::size_t a = 0; a < whole.phase.size(); ++a)
+            whole.phase[a] += share * species[s].phase[a];
+    }
+    return whole;
+}
+
+MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std::size_t w,
+                            const OpticsDemand& demand, const mie::Executor& run) {
+    const ResolvedMedium& resolved = scene.media[medium];
+    std::vector<MediumOptics> species;
+    for (const ResolvedSpecies& one : resolved.species) {
+        const OpticsDemand of_species = crowd_demand(one, demand);
+        species.push_back(compute_optics(one, w, of_species, run));
+        if (one.crowded) species.back() = crowded(species.back(), one, w, demand.angles_deg);
+    }
+    return mixed(resolved, w, species);
+}
+
 std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
                                                  const std::vector<std::size_t>& media,
                                                  const std::vector<std::size_t>& wavelengths,
                                                  const OpticsDemand& demand,
                                                  const Control& control) {
-    const JobList list = list_jobs(scene, media, wavelengths);
-    std::vector<MediumOptics> done(list.jobs.size());
-    const mie::Executor pieces = pieces_of_job(control);
-    run_parallel("single scattering", list.jobs.size(), control, [&](std::size_t j) {
-        const auto [medium, w] = list.jobs[j];
-        const auto compute = [&, m = medium, w = w] {
-            return compute_optics(scene, m, w, demand, pieces);
-        };
-        done[j] = scene.media[medium].needs_mie()
-                      ? remembered(control, optics_hash(scene.media[medium], w, demand), compute)
-                      : compute();
-    });
+    JobList list;
+    std::vector<std::vector<std::size_t>> jobs;  // [wavelength and medium][species]
+    for (const std::size_t w : wavelengths) {
+        for (const std::size_t m : media) jobs.push_back(list.add(scene.media[m], w));
+    }
+    const std::vector<MediumOptics> done = list.compute(demand, control);
     std::vector<std::vector<MediumOptics>> all;
-    for (const std::vector<std::size_t>& serving : list.serving) {
+    auto next = jobs.begin();
+    for (const std::size_t w : wavelengths) {
         auto& row = all.emplace_back();
-        for (const std::size_t job : serving) row.push_back(done[job]);
+        for (const std::size_t m : media)
+            row.push_back(mixed(scene.media[m], w, chosen(done, *next++)));
     }
     return all;
 }
 
+std::vector<std::vector<double>> optical_depths_of(const ResolvedScene& scene,
+                                                   const std::vector<std::size_t>& wavelengths,
+                                                   double mie_tolerance, const Control& control) {
+    OpticsDemand demand;
+    demand.tolerance = mie_tolerance;
+    struct Following {
+        std::size_t place, layer;
+        std::vector<std::size_t> here, reference;
+    };
+    JobList list;
+    std::vector<Following> following;
+    std::vector<std::vector<double>> depths(wavelengths.size());
+    for (std::size_t place = 0; place < wavelengths.size(); ++place) {
+        const std::size_t w = wavelengths[place];
+        for (std::size_t layer = 0; layer < scene.layers(); ++layer) {
+            const ResolvedDepth& depth = scene.depths[layer];
+            depths[place].push_back(depth.optical_depth);
+            const bool is_there =
+                depth.reference && depth.depth.wavelength_nm == scene.wavelength_nm[w];
+            if (depth.is_grey() || is_there) continue;
+            following.push_back({place, layer, list.add(scene.media[layer + 1], w), {}});
+            if (depth.reference) following.back().reference = list.add(*depth.reference, 0);
+        }
+    }
+    const std::vector<MediumOptics> done = list.compute(demand, control);
+    for (const Following& f : following) {
+        const ResolvedDepth& depth = scene.depths[f.layer];
+        const double here =
+            extinction_per_um(scene.media[f.layer + 1], wavelengths[f.place], chosen(done, f.here));
+        depths[f.place][f.layer] =
+            depth.column_um ? *depth.column_um * here
+                            : depth.optical_depth * here /
+                                  extinction_per_um(*depth.reference, 0, chosen(done, f.reference));
+    }
+    return depths;
+}
+
 std::vector<double> packed(const MediumOptics& optics) {
-    const auto& [o, phase, asymmetry, q_ext, error_estimate, converged] = optics;
+    // A species alone: the extinction of a medium is not its own.
+    const auto& [o, phase, asymmetry, q_ext, error_estimate, converged, per_um] = optics;
+    static_cast<void>(per_um);
     const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
     NumberPacker packer;
     packer.add(albedo).add(one_minus_albedo).add(chi).add(has_more_moments);

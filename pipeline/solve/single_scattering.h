@@ -42,18 +42,36 @@ struct MediumOptics {
     rte::Optics optics;
     std::vector<double> phase;    ///< P at the demanded angles_deg, in their order
     double asymmetry = 0.0;       ///< chi_1
-    std::optional<double> q_ext;  ///< extinction efficiency; empty if analytic
+    std::optional<double> q_ext;  ///< extinction efficiency; empty if analytic or a mixture
     double error_estimate = 0.0;  ///< relative, of the size average; 0 if analytic
     bool converged = true;
+    double extinction_per_um = 0.0;  ///< of the medium (extinction_per_um); 0 of single species
 };
 
-/// Everything that the optics of a medium depend on: scenes that share it share the result.
+/// Everything that the optics of a species depend on: scenes that share it share the result.
 /// @param w  index of the wavelength
-std::string optics_hash(const ResolvedMedium& medium, std::size_t w, const OpticsDemand& demand);
+std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand);
 
-/// One medium at one wavelength, computed.
+/// One species at one wavelength, computed.
 /// @param run  for the pieces of one Mie average (parallel.h)
 /// @throws UsageError  for sizes that the average cannot be taken over at this wavelength
+MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
+                            const OpticsDemand& demand,
+                            const mie::Executor& run = mie::run_in_order);
+
+/// A medium of which every species is known: albedos by extinction, phase functions by scattering,
+/// what the host absorbs as a species of albedo 0.
+/// @param species  in the order of the medium
+MediumOptics mixed(const ResolvedMedium& medium, std::size_t w,
+                   const std::vector<MediumOptics>& species);
+
+/// Extinction in 1/um of a layer with the medium's volume fractions (of ratios alone: in any unit):
+/// 3 f Q_ext / (4 r_eff) of every species, and what the host absorbs. 0 for media whose optics are
+/// given.
+double extinction_per_um(const ResolvedMedium& medium, std::size_t w,
+                         const std::vector<MediumOptics>& species);
+
+/// One medium at one wavelength, computed species by species.
 MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std::size_t w,
                             const OpticsDemand& demand,
                             const mie::Executor& run = mie::run_in_order);
@@ -66,6 +84,12 @@ std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
                                                  const std::vector<std::size_t>& wavelengths,
                                                  const OpticsDemand& demand,
                                                  const Control& control);
+
+/// Optical depths of layers: [place in `wavelengths`][layer, the lowest first]. Single scattering
+/// is asked for extinction alone, and only of layers whose depth follows it.
+std::vector<std::vector<double>> optical_depths_of(const ResolvedScene& scene,
+                                                   const std::vector<std::size_t>& wavelengths,
+                                                   double mie_tolerance, const Control& control);
 
 /// Results as a row of numbers, for the cache.
 std::vector<double> packed(const MediumOptics& optics);

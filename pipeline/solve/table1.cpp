@@ -138,8 +138,8 @@ Table1Result compute_table1(const Table1Request& request, const Control& control
     }
     std::vector<ResolvedIndex> media;
     for (std::size_t m = 0; m < materials.size(); ++m) {
-        const Medium medium{.kind = "material", .name = materials[m]};
-        media.push_back(resolve_index(medium, wavelengths[m], request.database));
+        const Species material{.kind = "material", .name = materials[m]};
+        media.push_back(resolve_index(material, wavelengths[m], request.database));
         result.sources.push_back(media.back().source);
     }
     run_parallel("diffuse reflectance", cells.size(), control, [&](std::size_t i) {

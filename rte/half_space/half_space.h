@@ -33,6 +33,12 @@ struct Reflector {
     /// and nodes * sky.
     Eigen::VectorXd sky_at_requested;
     Eigen::VectorXd sky_at_nodes;
+    /// Upward radiance of uniform unit emission by a ground that lies below everything, in the
+    /// normalisations of the sky's; empty where nobody asked. Reciprocity makes it the
+    /// transmittance: of light incident at that cosine, the flux that arrives at the ground,
+    /// counted as often as it does.
+    Eigen::VectorXd glow_at_requested;
+    Eigen::VectorXd glow_at_nodes;
     int iterations = 0;     ///< of an iterative method, else 0
     double residual = 0.0;  ///< largest (mu + mu') |change of R| in the last step, relative
     bool converged = true;  ///< of the iteration

@@ -217,6 +217,17 @@ void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::Ve
     result.sky_at_nodes = layer.reflection * sky + layer.transmitted(up);
 }
 
+/// Emission from below: up = U + X_base down, down = X_c up.
+void fill_glow(const LayerOperator& layer, const Reflector& base, const FourierWork& work,
+               Reflector& result) {
+    const Eigen::VectorXd& below = base.glow_at_nodes;
+    const Eigen::VectorXd down = work.bounces.solve(layer.reflection * below);
+    const Eigen::VectorXd up = below + base.nodes * down;
+    result.glow_at_nodes = layer.transmitted(up);
+    result.glow_at_requested = layer.transmission_rows * up + work.seen * down +
+                               layer.direct.cwiseProduct(base.glow_at_requested);
+}
+
 }  // namespace
 
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,
@@ -236,6 +247,7 @@ void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDi
     work.square.diagonal().array() += 1.0;
     work.bounces.compute(work.square);
     if (parts == ReflectorParts::sky) fill_sky(layer, base, sky, work, result);
+    if (base.glow_at_nodes.size() > 0) fill_glow(layer, base, work, result);
     if (parts == ReflectorParts::nodes) {
         work.beam = work.seen.transpose();
         work.through = layer.transmission_rows.transpose();

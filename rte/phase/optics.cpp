@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <miebrdf/error.h>
 #include "rte/math/legendre.h"
@@ -79,6 +80,16 @@ Optics henyey_greenstein_optics(double single_scattering_albedo, double asymmetr
     return optics;
 }
 
+double MixedPhase::operator()(double cos_theta) const {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < components.size(); ++c) {
+        const Optics& optics = components[c];
+        sum += share[c] * (optics.phase ? optics.phase(cos_theta)
+                                        : math::legendre_series(optics.chi, cos_theta));
+    }
+    return sum;
+}
+
 Optics mix(const std::vector<MixtureComponent>& components) {
     double extinction = 0.0;
     for (const MixtureComponent& component : components) {
@@ -122,16 +133,10 @@ Optics mix(const std::vector<MixtureComponent>& components) {
         mixture.chi.resize(std::min(mixture.chi.size(), component.optics.chi.size()));
     }
     if (any_phase) {
-        mixture.phase = [components, scattering](double cos_theta) {
-            double sum = 0.0;
-            for (std::size_t c = 0; c < components.size(); ++c) {
-                const Optics& optics = components[c].optics;
-                sum +=
-                    scattering[c] * (optics.phase ? optics.phase(cos_theta)
-                                                  : math::legendre_series(optics.chi, cos_theta));
-            }
-            return sum;
-        };
+        MixedPhase phase{{}, std::move(scattering)};
+        for (const MixtureComponent& component : components)
+            phase.components.push_back(component.optics);
+        mixture.phase = std::move(phase);
     }
     return mixture;
 }

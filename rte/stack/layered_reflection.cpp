@@ -61,10 +61,18 @@ Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
     return attempt;
 }
 
+/// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
+/// known here.
+bool has_transmittance(const ScaledStack& stack, const SolverOptions& options, bool has_surface) {
+    return stack.base != BaseKind::half_space && !has_surface &&
+           options.coat_method == CoatMethod::automatic;
+}
+
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
                     StackMemory& memory, const std::function<SurfaceWeights(double mu)>& surface) {
-    const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    scaled.transmits = has_transmittance(scaled, options, bool(surface));
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
@@ -83,6 +91,12 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     for (const int i : requested.in) attempt.values.push_back(reflector.sky_at_requested[i]);
     const double entering = let_in.dot(D);  // 0: the surface is a mirror
     attempt.values.push_back(entering > 0.0 ? let_in.dot(reflector.sky_at_nodes) / entering : 0.0);
+    if (scaled.transmits) {
+        const double absorbed = 1.0 - scaled.ground_albedo;
+        for (const int i : requested.in)
+            attempt.values.push_back(absorbed * reflector.glow_at_requested[i]);
+        attempt.values.push_back(absorbed * D.dot(reflector.glow_at_nodes) / D.squaredNorm());
+    }
     attempt.report.fourier_orders = 1;
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
@@ -144,14 +158,20 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
     StackMemory own;
+    const bool transmits =
+        has_transmittance(scale_stack(stack, 1, options.delta_m), options, bool(surface));
+    const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
     Attempt attempt = solve_with_estimate(
-        stack, options, mu_in.size() + 1, 1, [&](const Discretisation& discretisation) {
+        stack, options, values_wanted, 1, [&](const Discretisation& discretisation) {
             return albedo_with(stack, requested, options, discretisation,
                                memory != nullptr ? *memory : own, surface);
         });
-    const double spherical_albedo = attempt.values.back();
-    attempt.values.pop_back();
-    return {std::move(attempt.values), spherical_albedo, std::move(attempt.report)};
+    std::vector<double>& values = attempt.values;
+    const auto end_of_plane = values.begin() + std::ptrdiff_t(mu_in.size());
+    return {{values.begin(), end_of_plane},
+            *end_of_plane,
+            {end_of_plane + 1, values.end()},
+            std::move(attempt.report)};
 }
 
 }  // namespace miebrdf::rte

@@ -25,6 +25,9 @@ struct ReflectionTable {
 struct AlbedoTable {
     std::vector<double> plane_albedo;  ///< one for each mu_in
     double spherical_albedo = 0.0;     ///< of uniform light from everywhere
+    /// Net flux into what lies below the layers, where that is a ground or nothing: one for each
+    /// mu_in, then that of uniform light. Empty for half-spaces.
+    std::vector<double> transmittance;
     SolverReport report;
 };
 
@@ -37,6 +40,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {}, StackMemory* memory = nullptr);
 
 /// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
+/// The paper's stepwise coat methods have no transmittance.
 /// @param surface  the weights of a surface above the layers at a cosine in (0, 1], smooth in it;
 ///                 empty: no surface, all weights are 1. Both albedos are of the light that it lets
 ///                 in, and count what it lets out:

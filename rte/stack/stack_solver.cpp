@@ -77,7 +77,7 @@ void StackSolver::set_medium(const ScaledMedium& medium) {
 }
 
 bool StackSolver::may_leave_out_layers() const {
-    return options_.coat_method == CoatMethod::automatic &&
+    return !stack_.transmits && options_.coat_method == CoatMethod::automatic &&
            options_.half_space_method == HalfSpaceMethod::automatic;
 }
 
@@ -98,6 +98,11 @@ std::size_t StackSolver::solve_lowest() {
 }
 
 void StackSolver::solve_base() {
+    memory_.reflector.glow_at_nodes.resize(0);
+    if (stack_.transmits) {
+        memory_.reflector.glow_at_nodes = flux_weights(grid_);
+        memory_.reflector.glow_at_requested.setOnes(requested_.mu.size());
+    }
     switch (stack_.base) {
         case BaseKind::lambertian:
             lambertian_ground(stack_.ground_albedo, memory_.mode, grid_, requested_,

@@ -19,6 +19,8 @@ struct ScaledStack {
     BaseKind base = BaseKind::half_space;
     double ground_albedo = 0.0;
     int moments = 1;  ///< Legendre moments of the medium that has most
+    /// The flux into what lies below is wanted (Reflector::glow_at_requested): nothing is left out.
+    bool transmits = false;
 };
 
 /// delta-M for every medium; layers without depth are left out, and so is everything below a coat

@@ -74,7 +74,7 @@ TEST_CASE("the paper's pair agrees with the reference reflection", "[pipeline][b
     const auto [directions, rows] = rows_of(table, depth);
     REQUIRE(!rows.empty());
     Scene scene = scene_of("TiO2");
-    if (depth > 0) scene.layers.push_back({medium("AlGaAs7"), depth});
+    if (depth > 0) scene.layers.push_back({medium("AlGaAs7"), grey(depth)});
     const BrdfValues values = solve(scene, {450}).evaluate(directions);
     std::map<double, double> largest;  // the tolerance is relative to the largest at an incidence
     for (const std::size_t row : rows) {

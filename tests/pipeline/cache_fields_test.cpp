@@ -199,11 +199,11 @@ TEST_CASE("the name of a layer's result has all that it depends on, and nothing 
         [](auto& r) { r.scene.base = medium("index:1.5,0.02"); },
         [](auto& r) { r.scene.layers[0].medium = medium("hg:0.5,0.3"); },
         [](auto& r) { r.scene.layers[0].medium = medium("rayleigh:0.5"); },
-        [](auto& r) { r.scene.layers[0].optical_depth = 0.4; },
+        [](auto& r) { r.scene.layers[0].depth = 0.4; },
         [](auto& r) { r.scene.layers.clear(); },
         [](auto& r) { r.scene.layers.push_back(r.scene.layers[0]); },
         [](auto& r) { r.scene.particles.sizes.effective_variance = 0.1; },
-        [](auto& r) { r.scene.particles.host_index = 1.33; },
+        [](auto& r) { r.scene.particles.host.index = 1.33; },
         [](auto& r) { r.scene.particles.k_floor = 0.03; },
         [](auto& r) { r.scene.particles.tolerance = 1e-5; },
     };

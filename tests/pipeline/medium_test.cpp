@@ -38,7 +38,7 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
                                           "# single_scattering_albedo: 0.9\n"
                                           "l,chi\n0,1\n1,0.5\n2,0.25\n");
     struct Case {
-        Medium by_hand;
+        Species by_hand;
         std::string words;
     };
     const std::vector<Case> cases = {
@@ -57,14 +57,15 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
     };
     for (const Case& c : cases) {
         CAPTURE(c.words);
-        CHECK(c.by_hand == medium(c.words));
+        CHECK(c.by_hand == species(c.words));
+        CHECK(Medium(c.by_hand) == medium(c.words));
         CHECK(describe(c.by_hand) == c.words);
     }
     // Also to the solver: the same bits.
     for (const std::size_t i : {2, 5, 6}) {
         Scene by_hand;
         by_hand.base = cases[i].by_hand;
-        by_hand.layers = {{{.kind = "hg", .parameters = {0.5, 0.2}}, 0.3}};
+        by_hand.layers = {{Species{.kind = "hg", .parameters = {0.5, 0.2}}, 0.3}};
         const Scene from_words = support::scene_of(cases[i].words, {"hg:0.5,0.2@0.3"});
         by_hand.particles.sizes.effective_radius_um = 1;
         Scene other = from_words;
@@ -78,7 +79,7 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
 
 TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
           "[pipeline][medium]") {
-    Medium glass{.kind = "table",
+    Species glass{.kind = "table",
                  .name = "glass of mine",
                  .wavelength_nm = {500, 600},
                  .index = {{1.6, 0.01}, {1.5, 0.02}},
@@ -104,13 +105,13 @@ TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
     CHECK_THROWS_WITH(solve(scene, {700}),
                       Catch::Contains("glass of mine") && Catch::Contains("700"));
     // Words cannot say it.
-    CHECK(medium("table:glass").kind == "material");
+    CHECK(species("table:glass").kind == "material");
     for (const MediumForm& form : medium_forms()) CHECK_FALSE(form.form.empty());
 }
 
 TEST_CASE("a medium made by hand is held to what its kind allows", "[pipeline][medium][errors]") {
     struct Case {
-        Medium medium;
+        Species medium;
         const char* complaint;
     };
     const std::vector<Case> wrong = {
@@ -158,11 +159,11 @@ TEST_CASE("only materials and indices go through Mie theory", "[pipeline][medium
 
 TEST_CASE("a layer's optical depth is what follows the last @", "[pipeline][medium]") {
     const Layer coat = layer("hg:0.9,0.5@0.1");
-    CHECK(coat.optical_depth == 0.1);
+    CHECK(coat.depth == Depth(0.1));
     CHECK(describe(coat.medium) == "hg:0.9,0.5");
-    CHECK(layer("hg:0.9,0.5@inf").optical_depth == std::numeric_limits<double>::infinity());
+    CHECK(layer("hg:0.9,0.5@inf").depth.value == std::numeric_limits<double>::infinity());
     const Layer sized = layer("TiO2,radius=0.1,variance=0.3@1");
-    CHECK(sized.optical_depth == 1);
+    CHECK(sized.depth.value == 1);
     CHECK(describe(sized.medium) == "TiO2,radius=0.1,variance=0.3");
 }
 
@@ -187,7 +188,7 @@ TEST_CASE("media out of range are refused with the value and the range",
 
 TEST_CASE("layers without, with negative or with senseless optical depth are refused",
           "[pipeline][medium][errors]") {
-    CHECK_THROWS_WITH(layer("TiO2"), Catch::Contains("MEDIUM@OPTICAL_DEPTH"));
+    CHECK_THROWS_WITH(layer("TiO2"), Catch::Contains("MEDIUM@DEPTH"));
     CHECK_THROWS_WITH(layer("TiO2@-1"), Catch::Contains("-1") && Catch::Contains(">= 0"));
     CHECK_THROWS_AS(layer("TiO2@nan"), UsageError);
     CHECK_THROWS_AS(layer("TiO2@-inf"), UsageError);
@@ -197,12 +198,12 @@ TEST_CASE("layers without, with negative or with senseless optical depth are ref
 
 TEST_CASE("sizes after a layer's optical depth are put right", "[pipeline][sizes][errors]") {
     CHECK_THROWS_AS(layer("TiO2@1,radius=0.1"), UsageError);
-    CHECK_THROWS_WITH(layer("TiO2@1,radius=0.1"), Catch::Contains("before the optical depth") &&
+    CHECK_THROWS_WITH(layer("TiO2@1,radius=0.1"), Catch::Contains("before the depth") &&
                                                       Catch::Contains("TiO2,radius=0.1@1"));
 }
 
 TEST_CASE("sizes follow a medium in any order", "[pipeline][sizes]") {
-    const Medium sized = medium("index:1.5,0.01, distribution = mono ,radius=2");
+    const Species sized = species("index:1.5,0.01, distribution = mono ,radius=2");
     CHECK(describe(sized) == "index:1.5,0.01,radius=2,distribution=mono");
     CHECK(sized.parameters == std::vector<double>{1.5, 0.01});
     CHECK(sized.sizes.effective_radius_um == 2.0);

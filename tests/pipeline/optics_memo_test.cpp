@@ -118,7 +118,7 @@ TEST_CASE("the plan of a run says what its scenes share, as they do", "[pipeline
                      .scene = scene_of("index:1.5,0.01,radius=2", {"hg:0.5,0.5@0.3"}),
                      .shares = false});
     cases.push_back({.what = "another host", .scene = first, .shares = false});
-    cases.back().scene.particles.host_index = 1.33;
+    cases.back().scene.particles.host.index = 1.33;
     cases.push_back({.what = "another tolerance",
                      .scene = first,
                      .options = {.tolerance = 1e-4, .streams = 16},

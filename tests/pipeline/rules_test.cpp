@@ -71,7 +71,7 @@ TEST_CASE("hidden layers: their Mie theory is not computed, and the result is th
         optics_of(scene, {0, 1}, {0}, demand_of({}, 0.0, PhaseDemand::whole), {.threads = 1})[0];
     rte::Stack stack;
     stack.base = optics[0].optics;
-    stack.coats = {{optics[1].optics, scene.optical_depth[0]}};
+    stack.coats = {{optics[1].optics, scene.depths[0].optical_depth}};
     const auto whole = rte::reflect(stack, few_directions(), {}).reflection;
     const std::size_t block = 6;  // 2 mu_out x 3 azimuths
     for (std::size_t i = 0; i < whole.size(); ++i) {

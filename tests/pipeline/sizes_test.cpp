@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "pipeline/cache/result_cache.h"
-#include "pipeline/scene/particle_sizes.h"
+#include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layers.h"
 #include "rte/stack/layered_reflection.h"
@@ -67,7 +67,7 @@ std::size_t mie_jobs(const Plan& plan) {
 TEST_CASE("what a layer leaves out is that of its scene", "[pipeline][sizes]") {
     ParticleOptions scene;
     scene.sizes = {Kind::gamma, 7.0, 0.05};
-    const auto own = [&](const char* text) { return sizes_of(medium(text), scene); };
+    const auto own = [&](const char* text) { return sizes_of(species(text), scene); };
     CHECK(own("TiO2,radius=2").effective_radius_um == 2);
     CHECK(own("TiO2,radius=2").effective_variance == 0.05);
     CHECK(own("TiO2,radius=2").kind == Kind::gamma);
@@ -81,7 +81,7 @@ TEST_CASE("what a layer leaves out is that of its scene", "[pipeline][sizes]") {
 
 TEST_CASE("a scene from C++ is held to the same sizes as words", "[pipeline][sizes][errors]") {
     Scene scene = scene_of("index:1.5,0.01", "index:1.6,0.01@0.1");
-    scene.layers[0].medium.sizes.effective_radius_um = -3;
+    scene.layers[0].medium.species[0].sizes.effective_radius_um = -3;
     CHECK_THROWS_AS(solved(scene), UsageError);
     CHECK_THROWS_WITH(solved(scene),
                       Catch::Contains("index:1.6,0.01") && Catch::Contains("radius -3"));
@@ -126,11 +126,11 @@ TEST_CASE("every layer scatters as its own spheres do alone", "[pipeline][sizes]
     const auto alone = [&](const Medium& medium, double radius_um, std::size_t w) {
         Scene one;
         one.base = medium;
-        one.base.sizes = {};
+        one.base.species.front().sizes = {};
         one.particles.sizes.effective_radius_um = radius_um;
         return compute_optics(resolve(one, kWavelengths), 0, w, demand);
     };
-    const double depth = scene.layers[0].optical_depth;
+    const double depth = scene.layers[0].depth.value;
     for (std::size_t w = 0; w < kWavelengths.size(); ++w) {
         const auto base = alone(scene.base, c.base_radius_um, w);
         const auto coat = alone(scene.layers[0].medium, c.coat_radius_um, w);

@@ -97,7 +97,7 @@ int main() {
     request.scene.base = medium("hg:0.9,0.4");
     print_table("A Henyey-Greenstein half-space of albedo 0.9, g = 0.4", request, folder);
     request.scene.base = medium("TiO2");
-    request.scene.layers = {layer("AlGaAs7@0.1")};
+    request.scene.layers = {layer("AlGaAs7@0.1[grey]")};
     print_table("AlGaAs7 of optical depth 0.1 on TiO2 (50 um spheres)", request, folder);
     fs::remove_all(folder);
 }

@@ -21,7 +21,7 @@ const std::vector<double> kMuIn = {0.2, 0.5, 0.8}, kMuOut = {0.2, 0.5, 0.8},
 Scene paper_scene() {
     Scene scene;
     scene.base = medium("TiO2");
-    scene.layers = {layer("AlGaAs7@0.1")};
+    scene.layers = {layer("AlGaAs7@0.1[grey]")};
     return scene;
 }
 

@@ -79,7 +79,7 @@ rte::Stack whole_stack(const Question& question, PhaseDemand phase) {
         if (m == 0) {
             stack.base = optics;
         } else {
-            stack.coats.push_back({optics, scene.optical_depth[m - 1]});
+            stack.coats.push_back({optics, scene.depths[m - 1].optical_depth});
         }
     }
     return stack;
@@ -159,7 +159,7 @@ BenchCase no_depth() {
     empty.scene.particles.sizes.effective_radius_um = 10;
     empty.scene.layers = {layer("index:1.5,0.01@0")};
     thin = empty;
-    thin.scene.layers[0].optical_depth = 1e-14;
+    thin.scene.layers[0].depth = 1e-14;
     return rule_case(
         "no depth", "A coat of spheres of optical depth 1e-14, and 0.",
         [thin] { return total(thin); }, [empty] { return total(empty); });
@@ -210,7 +210,7 @@ BenchCase same_spheres() {
     Question question = spheres_question("index:1.5,0.01");
     question.scene.layers = {layer("index:1.5,0.01@0.1")};
     Question other = question;
-    other.scene.layers[0].medium.parameters[0] += 1e-12;
+    other.scene.layers[0].medium.species[0].parameters[0] += 1e-12;
     return rule_case(
         "same spheres", "Spheres on the same spheres; or nearly the same.",
         [other] { return total(other); }, [question] { return total(question); });

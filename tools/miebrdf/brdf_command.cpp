@@ -1,7 +1,9 @@
 // miebrdf brdf and miebrdf albedo: a scene's reflection.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <miebrdf/colour.h>
@@ -10,8 +12,6 @@
 
 namespace miebrdf::program {
 namespace {
-
-Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
 
 /// What a result says about itself at each wavelength, without its physics.
 void add_report(Table& table, const ResultReport& result) {
@@ -41,6 +41,32 @@ void add_physics(Table& table, const BrdfValues& values) {
     }
 }
 
+/// The optical depth of every layer at every wavelength; one number where they agree.
+void add_depths(Table& table, const ResultReport& result, const Scene& scene) {
+    std::size_t layer = 0;
+    for (std::size_t c = 0; c < scene.layers.size(); ++c) {
+        if (scene.layers[c].depth.value == 0.0) continue;
+        std::vector<std::string> texts;
+        bool same = true;
+        double first = std::numeric_limits<double>::quiet_NaN();
+        for (const WavelengthReport& at : result.wavelengths) {
+            if (layer >= at.optical_depths.size()) continue;
+            const double depth = at.optical_depths[layer];
+            if (texts.empty()) first = depth;
+            same = same && depth == first;
+            texts.push_back(fmt::format("{:.6g} at {} nm", depth, at.wavelength_nm));
+        }
+        ++layer;
+        if (texts.empty()) continue;
+        table.facts.emplace_back(
+            "optical_depth",
+            fmt::format(
+                "coat {} ({}@{}): {}", c + 1, describe(scene.layers[c].medium),
+                describe(scene.layers[c].depth),
+                same ? fmt::format("{:.6g}", first) : fmt::format("{}", fmt::join(texts, ", "))));
+    }
+}
+
 /// What the output says about how it was computed.
 void add_facts(Table& table, const ResultReport& result, const Scene& scene,
                const std::string& units) {
@@ -48,6 +74,8 @@ void add_facts(Table& table, const ResultReport& result, const Scene& scene,
     for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
     if (const std::string particles = describe_particles(scene); !particles.empty())
         table.facts.emplace_back("particles", particles);
+    add_depths(table, result, scene);
+    for (const std::string& note : result.notes) table.facts.emplace_back("note", note);
     table.facts.emplace_back("tolerance", result.tolerance);
     table.facts.emplace_back("error_estimate", rounded(result.error_estimate(), 3));
     const WavelengthReport& noisiest = result.noisiest();
@@ -143,10 +171,19 @@ void add_colours(Table& table, const AlbedoValues& values, const std::vector<dou
 
 void add_spectra(Table& table, const AlbedoValues& values) {
     table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};
+    const bool transmits = !values.plane_transmittance.empty();
+    if (transmits) {
+        table.columns.insert(table.columns.end(),
+                             {"plane_transmittance", "spherical_transmittance"});
+    }
     for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
         for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
-            table.rows.push_back({values.wavelengths[w].wavelength_nm, values.mu_in[i],
+            auto& row = table.rows.emplace_back(
+                std::vector<Cell>{values.wavelengths[w].wavelength_nm, values.mu_in[i],
                                   values.at(w, i), values.spherical_albedo[w]});
+            if (!transmits) continue;
+            row.emplace_back(values.plane_transmittance[w][i]);
+            row.emplace_back(values.spherical_transmittance[w]);
         }
     }
 }
@@ -162,7 +199,8 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
     } else {
         add_facts(
             table, values, brdf.scene(),
-            "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless");
+            "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless; "
+            "transmittances: net flux into what lies below the layers");
         add_spectra(table, values);
     }
     shell.write(std::move(table));

@@ -77,6 +77,8 @@ int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shel
 
 int export_scattering(const std::string& format, const Brdf& brdf, const Shell& shell) {
     // The base alone: layers are for light transfer.
+    if (brdf.scene().substrate)
+        throw UsageError("scattering: a substrate has no single scattering; give a --base");
     const Scene scene{.base = brdf.scene().base,
                       .particles = brdf.scene().particles,
                       .database = brdf.scene().database};

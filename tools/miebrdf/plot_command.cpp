@@ -105,9 +105,11 @@ std::vector<BrdfPart> parse_components(const std::string& text, const Scene& sce
 std::string title_of(const Scene& scene) {
     std::string title;
     for (auto coat = scene.layers.rbegin(); coat != scene.layers.rend(); ++coat) {
-        title += fmt::format("{} (\u03c4 = {:g}) on ", describe(coat->medium), coat->optical_depth);
+        const bool is_optical = coat->depth.kind == Depth::Kind::optical_depth;
+        title += fmt::format("{} ({}{}) on ", describe(coat->medium), is_optical ? "\u03c4 = " : "",
+                             describe(coat->depth));
     }
-    return title + describe(scene.base);
+    return title + (scene.substrate ? describe(*scene.substrate) : describe(scene.base));
 }
 
 std::pair<double, double> parse_range(const std::string& text, bool logarithmic) {

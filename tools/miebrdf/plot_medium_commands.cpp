@@ -41,7 +41,7 @@ plot::IndexCurve index_curve(const std::string& name, const std::vector<double>&
         curve.n.push_back(index.real());
         curve.k.push_back(index.imag());
     };
-    const Medium shown = medium(name);
+    const Species shown = species(name);
     if (shown.kind == "material") {
         const auto table = open_database(database).refractive_index(shown.name);
         for (const double nm : wavelength_nm) {

@@ -83,14 +83,16 @@ void add_facts(Table& table, const MediaSpectra& spectra, const std::string& uni
         table.facts.emplace_back("not converged", "the size average missed its tolerance");
 }
 
-Cell cell_of(const std::optional<double>& value) { return value ? Cell(*value) : Cell(); }
-
 std::vector<Cell> optics_row(const MediaSpectra& spectra, std::size_t w) {
     const MediumOptics& o = spectra.optics[w].front();
-    const auto& index = spectra.scene.media.front().index;
+    const ResolvedMedium& medium = spectra.scene.media.front();
+    // The index of a mixture is that of nothing in it.
+    std::optional<std::complex<double>> index;
+    if (medium.needs_mie() && medium.species.size() == 1)
+        index = medium.species.front().particles[w].index;
     std::vector<Cell> row = {spectra.scene.wavelength_nm[w],
-                             index.empty() ? Cell() : Cell(index[w].real()),
-                             index.empty() ? Cell() : Cell(index[w].imag()),
+                             index ? Cell(index->real()) : Cell(),
+                             index ? Cell(index->imag()) : Cell(),
                              o.optics.single_scattering_albedo,
                              o.asymmetry,
                              cell_of(o.q_ext),

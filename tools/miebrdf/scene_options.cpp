@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include <miebrdf/error.h>
-#include "pipeline/scene/particle_sizes.h"
+#include "pipeline/scene/species_keys.h"
 
 namespace miebrdf::program {
 namespace {
@@ -28,9 +28,17 @@ std::string sizes_text(const mie::SizeDistribution& sizes) {
 }
 
 /// "TiO2" of "TiO2,radius=0.1".
-std::string without_sizes(Medium medium) {
-    medium.sizes = {};
-    return describe(medium);
+std::string without_sizes(Species species) {
+    species.sizes = {};
+    return describe(species);
+}
+
+/// "a host of index 1.5", "PMMA"
+std::string host_text(const Host& host) {
+    if (!host.name.empty()) return host.name;
+    const double n = host.index.real(), k = host.index.imag();
+    return k == 0.0 ? fmt::format("a host of index {}", n)
+                    : fmt::format("a host of index {} + {}i", n, k);
 }
 
 /// A roughness of 0 that was said is a choice, with the rest of the surface ready for another.
@@ -89,7 +97,6 @@ void SceneArguments::add(CLI::App& command, Shell& shell, const std::vector<std:
         const std::string& by_default =
             name == "wavelengths" ? default_wavelengths_ : word.default_text;
         if (!by_default.empty()) option->default_str(by_default);
-        option->required(name == "base" && needs_base_ && result_ == nullptr);
     }
 }
 
@@ -116,7 +123,12 @@ bool SceneArguments::given(std::string_view word) const {
 }
 
 Request SceneArguments::parse() const {
-    if (needs_base_ && !given("base")) throw UsageError("--base is required");
+    if (needs_base_ && !given("base") && !given("substrate"))
+        throw UsageError("--base or --substrate is required");
+    if (given("base") && given("substrate")) {
+        throw UsageError(
+            "--base and --substrate: a scene has one of them; a substrate lies in place of a base");
+    }
     Request request = result_ != nullptr ? result_->request : request_of(typed());
     require_surface_of_index(given("surface-index"), given("roughness"));
     if (!given("wavelengths"))
@@ -129,29 +141,48 @@ Request SceneArguments::parse() const {
 
 std::string describe_particles(const Medium& medium, const ParticleOptions& particles) {
     if (!needs_mie(medium)) return "";
-    return fmt::format("{}, in a host of index {}", sizes_text(sizes_of(medium, particles)),
-                       particles.host_index);
+    const std::string host = host_text(medium.host.value_or(particles.host));
+    if (medium.species.size() == 1)
+        return fmt::format("{}, in {}", sizes_text(sizes_of(medium.species.front(), particles)),
+                           host);
+    std::string text;
+    for (const Species& species : medium.species) {
+        text += fmt::format("{}: {}; ", without_sizes(species),
+                            sizes_text(sizes_of(species, particles)));
+    }
+    return text + "in " + host;
 }
 
 std::string describe_particles(const Scene& scene) {
-    std::vector<std::pair<std::string, std::string>> layers;  // name, sizes
-    const auto add = [&](const std::string& place, const Medium& medium) {
-        if (!needs_mie(medium)) return;
-        layers.emplace_back(place + " " + without_sizes(medium),
-                            sizes_text(sizes_of(medium, scene.particles)));
+    struct Part {
+        std::string name, sizes, host;
     };
-    add("base", scene.base);
+    std::vector<Part> parts;
+    const auto add = [&](const std::string& place, const Medium& medium) {
+        for (const Species& species : medium.species) {
+            if (!needs_mie(species)) continue;
+            parts.push_back({place + " " + without_sizes(species),
+                             sizes_text(sizes_of(species, scene.particles)),
+                             host_text(medium.host.value_or(scene.particles.host))});
+        }
+    };
+    if (!scene.substrate) add("base", scene.base);
     for (std::size_t c = 0; c < scene.layers.size(); ++c)
         add(fmt::format("coat {}", c + 1), scene.layers[c].medium);
-    if (layers.empty()) return "";
-    const auto& first = layers.front().second;
-    const bool one = std::all_of(layers.begin(), layers.end(),
-                                 [&](const auto& layer) { return layer.second == first; });
-    std::string text = one ? first + ", " : "";
-    for (const auto& [name, sizes] : layers) {
-        if (!one) text += fmt::format("{}: {}; ", name, sizes);
+    if (parts.empty()) return "";
+    const Part& first = parts.front();
+    const auto agree = [&](std::string Part::*what) {
+        return std::all_of(parts.begin(), parts.end(),
+                           [&](const Part& part) { return part.*what == first.*what; });
+    };
+    const bool one_size = agree(&Part::sizes), one_host = agree(&Part::host);
+    if (one_size && one_host) return fmt::format("{}, in {}", first.sizes, first.host);
+    std::string text;
+    for (const Part& part : parts) {
+        text +=
+            fmt::format("{}: {}{}; ", part.name, part.sizes, one_host ? "" : ", in " + part.host);
     }
-    return text + fmt::format("in a host of index {}", scene.particles.host_index);
+    return one_host ? text + "in " + first.host : text.substr(0, text.size() - 2);
 }
 
 void MediaArguments::add_to(CLI::App& command, Shell& shell,
@@ -165,7 +196,8 @@ MediaSpectra MediaArguments::look_up(const std::vector<std::string>& media,
     Scene& scene = request.scene;
     scene.base = medium(media.front());
     // They lie side by side, not in layers; a depth only says that they are there.
-    for (std::size_t m = 1; m < media.size(); ++m) scene.layers.push_back({medium(media[m]), 1.0});
+    for (std::size_t m = 1; m < media.size(); ++m)
+        scene.layers.push_back({medium(media[m]), grey(1.0)});
     validate(scene);
     if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
     return {resolve(scene, request.wavelength_nm), std::move(demand),

@@ -76,6 +76,10 @@ RadiusRange radius_range(const SizeDistribution& distribution, double tail,
 /// Share of the geometric cross-section within a range: below 1 for laws that have no ends.
 double area_share_within(const SizeDistribution& distribution, const RadiusRange& range);
 
+/// <pi r^2>, the mean over the number of particles.
+/// @throws UsageError  for distributions whose number of small particles has no limit
+double mean_cross_section_um2(const SizeDistribution& distribution);
+
 /// <r^3>/<r^2>: of a table its own, otherwise the parameter.
 double effective_radius_of(const SizeDistribution& distribution);
 

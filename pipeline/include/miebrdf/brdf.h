@@ -62,6 +62,8 @@ struct PhaseNoise {
 struct WavelengthReport {
     double wavelength_nm = 0.0;
     rte::SolverReport solver;
+    /// Of the layers, the lowest first; empty where nothing had to be computed.
+    std::vector<double> optical_depths;
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
     PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
     double error_estimate = 0.0;      ///< of single scattering and transfer together
@@ -73,6 +75,7 @@ struct ResultReport {
     double tolerance = 0.0;
     std::vector<WavelengthReport> wavelengths;
     std::vector<std::string> sources;  ///< where the figures come from, one line for each medium
+    std::vector<std::string> notes;    ///< what holds within limits only, one line each
 
     bool converged() const;
     double error_estimate() const;             ///< largest over the wavelengths
@@ -111,9 +114,28 @@ class AlbedoValues : public ResultReport {
     std::vector<double> mu_in;
     std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
     std::vector<double> spherical_albedo;           ///< [wavelength]
+    /// Of scenes on a substrate without a surface: net flux into what lies below the layers.
+    std::vector<std::vector<double>> plane_transmittance;  ///< [wavelength][mu_in]
+    std::vector<double> spherical_transmittance;           ///< [wavelength]
 
     /// The plane albedo. @throws UsageError  for an index beyond its list
     double at(std::size_t wavelength, std::size_t in) const;
+};
+
+/// A layer of a scene at one wavelength. What needs absolute amounts, and what needs densities, is
+/// empty where they are not known.
+struct LayerOptics {
+    std::size_t wavelength = 0;  ///< index
+    std::string layer;           ///< "base", "coat 1", ...
+    double optical_depth = 0.0;  ///< infinite for a base
+    double single_scattering_albedo = 0.0;
+    double asymmetry = 0.0;
+    std::optional<double> scattering_per_um;          ///< mu_s
+    std::optional<double> absorption_per_um;          ///< mu_a, of particles and host
+    std::optional<double> reduced_scattering_per_um;  ///< mu_s' = mu_s (1 - g)
+    /// Kubelka-Munk's, of diffuse light: K = 2 mu_a, S = 3/4 mu_s' - 1/4 mu_a, in 1/um.
+    std::optional<double> k_km, s_km;
+    std::optional<double> mass_extinction_m2_per_kg;  ///< of the particles
 };
 
 struct TableOptions {
@@ -156,6 +178,10 @@ class Brdf {
 
     /// Fourier order 0 alone, without phase functions.
     AlbedoValues albedo(const std::vector<double>& mu_in) const;
+
+    /// Single scattering by every layer at every wavelength, from the lowest up; nothing of
+    /// radiative transfer.
+    std::vector<LayerOptics> layers() const;
 
     /// For those who evaluate millions of directions.
     /// @throws UsageError  for the surface's part of a scene without one; Cancelled

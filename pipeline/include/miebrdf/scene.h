@@ -8,12 +8,13 @@
 #include <complex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// What a medium says about its own spheres; what it leaves out is that of its scene.
+/// What a species says about its own spheres; what it leaves out is that of its scene.
 struct ParticleSizes {
     std::optional<double> effective_radius_um = {};  ///< > 0
     std::optional<double> effective_variance = {};   ///< > 0, up to 10; ignored for mono
@@ -22,8 +23,21 @@ struct ParticleSizes {
     bool operator==(const ParticleSizes&) const = default;
 };
 
-/// What a layer is made of; medium() makes one from words.
-struct Medium {
+/// How much of a layer a species is.
+struct Amount {
+    enum class Kind {
+        volume_fraction,  ///< of the layer's volume, in (0, 1]
+        mass_fraction,    ///< of the layer's mass, in (0, 1]
+        number_per_cm3,   ///< particles in a cubic centimetre, > 0
+    };
+    Kind kind = Kind::volume_fraction;
+    double value = 0.0;
+
+    bool operator==(const Amount&) const = default;
+};
+
+/// One kind of scatterers; species() makes one from words.
+struct Species {
     /// "material", "index", "isotropic", "rayleigh", "hg", "moments", ... (medium_forms), or
     /// "table": spheres of a refractive index of one's own
     std::string kind = {};
@@ -33,22 +47,60 @@ struct Medium {
     std::vector<double> wavelength_nm = {};  ///< table: in vacuum, ascending
     std::vector<std::complex<double>> index = {};  ///< table: n + ik at each wavelength, between
                                                    ///< them monotone cubic in photon energy
-    ParticleSizes sizes = {};                      ///< of media that go through Mie theory
+    ParticleSizes sizes = {};                      ///< of species that go through Mie theory
+    std::optional<double> density_g_cm3 = {};  ///< > 0; empty: that of the database, where needed
+    std::optional<Amount> amount = {};         ///< see Medium
 
+    bool operator==(const Species&) const = default;
+};
+
+/// What lies between the particles of a layer: a material of the database, or a constant index.
+struct Host {
+    std::string name = {};  ///< NAME or source:KEY; empty: `index`
+    std::complex<double> index = 1.0;
+
+    bool operator==(const Host&) const = default;
+};
+
+/// What a layer is made of: species side by side in a host; medium() makes one from words.
+///
+/// Several species need an amount each. One of them may leave it out where all others are mass
+/// fractions: it is the rest of the mass. A single species needs an amount where absolute amounts
+/// matter: for a thickness, and in a host that absorbs.
+struct Medium {
+    std::vector<Species> species = {};  ///< at least one
+    std::optional<Host> host = {};      ///< empty: that of the scene
+
+    Medium() = default;
+    Medium(Species only) : species{std::move(only)} {}
+    Medium(std::vector<Species> all, std::optional<Host> between)
+        : species(std::move(all)), host(std::move(between)) {}
     bool operator==(const Medium&) const = default;
 };
 
-/// Reads `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`, `hg:ALBEDO,G` or
-/// `moments:FILE` (the file is read here; names are looked up by solve()). Media that go through
-/// Mie theory may end in sizes of their own: `TiO2,radius=0.1,variance=0.3,distribution=gamma`.
+/// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
+/// `hg:ALBEDO,G` or `moments:FILE` (the file is read here; names are looked up by solve()), then
+/// sizes and amounts of its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong
+Species species(const std::string& text);
+
+/// Reads `SPECIES`, or several joined by ` + `, then perhaps ` in HOST`:
+/// `TiO2,radius=0.13,volume=15% + carbon,radius=0.04,volume=0.1% in PMMA`.
+/// @throws UsageError, InputError  as species()
 Medium medium(const std::string& text);
 
-/// The medium in the notation of medium(); a table, which has none, by its name.
+/// Reads a material's name, `source:KEY`, `index:N` or `index:N,K`. @throws UsageError
+Host host(const std::string& text);
+
+/// In the notation of species(), medium() and host(); a table, which has none, by its name.
+std::string describe(const Species& species);
 std::string describe(const Medium& medium);
+std::string describe(const Host& host);
 
 /// Whether its optics come from Mie theory (and so depend on sizes and host).
+bool needs_mie(const Species& species);
+/// Whether those of any species do.
 bool needs_mie(const Medium& medium);
 
 /// How each kind of medium that words can say is written: "hg:ALBEDO,G", with an example and what
@@ -58,28 +110,93 @@ struct MediumForm {
 };
 std::vector<MediumForm> medium_forms();
 
+/// Where optical depths are given unless a wavelength is said.
+inline constexpr double kDepthWavelengthNm = 550.0;
+
+/// How deep a layer is.
+struct Depth {
+    enum class Kind {
+        optical_depth,   ///< of extinction, vertical, >= 0; may be infinite
+        thickness_um,    ///< finite, >= 0; needs amounts
+        mass_kg_per_m2,  ///< of all particles over a unit of area, finite, >= 0; needs densities
+    };
+    Kind kind = Kind::optical_depth;
+    double value = 0.0;
+    /// Optical depths hold at this vacuum wavelength and follow the extinction of the particles at
+    /// all others, as those of aerosols do; 0: the same at every wavelength. Media whose optics are
+    /// given have no extinction to follow: the same at every wavelength.
+    double wavelength_nm = kDepthWavelengthNm;
+
+    Depth() = default;
+    Depth(double optical_depth) : value(optical_depth) {}
+    Depth(Kind kind_of_value, double given, double at_nm = kDepthWavelengthNm)
+        : kind(kind_of_value), value(given), wavelength_nm(at_nm) {}
+    bool operator==(const Depth&) const = default;
+};
+
+/// The same optical depth at every wavelength, as Chen et al. (2013) have it.
+Depth grey(double optical_depth);
+/// Reads `0.1`, `0.1[450nm]`, `0.1[grey]`, `40um`, `2mm`, `10cm`, `2kg/m2`, `30g/m2` or `inf`.
+/// @throws UsageError
+Depth depth(const std::string& text);
+/// In the notation of depth().
+std::string describe(const Depth& depth);
+
 /// A homogeneous layer of some depth.
 struct Layer {
     Medium medium = {};
-    double optical_depth = 0.0;  ///< of extinction, vertical, >= 0; may be infinite
+    Depth depth = {};
 };
 
-/// Reads `MEDIUM@OPTICAL_DEPTH`, for example `AlGaAs7@0.1`; `inf` is a depth.
-/// @throws UsageError, InputError  as medium(), and for a depth that is missing or negative
+/// Reads `MEDIUM@DEPTH`, for example `AlGaAs7@0.1` or `TiO2,volume=15% in PMMA@40um`.
+/// @throws UsageError, InputError  as medium() and depth()
 Layer layer(const std::string& text);
 
-/// The spheres of media that go through Mie theory; a medium's own sizes come before these.
-struct ParticleOptions {
-    mie::SizeDistribution sizes = {};
-    double host_index = 1.0;  ///< of the medium between the spheres, > 0
-    double k_floor = 0.0;     ///< k below this is raised to it; 0: k as tabulated
-    double tolerance = 0.0;   ///< of the size average; 0: its share of the whole tolerance
+/// What lies below the layers where there is no half-space: a ground, or nothing.
+struct Substrate {
+    enum class Kind {
+        black,       ///< nothing comes back
+        lambertian,  ///< a share of the flux, alike in all directions
+        none,        ///< a free film: what passes it is gone
+    };
+    Kind kind = Kind::black;
+    /// Of a Lambertian ground, in [0, 1]: one for all wavelengths, or a table over `wavelength_nm`.
+    std::vector<double> albedo = {};
+    std::vector<double> wavelength_nm = {};  ///< ascending; linear between them
+    std::string file = {};                   ///< where the table comes from, for messages
+
+    bool operator==(const Substrate&) const = default;
 };
 
-/// A semi-infinite base, layers in painting order (the last one is on top) and, if wanted, a rough
-/// surface above them.
+/// Reads `black`, `none`, `lambert:ALBEDO` or `lambert:FILE` (CSV wavelength_nm,albedo).
+/// @throws UsageError, InputError
+Substrate substrate(const std::string& text);
+/// In the notation of substrate().
+std::string describe(const Substrate& substrate);
+
+/// Whether crowded particles see each other.
+enum class Packing {
+    independent,    ///< each scatters as if alone
+    percus_yevick,  ///< hard spheres: |F|^2 times their structure factor, species by species
+};
+
+/// The spheres of media that go through Mie theory; a species' own sizes come before these.
+struct ParticleOptions {
+    mie::SizeDistribution sizes = {};
+    Host host = {};          ///< of media that say none of their own
+    double k_floor = 0.0;    ///< k below this is raised to it; 0: k as tabulated
+    double tolerance = 0.0;  ///< of the size average; 0: its share of the whole tolerance
+    /// Bulk density of the layers in kg/m3, where mass fractions and thicknesses meet (snow: 50 to
+    /// 550); empty: not known.
+    std::optional<double> layer_density_kg_m3 = {};
+    Packing packing = Packing::independent;
+};
+
+/// A semi-infinite base or a ground, layers in painting order (the last one is on top) and, if
+/// wanted, a rough surface above them.
 struct Scene {
-    Medium base = {};
+    Medium base = {};                         ///< of no use where there is a substrate
+    std::optional<Substrate> substrate = {};  ///< in place of the base
     std::vector<Layer> layers = {};
     ParticleOptions particles = {};
     std::optional<rte::SurfaceOptions> surface = {};  ///< empty: no lobe, all light enters
@@ -94,6 +211,7 @@ struct Scene {
 std::string describe(const Scene& scene);
 
 /// The medium on top of a scene: that of the last layer, or the base.
+/// @throws UsageError  for a substrate without layers
 const Medium& top_medium(const Scene& scene);
 
 /// Refuses numbers that no scene can have.

@@ -53,8 +53,16 @@ struct MixtureComponent {
     double extinction = 0.0;  ///< its part of the mixture's extinction, any unit, >= 0
 };
 
+/// The phase function of a mixture: those of its components by their shares of the scattering.
+struct MixedPhase {
+    std::vector<Optics> components;
+    std::vector<double> share;  ///< adds up to 1
+
+    double operator()(double cos_theta) const;
+};
+
 /// Several scatterers in one layer: albedos average by extinction, moments and phase functions by
-/// scattering. The exact phase function is kept if any component has one.
+/// scattering. The exact phase function (MixedPhase) is kept if any component has one.
 /// @throws UsageError  for no component, an extinction that is negative or not finite, or a sum of
 ///         zero
 Optics mix(const std::vector<MixtureComponent>& components);

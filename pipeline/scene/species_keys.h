@@ -1,0 +1,31 @@
+// What a species says of itself after its name: sizes, density and amount, as `key=value`.
+#pragma once
+
+#include <miebrdf/scene.h>
+
+#include <string>
+
+namespace miebrdf {
+
+/// The sizes of a species: its own over those of the scene.
+mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene);
+
+/// Sizes, density and amount within what they may be.
+/// @param text  the species, named in the message
+/// @throws UsageError  with the key, its value and the allowed range
+void validate_keys(const Species& species, const std::string& text);
+
+/// The keys as they follow a species: `,radius=0.1,distribution=gamma,volume=15%`; empty where
+/// nothing is said.
+std::string describe_keys(const Species& species);
+
+/// Takes `,radius=UM`, `,variance=V`, `,distribution=KIND`, `,density=G_CM3`, `,volume=SHARE`,
+/// `,mass=SHARE` and `,number=PER_CM3` in any order from the end of a text into `species`.
+/// @param only_keys  whether any other `,key=value` at the end is a mistake; otherwise it is left
+///        to the species (the name of a file may have one)
+/// @return the text before the keys
+/// @throws UsageError  for unknown keys, with the nearest; for keys given twice; for values that do
+///         not read as what they should be
+std::string take_keys(const std::string& text, bool only_keys, Species& species);
+
+}  // namespace miebrdf

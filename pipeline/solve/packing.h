@@ -1,0 +1,35 @@
+// Crowded particles: what neighbours change of single scattering.
+#pragma once
+
+#include "pipeline/solve/single_scattering.h"
+
+namespace miebrdf {
+
+/// The structure factor of hard spheres (Percus & Yevick 1958; closed form of Wertheim 1963).
+/// @param volume_fraction  in [0, 0.74]
+/// @param qd  momentum transfer times diameter, 2 k d sin(Theta / 2), >= 0
+double percus_yevick(double volume_fraction, double qd);
+
+/// P(cos Theta) S(q) / mean, of the function that spheres alone have.
+struct CrowdedPhase {
+    rte::Optics alone;
+    double volume_fraction = 0.0;
+    double kd = 0.0;    ///< wave number in the host times diameter
+    double mean = 1.0;  ///< of P S over the sphere: scattering, crowded over alone
+
+    double operator()(double cos_theta) const;
+};
+
+/// Spheres of one species among their own kind: |F|^2 S(q), with the scattering cross-section
+/// integrated again and the absorption as it was. One size, the effective radius, stands for all
+/// (the decoupling approximation); species do not see each other.
+/// @param alone  with the whole phase function (OpticsDemand::whole_phase_function)
+/// @throws UsageError  for spheres so large that the moments cannot be integrated
+MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
+                     const std::vector<double>& angles_deg);
+
+/// mu_s' of spheres of the effective radius, crowded over alone; empty for large spheres, whose
+/// forward diffraction alone changes.
+std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w);
+
+}  // namespace miebrdf
