@@ -22,7 +22,8 @@ namespace {
 /// scenes without names need no database.
 class Materials {
   public:
-    explicit Materials(const std::string& file) : file_(file) {
+    explicit Materials(const std::string& file, const materials::IndexOptions& options = {})
+        : file_(file), options_(options) {
         if (!file.empty() && !std::filesystem::exists(file)) {
             throw InputError(fmt::format("materials database '{}' does not exist", file));
         }
@@ -36,8 +37,13 @@ class Materials {
         return *database_;
     }
 
+    materials::RefractiveIndex index(const std::string& name) {
+        return open().refractive_index(name, options_);
+    }
+
   private:
     std::string file_;
+    materials::IndexOptions options_;
     std::optional<materials::Database> database_;
 };
 
@@ -68,11 +74,21 @@ ResolvedIndex index_of(const Medium& medium, const std::vector<double>& waveleng
         return resolved;
     }
     const bool own = medium.kind == "table";
-    const auto table = own ? own_index(medium) : materials.open().refractive_index(medium.name);
+    const auto table = own ? own_index(medium) : materials.index(medium.name);
     resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", medium.name,
                                         medium.index.size())
                           : source_line(materials.open().info(medium.name));
-    for (const double nm : wavelength_nm) add(table.at(nm));
+    std::size_t outside = 0;
+    for (const double nm : wavelength_nm) {
+        add(table.at(nm));
+        outside += !table.covers(nm);
+    }
+    if (outside > 0) {
+        resolved.source += fmt::format(
+            "; {} of {} wavelengths are outside {} to {} nm: values of "
+            "the nearer end",
+            outside, wavelength_nm.size(), table.shortest_nm(), table.longest_nm());
+    }
     return resolved;
 }
 
@@ -147,7 +163,7 @@ void resolve_surface(const Scene& scene, Materials& materials, ResolvedScene& re
 }  // namespace
 
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm) {
-    Materials materials(scene.database);
+    Materials materials(scene.database, scene.index);
     ResolvedScene resolved{.wavelength_nm = wavelength_nm, .particles = scene.particles};
     const auto add = [&](const Medium& medium) {
         resolved.media.push_back(

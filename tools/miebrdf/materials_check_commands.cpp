@@ -55,6 +55,7 @@ int run_export(const DatasetExport& arguments, const Shell& shell) {
 struct DiffArguments {
     DatabaseArgument database;
     std::string first, second;
+    IndexArguments index;
     double tolerance = 0.0;
 };
 
@@ -72,8 +73,9 @@ std::vector<double> common_grid(const RefractiveIndex& a, const RefractiveIndex&
 
 int run_diff(const DiffArguments& arguments, const Shell& shell) {
     const Database database = arguments.database.open();
-    const RefractiveIndex a = database.refractive_index(arguments.first);
-    const RefractiveIndex b = database.refractive_index(arguments.second);
+    const RefractiveIndex a = database.refractive_index(arguments.first, arguments.index.options());
+    const RefractiveIndex b =
+        database.refractive_index(arguments.second, arguments.index.options());
     Table table;
     table.columns = {"wavelength_nm", "n_a", "n_b", "n_difference", "k_a", "k_b", "k_difference"};
     double largest_n = 0, largest_k = 0;
@@ -158,6 +160,7 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     command->add_option("--tolerance", diff->tolerance, "differences up to this give exit code 0")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    diff->index.add_to(*command);
     diff->database.add_to(*command);
     shell.add_common_options(*command);
     command->footer("Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");
