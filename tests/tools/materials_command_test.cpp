@@ -40,7 +40,7 @@ void check_error(const support::ProgramRun& run, int exit_code, const std::strin
 TEST_CASE("materials list, search and show", "[program][materials]") {
     const Bench bench;
     const support::CsvOutput list(bench.run("list").out);
-    CHECK(list.size() == 81);
+    CHECK(list.size() == 93);
     CHECK(list.columns().front() == "name");
     const support::CsvOutput found(
         bench.run("search \"titanium dioxide\" --covers 400:700 --has-k").out);
@@ -171,8 +171,8 @@ TEST_CASE("long lists are cut on request, and a search that finds nothing propos
           "[program][materials]") {
     const Bench bench;
     CHECK(support::CsvOutput(bench.run("list --limit 5").out).size() == 5);
-    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 81"));
-    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 81);
+    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 93"));
+    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 93);
     CHECK(support::CsvOutput(bench.run("search \"\"").out).size() == 50);
     CHECK_THAT(bench.run("search polystirene").err, Catch::Contains("did you mean polystyrene"));
     CHECK(support::CsvOutput(bench.run("search TiO\xe2\x82\x82").out).text(0, "name") == "TiO2");
@@ -203,6 +203,26 @@ TEST_CASE("scenes take n and k between and beyond the rows as nk does", "[progra
     CHECK(smooth.number(0, "n") != linear.number(0, "n"));
     CHECK(smooth.number(0, "n") == Approx(linear.number(0, "n")).epsilon(1e-4));
     check_error(support::run_program(optics + "551 --interpolation magic"), kUsage, "pchip");
+}
+
+TEST_CASE("permittivity and group index beside n and k; formulas as tables",
+          "[program][materials]") {
+    const Bench bench;
+    const support::CsvOutput nk(
+        bench.run("nk SiO2/SOPRA-SIO2 --wavelengths 589.3 --permittivity --group-index").out);
+    const double n = nk.number(0, "n");
+    CHECK(nk.number(0, "permittivity_real") == Approx(n * n).epsilon(1e-14));
+    CHECK(nk.number(0, "permittivity_imaginary") == 0);
+    // Fused silica, Malitson's formula: n - w dn/dw = 1.4788 at 589.3 nm.
+    CHECK(nk.number(0, "group_index") == Approx(1.4788).epsilon(1e-3));
+
+    check_error(bench.run("export NaCl --format csv"), kBadInput, "formula");
+    const auto table = bench.run("export NaCl --format csv --wavelengths 400:700:100");
+    CHECK_THAT(table.out, Catch::Contains("sampled at 4 wavelengths"));
+    const support::CsvOutput rows(table.out);
+    CHECK(rows.size() == 4);
+    CHECK(rows.number(1, "n") ==
+          support::CsvOutput(bench.run("nk NaCl --wavelengths 500").out).number(0, "n"));
 }
 
 TEST_CASE("bare columns and bad rows on request; remove shows what it would do",

@@ -21,6 +21,7 @@ struct NkArguments {
     std::string wavelengths;
     IndexArguments index;
     double k_floor = 0.0;
+    bool permittivity = false, group_index = false;
 };
 
 void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArguments& arguments) {
@@ -40,6 +41,18 @@ void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArgu
     if (arguments.k_floor > 0) facts.emplace_back("k floor", arguments.k_floor);
 }
 
+// n - w dn/dw, from n a ten-thousandth of the wavelength to either side, inside the data. What is
+// between the rows is an interpolation, so its slope is as good as the rows are dense.
+double group_index(const materials::RefractiveIndex& index, double wavelength_nm) {
+    constexpr double kStep = 1e-4;
+    const double below = std::max(wavelength_nm * (1 - kStep), index.shortest_nm());
+    const double above = std::min(wavelength_nm * (1 + kStep), index.longest_nm());
+    const double n = index.at(wavelength_nm).real();
+    if (!(below < above)) return n;
+    const double slope = (index.at(above).real() - index.at(below).real()) / (above - below);
+    return n - wavelength_nm * slope;
+}
+
 int run_nk(const NkArguments& arguments, const Shell& shell) {
     const std::vector<double> wavelengths_nm = parse_wavelengths_nm(arguments.wavelengths);
     const materials::Database database = arguments.database.open();
@@ -48,6 +61,9 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
     Table table;
     add_facts(table, dataset, arguments);
     table.columns = {"wavelength_nm", "n", "k"};
+    if (arguments.permittivity)
+        table.columns.insert(table.columns.end(), {"permittivity_real", "permittivity_imaginary"});
+    if (arguments.group_index) table.columns.emplace_back("group_index");
     const auto index = database.refractive_index(full_name, arguments.index.options());
     for (const double wavelength_nm : wavelengths_nm) {
         const auto m = index.at(wavelength_nm);
@@ -58,7 +74,14 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
                             "the nearer end",
                             wavelength_nm, index.shortest_nm(), index.longest_nm()));
         }
-        table.rows.push_back({wavelength_nm, m.real(), std::max(m.imag(), arguments.k_floor)});
+        const std::complex<double> used(m.real(), std::max(m.imag(), arguments.k_floor));
+        std::vector<Cell> row{wavelength_nm, used.real(), used.imag()};
+        if (arguments.permittivity) {
+            const std::complex<double> permittivity = used * used;
+            row.insert(row.end(), {permittivity.real(), permittivity.imag()});
+        }
+        if (arguments.group_index) row.emplace_back(group_index(index, wavelength_nm));
+        table.rows.push_back(std::move(row));
     }
     shell.write(std::move(table));
     return kGood;
@@ -140,6 +163,10 @@ void add_nk(CLI::App& materials, Shell& shell) {
         ->type_name("LIST")
         ->required();
     arguments->index.add_to(*command);
+    command->add_flag("--permittivity", arguments->permittivity,
+                      "also (n + ik)^2: permittivity_real, permittivity_imaginary");
+    command->add_flag("--group-index", arguments->group_index,
+                      "also n - w dn/dw, w being the wavelength");
     command
         ->add_option("--k-floor", arguments->k_floor,
                      "smallest k: smaller values are raised to this")
