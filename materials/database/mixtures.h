@@ -25,7 +25,8 @@ struct Mixture {
 /// @throws UsageError  for parts that are missing or too many, and fractions that do not add up
 std::optional<Mixture> parse_mixture(const std::string& name);
 
-/// Tabulated at every wavelength of the parts' tables where all parts are known.
+/// Tabulated at every wavelength of the parts' tables where all parts are known, and at seven
+/// between any two of them.
 /// @param datasets  of the parts, for titles, references and densities
 /// @throws InputError  when the parts have no wavelength in common
 Dataset mix(const Mixture& mixture, const std::string& name,
