@@ -13,7 +13,6 @@
 
 #include <miebrdf/database.h>
 #include "materials/database/sqlite.h"
-#include "materials/index/checksum.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
 
@@ -56,42 +55,19 @@ double number(const Row& row, const std::string& column) {
     return *value;
 }
 
-void read_figures(Dataset& dataset, const std::filesystem::path& file, bool k_known) {
-    std::vector<double> wavelength_um, n, k;
-    for (const Row& row : read_rows(file)) {
-        wavelength_um.push_back(number(row, "wavelength_um"));
-        n.push_back(number(row, "n"));
-        k.push_back(number(row, "k"));
-    }
-    dataset.n = make_table(Unit::micrometre, wavelength_um, n);
-    if (k_known) dataset.k = make_table(Unit::micrometre, wavelength_um, k);
-    dataset.file = file.filename().string();
-    dataset.file_sha256 = sha256_hex(read_text(file));
-}
-
-// "SOPRA n&k database, GAP.NK; agrees ..." -> "GAP": the name in that collection.
-std::string sopra_key(const std::string& reference) {
-    const auto end = reference.find(".NK");
-    if (end == std::string::npos) return "";
-    const auto start = reference.rfind(' ', end);
-    return reference.substr(start + 1, end - start - 1);
-}
-
+// The source's own file, read as an import would read it: what the file says of its origin stays,
+// and the same file from the collection has the same checksum.
 Dataset read_dataset(const Row& row, const std::filesystem::path& folder) {
-    Dataset dataset;
+    Dataset dataset = read_file(folder / row.at("file"));
     dataset.material = row.at("name");
     dataset.title = row.at("title");
-    dataset.label = "visible";
-    dataset.source = row.at("origin").starts_with("SOPRA") ? "SOPRA" : "refractiveindex.info";
-    dataset.licence = dataset.source == "SOPRA" ? "" : "CC0-1.0";
-    dataset.reference = row.at("reference");
-    dataset.key = dataset.source == "SOPRA" ? sopra_key(dataset.reference) : "";
-    dataset.format = "csv";
-    dataset.note = row.at("note");
-    // The collection of refractiveindex.info says where nobody gave k; SOPRA writes 0 for it, which
-    // is kept as it stands, with its note.
-    const bool k_known = dataset.note.find("no k") == std::string::npos;
-    read_figures(dataset, folder / "visible" / (dataset.material + ".csv"), k_known);
+    dataset.label = row.at("label");
+    dataset.source = row.at("source");
+    dataset.key = row.at("key");
+    if (!row.at("reference").empty()) dataset.reference = row.at("reference");
+    if (!row.at("note").empty()) {
+        dataset.note += (dataset.note.empty() ? "" : "; ") + row.at("note");
+    }
     return dataset;
 }
 
@@ -100,6 +76,19 @@ Dataset& find(std::vector<Dataset>& datasets, const std::string& material) {
         if (dataset.material == material) return dataset;
     }
     throw std::runtime_error(fmt::format("a table speaks of the unknown material {}", material));
+}
+
+void add_collections(const std::filesystem::path& output, const std::vector<Row>& rows) {
+    const auto connection = sqlite::Connection::open_read_write(output);
+    sqlite::Transaction transaction(connection);
+    for (const Row& row : rows) {
+        connection.prepare("INSERT INTO collection (source, key, material) VALUES (?, ?, ?)")
+            .bind(row.at("source"))
+            .bind(row.at("key"))
+            .bind(row.at("material"))
+            .run();
+    }
+    transaction.commit();
 }
 
 void build(const std::filesystem::path& folder, const std::filesystem::path& output) {
@@ -119,6 +108,7 @@ void build(const std::filesystem::path& folder, const std::filesystem::path& out
     }
     std::filesystem::remove(output);
     DatabaseWriter(output).add(datasets);
+    add_collections(output, read_rows(folder / "collections.csv"));
     // An image is opened without files beside it, so no write-ahead log; and as small as it gets.
     const auto connection = sqlite::Connection::open_read_write(output);
     connection.execute("PRAGMA journal_mode = DELETE; VACUUM");

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "materials/database/layer.h"
+#include "materials/database/mixtures.h"
 #include "materials/database/names.h"
 #include "materials/database/schema.h"
 #include "materials/index/checksum.h"
@@ -26,6 +27,34 @@ std::vector<std::string> full_names(const std::vector<DatasetInfo>& datasets) {
 bool is_source(const std::string& source, const std::string& asked) {
     const std::string short_name = source == "refractiveindex.info" ? "rii" : "";
     return normalised(source) == normalised(asked) || (!asked.empty() && asked == short_name);
+}
+
+// "https://refractiveindex.info/?shelf=main&book=GaP&page=Bond" -> "main/GaP/Bond"; nothing when it
+// is no such address.
+std::string page_of_address(const std::string& name) {
+    if (name.find("refractiveindex.info/?") == std::string::npos) return "";
+    std::string page;
+    for (const char* part : {"shelf=", "book=", "page="}) {
+        const std::size_t start = name.find(part);
+        if (start == std::string::npos) return "";
+        const std::size_t from = name.find('=', start) + 1;
+        page +=
+            (page.empty() ? "" : "/") + name.substr(from, name.find_first_of("&#", from) - from);
+    }
+    return page;
+}
+
+void fill_from(MaterialInfo& info, const DatasetInfo& dataset) {
+    info.default_dataset = dataset.label;
+    info.source = dataset.source;
+    info.reference = dataset.reference;
+    info.note = dataset.note;
+    info.shortest_nm = dataset.shortest_nm;
+    info.longest_nm = dataset.longest_nm;
+    info.rows = dataset.rows;
+    info.k_known = dataset.k_known;
+    info.density_g_cm3 = dataset.density_g_cm3;
+    info.density_source = dataset.density_source;
 }
 
 std::filesystem::path from_environment(const char* name) {
@@ -74,15 +103,16 @@ Database Database::layered(const std::filesystem::path& user_file) {
 
 std::optional<std::string> Database::resolve_exactly(const std::string& name) const {
     const std::string key = normalised(name);
-    std::optional<std::string> by_alias;
-    for (const auto& layer : layers_) {
-        for (const auto& [spelling, material] : layer->spellings(key)) {
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+        std::optional<std::string> by_alias;
+        for (const auto& [spelling, material] : (*layer)->spellings(key)) {
             if (spelling != name) continue;
             if (material == name) return material;
-            if (!by_alias) by_alias = material;
+            by_alias = material;
         }
+        if (by_alias) return by_alias;
     }
-    return by_alias;
+    return std::nullopt;
 }
 
 std::vector<std::string> Database::resolve(const std::string& name) const {
@@ -91,12 +121,21 @@ std::vector<std::string> Database::resolve(const std::string& name) const {
 }
 
 std::vector<std::string> Database::resolve_normalised(const std::string& name) const {
-    std::set<std::string> found;
-    for (const auto& layer : layers_) {
-        for (const auto& [spelling, material] : layer->spellings(normalised(name)))
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+        std::set<std::string> found;
+        for (const auto& [spelling, material] : (*layer)->spellings(normalised(name)))
             found.insert(material);
+        if (!found.empty()) return {found.begin(), found.end()};
     }
-    return {found.begin(), found.end()};
+    return {};
+}
+
+std::optional<std::string> Database::collected_material(const std::string& source,
+                                                        const std::string& key) const {
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+        if (auto material = (*layer)->collected(source, key)) return material;
+    }
+    return std::nullopt;
 }
 
 std::vector<std::string> Database::all_names() const {
@@ -127,7 +166,29 @@ std::string Database::canonical_name(const std::string& name) const {
     return found.front();
 }
 
+std::optional<Dataset> Database::mixture(const std::string& name) const {
+    const auto parsed = parse_mixture(name);
+    if (!parsed) return std::nullopt;
+    std::vector<RefractiveIndex> indices;
+    std::vector<Dataset> parts;
+    for (const auto& part : parsed->parts) {
+        indices.push_back(refractive_index(part.name));
+        parts.push_back(dataset(part.name));
+        const MaterialInfo material = info(part.name);
+        if (!parts.back().density_g_cm3) parts.back().density_g_cm3 = material.density_g_cm3;
+    }
+    return mix(*parsed, name, indices, parts);
+}
+
 MaterialInfo Database::info(const std::string& name) const {
+    if (const auto mixed = mixture(name)) {
+        MaterialInfo info;
+        info.name = mixed->material;
+        info.title = mixed->title;
+        info.datasets = 1;
+        fill_from(info, describe_unstored(*mixed));
+        return info;
+    }
     // "material/label" and "source:key" are looked up only when no material has that name.
     const bool one_dataset = resolve(name).empty() && name.find_first_of("/:") != std::string::npos;
     MaterialInfo info;
@@ -150,15 +211,7 @@ MaterialInfo Database::info(const std::string& name) const {
     info.aliases.assign(aliases.begin(), aliases.end());
     info.datasets = static_cast<int>(one_dataset ? datasets(info.name).size() : shown.size());
     if (shown.empty()) return info;
-    const DatasetInfo& dataset = shown.front();
-    info.default_dataset = dataset.label;
-    info.source = dataset.source;
-    info.reference = dataset.reference;
-    info.note = dataset.note;
-    info.shortest_nm = dataset.shortest_nm;
-    info.longest_nm = dataset.longest_nm;
-    info.rows = dataset.rows;
-    info.k_known = dataset.k_known;
+    fill_from(info, shown.front());
     // shown has the dataset described alone when one was asked for.
     if (one_dataset) {
         for (DatasetInfo& other : datasets(info.name)) shown.push_back(std::move(other));
@@ -173,6 +226,7 @@ MaterialInfo Database::info(const std::string& name) const {
 }
 
 std::vector<DatasetInfo> Database::datasets(const std::string& material) const {
+    if (const auto mixed = mixture(material)) return {describe_unstored(*mixed)};
     const std::string name = canonical_name(material);
     std::string chosen;
     std::vector<DatasetInfo> lower_first;
@@ -210,21 +264,24 @@ std::vector<DatasetInfo> Database::labelled(const std::string& material,
 
 std::vector<DatasetInfo> Database::from_source(const std::string& source,
                                                const std::string& key) const {
-    std::set<std::string> owners;
-    for (const auto& layer : layers_) {
-        for (const std::string& owner : layer->materials_with_key(key)) owners.insert(owner);
-    }
-    std::vector<DatasetInfo> found;
-    for (const std::string& owner : owners) {
-        for (const DatasetInfo& d : datasets(owner)) {
-            if (normalised(d.key) == normalised(key) && is_source(d.source, source))
-                found.push_back(d);
+    // The lowest layer that has the key: an import does not change what it means.
+    for (auto layer = layers_.rbegin(); layer != layers_.rend(); ++layer) {
+        std::vector<DatasetInfo> found;
+        for (const std::string& owner : (*layer)->materials_with_key(key)) {
+            for (const DatasetInfo& d : datasets(owner)) {
+                if (d.layer == (*layer)->name && normalised(d.key) == normalised(key) &&
+                    is_source(d.source, source)) {
+                    found.push_back(d);
+                }
+            }
         }
+        if (!found.empty()) return found;
     }
-    return found;
+    return {};
 }
 
 DatasetInfo Database::dataset_info(const std::string& name) const {
+    if (const auto mixed = mixture(name)) return describe_unstored(*mixed);
     if (!resolve(name).empty()) {
         const std::vector<DatasetInfo> all = datasets(name);
         if (all.empty()) throw UnknownMaterial(name + " has no dataset yet", name, {});
@@ -233,7 +290,10 @@ DatasetInfo Database::dataset_info(const std::string& name) const {
     std::vector<DatasetInfo> found;
     const auto slash = name.find('/');
     const auto colon = name.find(':');
-    if (slash != std::string::npos && resolve(name.substr(0, slash)).size() == 1) {
+    const std::string page = page_of_address(name);
+    if (!page.empty()) {
+        found = from_source("rii", page);
+    } else if (slash != std::string::npos && resolve(name.substr(0, slash)).size() == 1) {
         found = labelled(name.substr(0, slash), name.substr(slash + 1));
     } else if (colon != std::string::npos) {
         found = from_source(name.substr(0, colon), name.substr(colon + 1));
@@ -248,6 +308,7 @@ DatasetInfo Database::dataset_info(const std::string& name) const {
 }
 
 Dataset Database::dataset(const std::string& name) const {
+    if (auto mixed = mixture(name)) return *std::move(mixed);
     const DatasetInfo info = dataset_info(name);
     Dataset dataset;
     dataset.material = info.material;

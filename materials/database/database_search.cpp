@@ -31,16 +31,18 @@ std::string full_text_query(const std::string& text) {
     return query;
 }
 
+}  // namespace
+
 bool fits(const DatasetInfo& dataset, const SearchFilter& filter) {
     if (filter.needs_k && !dataset.k_known) return false;
     if (!filter.covers_from_nm && !filter.covers_to_nm) return true;
     if (!dataset.n_known) return false;
     const double from = filter.covers_from_nm.value_or(filter.covers_to_nm.value_or(0));
     const double to = filter.covers_to_nm.value_or(from);
-    return dataset.shortest_nm <= std::min(from, to) && std::max(from, to) <= dataset.longest_nm;
+    constexpr double kRounding = 1e-9;  // as RefractiveIndex::covers
+    return dataset.shortest_nm * (1 - kRounding) <= std::min(from, to) &&
+           std::max(from, to) <= dataset.longest_nm * (1 + kRounding);
 }
-
-}  // namespace
 
 std::vector<MaterialInfo> Database::list() const {
     std::set<std::string> names;
@@ -81,6 +83,15 @@ std::vector<MaterialInfo> Database::search(const SearchFilter& filter) const {
     return found;
 }
 
+std::vector<std::string> Database::not_indexed(const Layer& layer) {
+    std::vector<std::string> missed;
+    for (const LayerMaterial& material : layer.materials()) {
+        const std::string query = full_text_query(material.name);
+        if (!query.empty() && !layer.indexed(material.id, query)) missed.push_back(material.name);
+    }
+    return missed;
+}
+
 std::vector<std::string> Database::integrity_problems() const {
     std::vector<std::string> problems;
     for (const auto& layer : layers_) {
@@ -93,6 +104,12 @@ std::vector<std::string> Database::integrity_problems() const {
             problems.push_back(
                 fmt::format("{}: a row of {} refers to nothing", layer->name, keys.text(0)));
         }
+        const std::vector<std::string> missed = not_indexed(*layer);
+        if (missed.empty()) continue;
+        problems.push_back(
+            fmt::format("{}: the search index does not find {} of {} materials ({}{})", layer->name,
+                        missed.size(), layer->materials().size(), missed.front(),
+                        missed.size() > 1 ? ", ..." : ""));
     }
     return problems;
 }

@@ -9,6 +9,7 @@
 #include "materials/database/sqlite.h"
 #include "materials/index/checksum.h"
 #include "materials/index/series.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -36,6 +37,7 @@ void check_dataset(const Dataset& dataset) {
         if (dataset.material.empty() || dataset.label.empty()) {
             throw InputError("a dataset needs the name of its material and a label");
         }
+        if (!is_utf8(name)) throw InputError("the names of material and dataset must be UTF-8");
         if (!dataset.n && !dataset.k) throw InputError("neither n nor k");
         const double density = dataset.density_g_cm3.value_or(1.0);
         if (!(density > 0 && density < 100)) {
@@ -52,7 +54,21 @@ std::int64_t material_id(const sqlite::Connection& c, const std::string& name,
                          const Dataset* from) {
     sqlite::Statement find = c.prepare("SELECT id FROM material WHERE name = ?");
     find.bind(name);
-    if (find.step()) return find.integer(0);
+    if (find.step()) {
+        const std::int64_t id = find.integer(0);
+        find.reset();
+        if (from == nullptr) return id;
+        // Whoever comes first, the material gets what one of its sources knows.
+        c.prepare(
+             "UPDATE material SET title = iif(title = '', ?1, title), "
+             "formula = iif(formula = '', ?2, formula) WHERE id = ?3 "
+             "AND ((title = '' AND ?1 <> '') OR (formula = '' AND ?2 <> ''))")
+            .bind(from->title)
+            .bind(from->formula)
+            .bind(id)
+            .run();
+        return id;
+    }
     c.prepare("INSERT INTO material (name, key, title, formula) VALUES (?, ?, ?, ?)")
         .bind(name)
         .bind(normalised(name))

@@ -156,12 +156,27 @@ std::vector<std::string> Database::Layer::materials_with_key(const std::string& 
     return texts(row.bind(key));
 }
 
+std::optional<std::string> Database::Layer::collected(const std::string& source,
+                                                      const std::string& key) const {
+    sqlite::Statement row =
+        connection.prepare("SELECT material FROM collection WHERE source = ? AND key = ?");
+    row.bind(source).bind(key);
+    if (!row.step()) return std::nullopt;
+    return row.text(0);
+}
+
 std::vector<std::string> Database::Layer::full_text(const std::string& query) const {
     // Weights of name, aliases, title, formula, provenance: a hit in the name says most.
     sqlite::Statement row = connection.prepare(
         "SELECT m.name FROM material_text t JOIN material m ON m.id = t.rowid "
         "WHERE material_text MATCH ? ORDER BY bm25(material_text, 20, 10, 5, 10, 1), m.name");
     return texts(row.bind(query));
+}
+
+bool Database::Layer::indexed(std::int64_t material_id, const std::string& query) const {
+    sqlite::Statement row =
+        connection.prepare("SELECT 1 FROM material_text WHERE material_text MATCH ? AND rowid = ?");
+    return row.bind(query).bind(material_id).step();
 }
 
 std::optional<Series> Database::Layer::series(std::int64_t dataset_id, char quantity) const {

@@ -29,7 +29,10 @@ struct Database::Layer {
     /// In the order they were added.
     std::vector<std::pair<std::int64_t, DatasetInfo>> datasets(std::int64_t material_id) const;
     std::vector<std::string> materials_with_key(const std::string& key) const;
+    /// Of the table that says which material an entry of a collection belongs to.
+    std::optional<std::string> collected(const std::string& source, const std::string& key) const;
     std::vector<std::string> full_text(const std::string& query) const;
+    bool indexed(std::int64_t material_id, const std::string& query) const;
     std::optional<Series> series(std::int64_t dataset_id, char quantity) const;
 };
 

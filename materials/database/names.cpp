@@ -30,7 +30,15 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 std::string normalised(std::string_view name) {
     std::string key;
     key.reserve(name.size());
-    for (char c : name) {
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        // U+2080 to U+2089, the digits of "TiO\u2082" as they are printed.
+        const unsigned last = i + 2 < name.size() ? static_cast<unsigned char>(name[i + 2]) : 0;
+        if (name.substr(i, 2) == "\xe2\x82" && last >= 0x80 && last <= 0x89) {
+            key += static_cast<char>('0' + (last - 0x80));
+            i += 2;
+            continue;
+        }
+        const char c = name[i];
         if (c == ' ' || c == '_' || c == '-' || c == '\t') continue;
         key += (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
     }

@@ -7,7 +7,8 @@
 
 namespace miebrdf::materials {
 
-/// Lower case (ASCII) without spaces, '_' and '-': "Al Ga-As_70" and "algaas70" are the same.
+/// Lower case (ASCII) without spaces, '_' and '-', subscript digits as plain ones: "Al Ga-As_70"
+/// and "algaas70" are the same.
 std::string normalised(std::string_view name);
 
 /// The names most like `asked`, best first: those that start with it, then by edit distance

@@ -79,6 +79,14 @@ CREATE TABLE correction (
     PRIMARY KEY (dataset_id, position)
 ) STRICT, WITHOUT ROWID;
 
+-- Which material an entry of a collection belongs to; rows in the embedded database only.
+CREATE TABLE collection (
+    source   TEXT NOT NULL,
+    key      TEXT NOT NULL,
+    material TEXT NOT NULL,
+    PRIMARY KEY (source, key)
+) STRICT, WITHOUT ROWID;
+
 -- One document per material, rowid = material.id.
 CREATE VIRTUAL TABLE material_text USING fts5 (
     name, aliases, title, formula, provenance, tokenize = "unicode61 remove_diacritics 2"

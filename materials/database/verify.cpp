@@ -64,16 +64,8 @@ std::string find_outliers(const Series& series, char quantity) {
 }
 
 void verify_formula(const Series& series, const std::string& name, std::vector<Finding>& findings) {
-    for (int i = 0; i <= 1000; ++i) {
-        const double wavelength_nm =
-            series.shortest_nm + (series.longest_nm - series.shortest_nm) * i / 1000.0;
-        if (dispersion_formula(series.formula, series.y, wavelength_nm / 1000) > 0) continue;
-        findings.push_back(
-            {Severity::warning, name,
-             fmt::format("formula {} has no real value at {:.6g} nm, inside its range",
-                         series.formula, wavelength_nm)});
-        return;
-    }
+    const std::string gap = formula_gap(series);
+    if (!gap.empty()) findings.push_back({Severity::warning, name, gap});
 }
 
 void verify_series(const std::optional<Series>& series, char quantity, const std::string& name,

@@ -16,6 +16,15 @@ using Pchip = boost::math::interpolators::pchip<std::vector<double>>;
 
 static double energy_ev(double wavelength_nm) { return from_nm(wavelength_nm, Unit::electronvolt); }
 
+// An end of a range counts as inside when only rounding separates it from the wavelength: of sums
+// (900.0000000000001), or of hc (1239.841984 or 1239.84198433 eV nm: 1.5 eV is 826.561322667 or
+// 826.561322888 nm, a relative difference of 2.7e-10).
+static bool within(double wavelength_nm, double shortest_nm, double longest_nm) {
+    constexpr double kRounding = 1e-9;
+    return shortest_nm * (1 - kRounding) <= wavelength_nm &&
+           wavelength_nm <= longest_nm * (1 + kRounding);
+}
+
 /// One series ready to be evaluated inside its range.
 class IndexCurve {
   public:
@@ -150,8 +159,7 @@ std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
                                     s.material, s.n.series().formula, used_nm),
                         wavelength_nm);
     }
-    const bool has_k =
-        s.k && s.k->series().shortest_nm <= used_nm && used_nm <= s.k->series().longest_nm;
+    const bool has_k = s.k && within(used_nm, s.k->series().shortest_nm, s.k->series().longest_nm);
     return {n, has_k ? s.k->at(used_nm) : 0.0};
 }
 
@@ -160,7 +168,7 @@ double RefractiveIndex::longest_nm() const { return state_->longest_nm; }
 bool RefractiveIndex::k_known() const { return state_->k.has_value(); }
 
 bool RefractiveIndex::covers(double wavelength_nm) const {
-    return state_->shortest_nm <= wavelength_nm && wavelength_nm <= state_->longest_nm;
+    return within(wavelength_nm, state_->shortest_nm, state_->longest_nm);
 }
 
 IndexTable RefractiveIndex::table() const {

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
+// Far beyond all sources (metals at 1 mm have a few thousand).
+constexpr double kLargestIndex = 1e6;
+
 // c(1) is the first coefficient, as in the formulas.
 struct Coefficients {
     std::span<const double> values;
@@ -131,17 +134,33 @@ void check_series(const Series& series, char quantity) {
             refuse(fmt::format("row {}: wavelength {} nm does not follow {} nm", i + 1,
                                wavelength_nm, previous_nm));
         }
-        if (quantity == 'n' && !(series.y[i] > 0)) {
-            refuse(fmt::format("row {} ({} nm) is {}; must be > 0", i + 1, wavelength_nm,
+        if (quantity == 'n' && !(series.y[i] > 0 && series.y[i] <= kLargestIndex)) {
+            refuse(fmt::format("row {} ({} nm) is {}; must be > 0 and <= 1e6", i + 1, wavelength_nm,
                                series.y[i]));
         }
-        if (quantity == 'k' && !(series.y[i] >= 0)) {
-            refuse(fmt::format("row {} ({} nm) is {}; must be >= 0", i + 1, wavelength_nm,
-                               series.y[i]));
+        if (quantity == 'k' && !(series.y[i] >= 0 && series.y[i] <= kLargestIndex)) {
+            refuse(fmt::format("row {} ({} nm) is {}; must be >= 0 and <= 1e6", i + 1,
+                               wavelength_nm, series.y[i]));
         }
         previous_nm = wavelength_nm;
         previous_ev = energy_ev;
     }
+}
+
+std::string formula_gap(const Series& series) {
+    constexpr int kIntervals = 1000;
+    int bad = 0;
+    double first_nm = 0;
+    for (int i = 0; i <= kIntervals; ++i) {
+        const double t = static_cast<double>(i) / kIntervals;
+        const double wavelength_nm = 1 / ((1 - t) / series.shortest_nm + t / series.longest_nm);
+        if (dispersion_formula(series.formula, series.y, wavelength_nm / 1000) > 0) continue;
+        if (bad++ == 0) first_nm = wavelength_nm;
+    }
+    if (bad == 0) return "";
+    return fmt::format(
+        "formula {} has no real value at {} of {} wavelengths of its range, first at {:.6g} nm",
+        series.formula, bad, kIntervals + 1, first_nm);
 }
 
 double dispersion_formula(int formula, std::span<const double> coefficients, double wavelength_um) {

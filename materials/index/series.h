@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include <miebrdf/index.h>
 
@@ -12,6 +13,10 @@ namespace miebrdf::materials {
 /// which it will be interpolated), with n > 0 and k >= 0 wherever it is tabulated.
 /// @throws InputError  naming the row
 void check_series(const Series& series, char quantity);
+
+/// Where a formula has no real value: "formula 2 has no real value at 12 of 1001 wavelengths of its
+/// range, first at 420.5 nm". Empty when there is none. The samples are even in photon energy.
+std::string formula_gap(const Series& series);
 
 /// n of formula 1-9 at a vacuum wavelength in micrometres; coefficients as in the source, missing
 /// trailing ones are 0. With L the wavelength:

@@ -19,11 +19,12 @@ Dataset read_atrri(const SourceFile& source, const ReadOptions& options) {
     dataset.format = "atrri";
     RawTable table;
     table.unit = Unit::nanometre;
-    const Columns columns = read_columns(source.text, '#', 3, file);
+    Columns columns = read_columns(source.text, '#', 3, file, options);
     for (const auto& [line, numbers] : columns.rows) {
         table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
     }
-    dataset.note = columns.comments;
+    columns.bad.record(dataset, table.rows.size());
+    take_remarks(dataset, columns.remarks);
     add_table(dataset, std::move(table), file, options);
     return dataset;
 }

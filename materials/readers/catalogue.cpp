@@ -43,27 +43,22 @@ CataloguePage make_page(const std::string& shelf, const YamlNode& book, const Ya
     return entry;
 }
 
-std::string lower(std::string text) {
-    for (char& c : text) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return text;
-}
+// The shelf of the 3D renderer's materials lists pages of the other shelves once more, under
+// "metals" or "glass".
+bool repeats_others(const std::string& shelf) { return shelf == "3d"; }
 
-// A page of one book that points into the folder of another book is an error of the catalogue
-// (MgO/Synowicki and ZrO2/Synowicki point to a file of As2S3).
+// On the shelf `main` a book is a chemical formula and has a folder of its own there: a page of one
+// that points into the folder of another is an error of the catalogue (MgO/Synowicki and
+// ZrO2/Synowicki point to a file of As2S3). Pages that point to another shelf, and books of other
+// shelves, are free to (BK7/Lane, SCHOTT's `misc`, an alloy listed with its end members).
 void check_folder(CataloguePage& page, const std::string& book,
                   const std::set<std::string>& books) {
-    std::string stranger;
-    for (const std::string_view part : split_words(page.data, "/")) {
-        if (part.ends_with(".yml")) continue;
-        if (lower(std::string(part)) == lower(book)) return;
-        if (books.count(std::string(part)) > 0) stranger = part;
-    }
-    if (!stranger.empty()) {
-        page.refusal =
-            fmt::format("{}: the catalogue lists a file of {} under {}", page.data, stranger, book);
-    }
+    const auto parts = split_words(page.data, "/");
+    if (!page.key.starts_with("main/") || parts.size() < 3 || parts[0] != "main") return;
+    const std::string folder(parts[1]);
+    if (folder == book || books.count("main/" + folder) == 0) return;
+    page.refusal =
+        fmt::format("{}: the catalogue lists a file of {} under {}", page.data, folder, book);
 }
 
 void check_page(CataloguePage& page, const std::string& book, const std::set<std::string>& books) {
@@ -96,9 +91,10 @@ Pages read_catalogue(std::string_view text, const std::string& file) {
     std::set<std::string> books;
     for (const YamlNode& shelf : root.items) {
         if (shelf.find("SHELF") == nullptr) continue;  // a divider
+        if (repeats_others(shelf.text_of("SHELF"))) continue;
         for (const YamlNode& book : content_of(shelf)) {
             if (book.find("BOOK") == nullptr) continue;
-            books.insert(book.text_of("BOOK"));
+            books.insert(shelf.text_of("SHELF") + "/" + book.text_of("BOOK"));
             for (const YamlNode& page : content_of(book)) {
                 if (page.find("PAGE") == nullptr) continue;
                 pages.push_back(make_page(shelf.text_of("SHELF"), book, page));

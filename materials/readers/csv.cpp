@@ -27,6 +27,7 @@ struct CsvHeader {
     std::optional<Unit> unit;
     std::string x_name;
     std::vector<std::string> unused;
+    bool bare = false;  ///< there is none: wavelength, n and perhaps k
 };
 
 // "wavelength_um", "Wavelength (nm)", "lambda[A]", "energy_eV", "nm" -> unit; "wl" alone is what
@@ -112,6 +113,23 @@ void add_parts(Dataset& dataset, Parts parts, const std::string& file, const Rea
     if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
 }
 
+bool is_bare_row(std::string_view content) {
+    const auto fields = split_words(content);
+    if (fields.size() < 2 || fields.size() > 3) return false;
+    return std::all_of(fields.begin(), fields.end(),
+                       [](std::string_view field) { return parse_number(field).has_value(); });
+}
+
+CsvHeader bare_header(std::string_view content, const ReadOptions& options) {
+    CsvHeader header;
+    header.x = 0;
+    header.n = 1;
+    header.k = split_words(content).size() > 2 ? 2 : -1;
+    header.unit = options.unit;
+    header.bare = true;
+    return header;
+}
+
 bool looks_like_csv(std::string_view text) {
     for (const std::string_view line : split_lines(text.substr(0, 100000))) {
         if (without_blanks(line).empty() || without_blanks(line).front() == '#') continue;
@@ -128,6 +146,7 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
     std::optional<CsvHeader> header;
     char separator = ',';
     int line = 0;
+    BadRows bad;
     for (const std::string_view raw : split_lines(source.text)) {
         ++line;
         const std::string_view content = without_blanks(raw);
@@ -136,20 +155,32 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
             read_provenance_line(dataset, content.substr(1));
             continue;
         }
+        if (!header && options.unit && is_bare_row(content)) {
+            header = bare_header(content, options);
+            parts.n.unit = parts.k.unit = *options.unit;
+        }
         const char found = separator_of(content);
-        const auto fields = split_fields(content, header ? separator : found);
-        if (!header || !parse_number(fields.front())) {
+        const auto words = split_words(content);
+        const auto fields = header && header->bare
+                                ? std::vector<std::string>(words.begin(), words.end())
+                                : split_fields(content, header ? separator : found);
+        const bool row = header && parse_number(fields.front());
+        // A line that is neither row nor header may be a bad row; a header makes a new part.
+        const bool bad_row = header && !row && options.skip_bad_rows &&
+                             !read_csv_header(split_fields(content, found));
+        if (!row && !bad_row) {
             separator = found;
-            const auto next = read_csv_header(split_fields(content, found));
+            auto next = read_csv_header(split_fields(content, found));
             if (!next)
                 throw ImportError(file, line, "no header with a wavelength column and n or k");
+            if (!next->unit) next->unit = options.unit;
             if (!next->unit) {
                 throw ImportError(file, line,
                                   fmt::format("the unit of '{}' is not known: name the column "
                                               "with its unit, as in wavelength_um or energy_eV",
                                               next->x_name));
             }
-            header = next;
+            header = std::move(next);
             if (header->n >= 0) parts.n.unit = *header->unit;
             if (header->k >= 0) parts.k.unit = *header->unit;
             for (const std::string& name : header->unused) {
@@ -157,8 +188,9 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
             }
             continue;
         }
-        read_row(parts, *header, fields, file, line);
+        bad.try_row(options, [&] { read_row(parts, *header, fields, file, line); });
     }
+    bad.record(dataset, std::max(parts.n.rows.size(), parts.k.rows.size()));
     add_parts(dataset, std::move(parts), file, options);
     return dataset;
 }

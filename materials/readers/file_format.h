@@ -27,8 +27,6 @@ struct FileFormat {
     const char* endings[2] = {};  ///< of the files that are written; two: they come in pairs
     /// Names of files whose case means nothing (DOS): CO.NK is cobalt.
     bool caseless_names = false;
-    /// The file or its path says which material it is, and is taken at its word.
-    bool names_material = false;
 
     /// Looks at content, never at the file's name.
     bool (*looks_like)(std::string_view text);
@@ -57,6 +55,8 @@ std::filesystem::path pair_base(const std::filesystem::path& file);
 /// options give comes first.
 void fill_origin(Dataset& dataset, const SourceFile& source, const FileFormat& format,
                  const ImportOptions& options);
+
+ReadOptions read_options(const ImportOptions& options);
 
 struct ReadFile {
     Dataset dataset;

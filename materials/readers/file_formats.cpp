@@ -12,6 +12,7 @@
 #include "materials/index/checksum.h"
 #include "materials/index/units.h"
 #include "materials/readers/file_format.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 
@@ -88,6 +89,10 @@ std::string read_text(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(file, error)) {
         throw ImportError(file.string(), 0, "is a folder");
     }
+    // A pipe would wait for ever, a device may have no end.
+    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+        throw ImportError(file.string(), 0, "no ordinary file");
+    }
     const auto size = std::filesystem::file_size(file, error);
     if (!error && size > kLargestFile) throw ImportError(file.string(), 0, "larger than 256 MiB");
     std::ifstream stream(file, std::ios::binary);
@@ -133,6 +138,19 @@ void fill_origin(Dataset& dataset, const SourceFile& source, const FileFormat& f
     }
     if (!options.material.empty()) dataset.material = options.material;
     if (dataset.material.empty()) dataset.material = stem;
+    for (std::string* text :
+         {&dataset.material, &dataset.title, &dataset.formula, &dataset.label, &dataset.source,
+          &dataset.key, &dataset.reference, &dataset.doi, &dataset.licence, &dataset.composition,
+          &dataset.note, &dataset.file, &dataset.density_source}) {
+        *text = as_utf8(*text);
+    }
+    for (std::string& correction : dataset.corrections) correction = as_utf8(correction);
+}
+
+ReadOptions read_options(const ImportOptions& options) {
+    return {.negative_k_tolerance = options.negative_k_tolerance,
+            .skip_bad_rows = options.skip_bad_rows,
+            .unit = options.unit};
 }
 
 ReadFile read_recognised(const std::filesystem::path& file, const ImportOptions& options) {
@@ -140,6 +158,9 @@ ReadFile read_recognised(const std::filesystem::path& file, const ImportOptions&
     const FileFormat* format =
         options.format.empty() ? recognise(source.text.empty() ? source.second_text : source.text)
                                : &format_named(options.format);
+    // Bare columns become readable when their unit is given.
+    if (options.format.empty() && options.unit && (format == nullptr || format == &kSpd))
+        format = &kCsv;
     if (format == nullptr) {
         std::string known;
         for (const FileFormat* f : kFormats)
@@ -148,8 +169,7 @@ ReadFile read_recognised(const std::filesystem::path& file, const ImportOptions&
             file.string(), 0,
             fmt::format("format not recognised; known: {} (a format can be given by name)", known));
     }
-    ReadFile read{format->read(source, {.negative_k_tolerance = options.negative_k_tolerance}),
-                  *format};
+    ReadFile read{format->read(source, read_options(options)), *format};
     fill_origin(read.dataset, source, *format, options);
     return read;
 }

@@ -10,6 +10,8 @@
 namespace miebrdf::materials {
 namespace {
 
+constexpr const char* kColumnsRemark = "wavelength (A), n, k";
+
 char first_character(std::string_view text) {
     const std::string_view start = without_blanks(text);
     return start.empty() ? '\0' : start.front();
@@ -25,18 +27,20 @@ Dataset read_imd(const SourceFile& source, const ReadOptions& options) {
     dataset.format = "imd";
     RawTable table;
     table.unit = Unit::angstrom;
-    const Columns columns = read_columns(source.text, ';', 3, file);
+    Columns columns = read_columns(source.text, ';', 3, file, options);
     for (const auto& [line, numbers] : columns.rows) {
         table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
     }
-    dataset.note = columns.comments;
+    columns.bad.record(dataset, table.rows.size());
+    std::erase(columns.remarks, kColumnsRemark);
+    take_remarks(dataset, columns.remarks);
     add_table(dataset, std::move(table), file, options);
     return dataset;
 }
 
 std::vector<ExportFile> write_imd(const Dataset& d, const ExportOptions& options) {
     const JointTable table = joint_table(d, "imd", options);
-    std::string text = remarks(d, "; ") + "; wavelength (A), n, k\n";
+    std::string text = remarks(d, "; ") + fmt::format("; {}\n", kColumnsRemark);
     for (std::size_t i = 0; i < table.n.x.size(); ++i) {
         fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, Unit::angstrom),
                        table.n.y[i], table.k[i]);

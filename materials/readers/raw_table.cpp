@@ -13,26 +13,41 @@
 namespace miebrdf::materials {
 namespace {
 
-void check_rows(const RawTable& table, const std::string& file, double negative_k_tolerance) {
+// Far beyond all sources (metals at 1 mm have a few thousand).
+constexpr double kLargestIndex = 1e6;
+
+void check_row(const RawTable& table, const RawRow& row, const std::string& file,
+               double negative_k_tolerance) {
+    const double wavelength_nm = to_nm(row.x, table.unit);
+    if (!(row.x > 0 && std::isfinite(row.x) && std::isfinite(wavelength_nm) && wavelength_nm > 0)) {
+        throw ImportError(file, row.line,
+                          fmt::format("{} {} is no wavelength", row.x, name_of(table.unit)));
+    }
+    if (table.has_n && !(row.n > 0 && row.n <= kLargestIndex)) {
+        throw ImportError(file, row.line, fmt::format("n = {}; must be > 0 and <= 1e6", row.n));
+    }
+    if (table.has_k && !(row.k >= -negative_k_tolerance && row.k <= kLargestIndex)) {
+        throw ImportError(file, row.line,
+                          fmt::format("k = {}; must be >= 0 and <= 1e6 (noise down to -{} is set "
+                                      "to 0: negative_k_tolerance)",
+                                      row.k, negative_k_tolerance));
+    }
+}
+
+void check_rows(Dataset& dataset, RawTable& table, const std::string& file,
+                const ReadOptions& options) {
     if (table.rows.empty()) throw ImportError(file, 0, "no data");
     if (table.rows.size() > kMostRows) throw ImportError(file, 0, "more than a million rows");
+    BadRows bad;
+    std::vector<RawRow> good;
     for (const RawRow& row : table.rows) {
-        const double wavelength_nm = to_nm(row.x, table.unit);
-        if (!(row.x > 0 && std::isfinite(row.x) && std::isfinite(wavelength_nm) &&
-              wavelength_nm > 0)) {
-            throw ImportError(file, row.line,
-                              fmt::format("{} {} is no wavelength", row.x, name_of(table.unit)));
-        }
-        if (table.has_n && !(row.n > 0 && std::isfinite(row.n))) {
-            throw ImportError(file, row.line, fmt::format("n = {}; must be > 0", row.n));
-        }
-        if (table.has_k && !(row.k >= -negative_k_tolerance && std::isfinite(row.k))) {
-            throw ImportError(file, row.line,
-                              fmt::format("k = {}; must be >= 0 (noise down to -{} is set to 0: "
-                                          "negative_k_tolerance)",
-                                          row.k, negative_k_tolerance));
-        }
+        bad.try_row(options, [&] {
+            check_row(table, row, file, options.negative_k_tolerance);
+            good.push_back(row);
+        });
     }
+    bad.record(dataset, good.size());
+    table.rows = std::move(good);
 }
 
 void clamp_k(RawTable& table, std::vector<std::string>& corrections) {
@@ -124,7 +139,7 @@ std::string one_line(std::string text) {
 
 void add_table(Dataset& dataset, RawTable table, const std::string& file,
                const ReadOptions& options) {
-    check_rows(table, file, options.negative_k_tolerance);
+    check_rows(dataset, table, file, options);
     if (table.has_k) clamp_k(table, dataset.corrections);
     sort_rows(table, dataset.corrections);
     drop_repeated(table, dataset.corrections);
@@ -132,8 +147,25 @@ void add_table(Dataset& dataset, RawTable table, const std::string& file,
     if (table.has_k) dataset.k = column(table, &RawRow::k);
 }
 
+void BadRows::add(const ImportError& error) { refusals_.push_back(error); }
+
+void BadRows::record(Dataset& dataset, std::size_t good_rows) {
+    if (refusals_.empty()) return;
+    if (10 * refusals_.size() > good_rows + refusals_.size()) throw refusals_.front();
+    constexpr std::size_t kShown = 5;
+    for (std::size_t i = 0; i < std::min(kShown, refusals_.size()); ++i) {
+        dataset.corrections.push_back(
+            fmt::format("row of line {} left out: {}", refusals_[i].line(), refusals_[i].reason()));
+    }
+    if (refusals_.size() > kShown) {
+        dataset.corrections.push_back(
+            fmt::format("{} more rows left out", refusals_.size() - kShown));
+    }
+    refusals_.clear();
+}
+
 Columns read_columns(std::string_view text, char comment, std::size_t count,
-                     const std::string& file) {
+                     const std::string& file, const ReadOptions& options) {
     Columns columns;
     int line = 0;
     for (std::string_view raw : split_lines(text)) {
@@ -141,24 +173,33 @@ Columns read_columns(std::string_view text, char comment, std::size_t count,
         const std::size_t mark = raw.find(comment);
         if (mark != std::string_view::npos) {
             const std::string_view remark = without_blanks(raw.substr(mark + 1));
-            if (!remark.empty() && columns.comments.size() < 2000) {
-                columns.comments += (columns.comments.empty() ? "" : " ") + std::string(remark);
-            }
+            if (!remark.empty()) columns.remarks.emplace_back(remark);
             raw = raw.substr(0, mark);
         }
         const auto words = split_words(raw, " \t,\x1a");
         if (words.empty()) continue;
-        if (words.size() != count) {
-            throw ImportError(file, line,
-                              fmt::format("{} columns, expected {}", words.size(), count));
-        }
-        std::vector<double> numbers;
-        numbers.reserve(count);
-        for (const std::string_view word : words)
-            numbers.push_back(require_number(word, file, line));
-        columns.rows.emplace_back(line, std::move(numbers));
+        columns.bad.try_row(options, [&] {
+            if (words.size() != count) {
+                throw ImportError(file, line,
+                                  fmt::format("{} columns, expected {}", words.size(), count));
+            }
+            std::vector<double> numbers;
+            numbers.reserve(count);
+            for (const std::string_view word : words)
+                numbers.push_back(require_number(word, file, line));
+            columns.rows.emplace_back(line, std::move(numbers));
+        });
     }
     return columns;
+}
+
+void take_remarks(Dataset& dataset, const std::vector<std::string>& remarks) {
+    std::string note;
+    for (const std::string& remark : remarks) {
+        if (read_provenance_line(dataset, remark) || note.size() >= 2000) continue;
+        note += (note.empty() ? "" : " ") + remark;
+    }
+    if (dataset.note.empty()) dataset.note = note;
 }
 
 bool first_row_has(std::string_view text, char comment, std::size_t count) {
@@ -189,24 +230,33 @@ std::vector<std::string> provenance_lines(const Dataset& dataset) {
     return lines;
 }
 
-void read_provenance_line(Dataset& dataset, std::string_view line) {
+bool read_provenance_line(Dataset& dataset, std::string_view line) {
     const std::size_t colon = line.find(": ");
-    if (colon == std::string_view::npos) return;
+    if (colon == std::string_view::npos) return false;
     const std::string_view name = without_blanks(line.substr(0, colon));
     const std::string value(without_blanks(line.substr(colon + 2)));
+    bool known_name = false;
     for (const auto& [known, member] : kFields) {
-        if (name == known && (dataset.*member).empty()) dataset.*member = value;
+        if (name != known) continue;
+        known_name = true;
+        if ((dataset.*member).empty()) dataset.*member = value;
     }
     if (name == "temperature_k") {
         const auto kelvin = parse_number(value);
         if (kelvin && *kelvin > 0 && *kelvin < 1e6) dataset.temperature_k = kelvin;
+        known_name = true;
     }
     if (name == "density_g_cm3") {
         const auto density = parse_number(value);
         if (density && *density > 0 && *density < 100) dataset.density_g_cm3 = density;
+        known_name = true;
     }
-    if (name == "correction") dataset.corrections.push_back(value);
+    if (name == "correction") {
+        dataset.corrections.push_back(value);
+        known_name = true;
+    }
     if (dataset.ray != "o" && dataset.ray != "e") dataset.ray.clear();
+    return known_name;
 }
 
 }  // namespace miebrdf::materials

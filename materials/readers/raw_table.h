@@ -2,12 +2,13 @@
 // origin.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include <miebrdf/index.h>
+#include <miebrdf/database.h>
 
 namespace miebrdf::materials {
 
@@ -15,6 +16,11 @@ struct ReadOptions {
     /// Negative k down to this is noise around 0 and set to 0; below it the file is refused. The
     /// largest in the SOPRA collection is 6e-3 (ALSB).
     double negative_k_tolerance = 1e-2;
+    /// Rows that are no numbers or not physical are left out and recorded, up to a tenth of all,
+    /// instead of refusing the file.
+    bool skip_bad_rows = false;
+    /// Of the first column where a file does not name it.
+    std::optional<Unit> unit{};
 };
 
 /// Tables longer than this are refused: no source has them, and a header may announce anything.
@@ -34,6 +40,27 @@ struct RawTable {
     std::vector<RawRow> rows;
 };
 
+/// Rows left out on request.
+class BadRows {
+  public:
+    /// Runs `read`; when it refuses a row and that is asked for, the refusal is kept instead.
+    template <typename Read>
+    void try_row(const ReadOptions& options, const Read& read) {
+        if (!options.skip_bad_rows) return read();
+        try {
+            read();
+        } catch (const ImportError& error) {
+            add(error);
+        }
+    }
+    void add(const ImportError& error);
+    /// @throws ImportError  the first refusal, when more than a tenth of the rows are bad
+    void record(Dataset& dataset, std::size_t good_rows);
+
+  private:
+    std::vector<ImportError> refusals_;
+};
+
 /// Puts the rows in order of wavelength, drops repeated wavelengths (the first is kept), sets
 /// slightly negative k to 0, and adds both series to the dataset; every change is recorded in its
 /// corrections.
@@ -44,11 +71,14 @@ void add_table(Dataset& dataset, RawTable table, const std::string& file,
 /// Lines of so many numbers, and the remarks beside them.
 struct Columns {
     std::vector<std::pair<int, std::vector<double>>> rows;  ///< line, numbers
-    std::string comments;
+    std::vector<std::string> remarks;
+    BadRows bad;
 };
 /// @throws ImportError  for another number of columns, and for words that are no number
 Columns read_columns(std::string_view text, char comment, std::size_t count,
-                     const std::string& file);
+                     const std::string& file, const ReadOptions& options);
+/// What remarks say of the origin goes to its place, all other words into the note.
+void take_remarks(Dataset& dataset, const std::vector<std::string>& remarks);
 /// True when the first line that is neither empty nor a comment has `count` numbers.
 bool first_row_has(std::string_view text, char comment, std::size_t count);
 
@@ -59,6 +89,7 @@ inline constexpr std::string_view kProvenanceMark = "# miebrdf ";
 std::vector<std::string> provenance_lines(const Dataset& dataset);
 
 /// Takes over what a line says when it is one of those; other lines are left alone.
-void read_provenance_line(Dataset& dataset, std::string_view line);
+/// @returns whether it was one
+bool read_provenance_line(Dataset& dataset, std::string_view line);
 
 }  // namespace miebrdf::materials

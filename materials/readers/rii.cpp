@@ -34,20 +34,24 @@ void read_block_table(Dataset& dataset, const YamlNode& block, bool has_n, bool 
     table.has_n = has_n;
     table.has_k = has_k;
     const std::size_t columns = has_n && has_k ? 3 : 2;
+    BadRows bad;
     int line = data->line;  // a literal block begins on the line after its '|'
     for (const std::string_view raw : split_lines(data->text)) {
         ++line;
         const auto words = split_words(raw);
         if (words.empty()) continue;
-        if (words.size() != columns) {
-            throw ImportError(file, line,
-                              fmt::format("{} columns, expected {}", words.size(), columns));
-        }
-        RawRow row{require_number(words[0], file, line), 0.0, 0.0, line};
-        if (has_n) row.n = require_number(words[1], file, line);
-        if (has_k) row.k = require_number(words.back(), file, line);
-        table.rows.push_back(row);
+        bad.try_row(options, [&] {
+            if (words.size() != columns) {
+                throw ImportError(file, line,
+                                  fmt::format("{} columns, expected {}", words.size(), columns));
+            }
+            RawRow row{require_number(words[0], file, line), 0.0, 0.0, line};
+            if (has_n) row.n = require_number(words[1], file, line);
+            if (has_k) row.k = require_number(words.back(), file, line);
+            table.rows.push_back(row);
+        });
     }
+    bad.record(dataset, table.rows.size());
     add_table(dataset, std::move(table), file, options);
 }
 
@@ -67,19 +71,10 @@ std::vector<double> numbers_of(const YamlNode& node, const std::string& file) {
 
 // A formula need not have a real value everywhere in the range it is given for: four files of the
 // 2026 collection do not. Such a dataset is kept, the wavelengths concerned are refused when asked
-// for, and the remark says so. 200 samples even in photon energy find intervals, not single points.
+// for, and the remark says so.
 void check_formula(Dataset& dataset, const Series& series) {
-    int bad = 0;
-    for (int i = 0; i <= 200; ++i) {
-        const double t = i / 200.0;
-        const double wavelength_nm = 1 / ((1 - t) / series.shortest_nm + t / series.longest_nm);
-        if (!(dispersion_formula(series.formula, series.y, wavelength_nm / 1000) > 0)) ++bad;
-    }
-    if (bad > 0) {
-        dataset.corrections.push_back(
-            fmt::format("formula {} has no real value at {} of 201 wavelengths of its range",
-                        series.formula, bad));
-    }
+    const std::string gap = formula_gap(series);
+    if (!gap.empty()) dataset.corrections.push_back(gap);
 }
 
 void read_formula(Dataset& dataset, const YamlNode& block, int formula, const std::string& file) {
@@ -265,7 +260,6 @@ constinit const FileFormat kRefractiveIndexInfo{
     .other_name = "yaml",
     .title = "refractiveindex.info YAML",
     .endings = {".yml"},
-    .names_material = true,
     .looks_like = looks_like_rii_page,
     .read = read_rii_page,
     .write = write_rii_page,

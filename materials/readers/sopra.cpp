@@ -119,6 +119,7 @@ Dataset read_sopra(const SourceFile& source, const ReadOptions& options) {
     Dataset dataset;
     dataset.format = "sopra";
     dataset.source = "SOPRA";
+    dataset.licence = "unclear: SOPRA S.A. published its tables without a licence";
     RawTable table;
     table.unit = unit_of(header->code);
     for (int i = 0; i <= header->intervals; ++i) {

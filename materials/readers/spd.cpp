@@ -21,13 +21,16 @@ Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
         RawTable table;
         table.has_n = is_n;
         table.has_k = !is_n;
-        const Columns columns = read_columns(text, '#', 2, file + (is_n ? ".eta.spd" : ".k.spd"));
+        Columns columns =
+            read_columns(text, '#', 2, file + (is_n ? ".eta.spd" : ".k.spd"), options);
         for (const auto& [line, numbers] : columns.rows) {
             RawRow row{numbers[0], 0.0, 0.0, line};
             row.*member = numbers[1];
             table.rows.push_back(row);
         }
-        if (dataset.note.empty()) dataset.note = columns.comments;
+        columns.bad.record(dataset, table.rows.size());
+        // Both halves say the same of their origin.
+        if (is_n || source.text.empty()) take_remarks(dataset, columns.remarks);
         add_table(dataset, std::move(table), file + (is_n ? ".eta.spd" : ".k.spd"), options);
     };
     read(source.text, &RawRow::n, true);

@@ -26,6 +26,29 @@ bool starts_tag(std::string_view html, std::size_t at) {
     return (letter || next == '/' || next == '!') && html.find('>', at) != std::string_view::npos;
 }
 
+// "10.1364%2FAO.12.000555" -> "10.1364/AO.12.000555"; printable ASCII only.
+std::string without_escapes(std::string_view address) {
+    const auto digit = [](char c) {
+        if (c >= '0' && c <= '9') return c - '0';
+        const char lower = static_cast<char>(c | 0x20);
+        return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
+    };
+    std::string text;
+    for (std::size_t i = 0; i < address.size(); ++i) {
+        if (address[i] == '%' && i + 2 < address.size()) {
+            const int high = digit(address[i + 1]), low = digit(address[i + 2]);
+            const int code = high < 0 || low < 0 ? 0 : 16 * high + low;
+            if (code > 0x20 && code < 0x7f) {
+                text += static_cast<char>(code);
+                i += 2;
+                continue;
+            }
+        }
+        text += address[i];
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string_view without_blanks(std::string_view text) {
@@ -137,11 +160,49 @@ std::string without_markup(std::string_view html) {
     return text;
 }
 
+bool is_utf8(std::string_view text) {
+    for (std::size_t i = 0; i < text.size();) {
+        const auto first = static_cast<unsigned char>(text[i]);
+        const std::size_t length = first < 0x80                     ? 1
+                                   : first >= 0xc2 && first <= 0xdf ? 2
+                                   : first >= 0xe0 && first <= 0xef ? 3
+                                   : first >= 0xf0 && first <= 0xf4 ? 4
+                                                                    : 0;
+        if (length == 0 || i + length > text.size()) return false;
+        for (std::size_t j = 1; j < length; ++j) {
+            if ((static_cast<unsigned char>(text[i + j]) & 0xc0) != 0x80) return false;
+        }
+        // Longer than needed, half of a UTF-16 pair, or beyond U+10FFFF.
+        const auto second = length > 1 ? static_cast<unsigned char>(text[i + 1]) : 0u;
+        if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+            (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f)) {
+            return false;
+        }
+        i += length;
+    }
+    return true;
+}
+
+std::string as_utf8(std::string_view text) {
+    if (is_utf8(text)) return std::string(text);
+    std::string converted;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x80) {
+            converted += c;
+        } else {
+            converted += static_cast<char>(0xc0 | byte >> 6);
+            converted += static_cast<char>(0x80 | (byte & 0x3f));
+        }
+    }
+    return converted;
+}
+
 std::string first_doi(std::string_view text) {
     const std::size_t start = text.find("doi.org/10.");
     if (start == std::string_view::npos) return "";
     const std::string_view doi = text.substr(start + 8);
-    return without_markup(doi.substr(0, doi.find_first_of("\"'<> \t\r\n")));
+    return without_markup(without_escapes(doi.substr(0, doi.find_first_of("\"'<> \t\r\n"))));
 }
 
 }  // namespace miebrdf::materials

@@ -29,7 +29,11 @@ std::vector<std::string_view> split_words(std::string_view line,
 /// Tags removed, the common entities resolved, runs of blanks and line ends made one blank.
 std::string without_markup(std::string_view html);
 
-/// The first DOI ("10.1103/PhysRevB.6.4370") in a text, or nothing.
+bool is_utf8(std::string_view text);
+/// The text itself, or, when it is no UTF-8, each byte as a character of Latin-1.
+std::string as_utf8(std::string_view text);
+
+/// The first DOI ("10.1103/PhysRevB.6.4370") in a text, or nothing; "%2F" and the like resolved.
 std::string first_doi(std::string_view text);
 
 }  // namespace miebrdf::materials

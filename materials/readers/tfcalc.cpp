@@ -40,32 +40,39 @@ Dataset read_tfcalc(const SourceFile& source, const ReadOptions& options) {
     table.unit = Unit::nanometre;
     std::optional<double> announced;
     bool ended = false;
+    std::vector<std::string> remarks;
+    BadRows bad;
     int line = 0;
+    std::size_t rows = 0;
     for (const std::string_view raw : split_lines(source.text)) {
         ++line;
         const auto fields = fields_of(without_blanks(raw.substr(0, raw.find('\x1a'))));
         if (fields.empty() || ended) continue;
         if (fields[0] == "DATA1") {
-            if (fields.size() < 5)
-                throw ImportError(file, line, "DATA1 needs index, wavelength, n, k");
-            table.rows.push_back({require_number(fields[2], file, line),
-                                  require_number(fields[3], file, line),
-                                  require_number(fields[4], file, line), line});
+            ++rows;
+            bad.try_row(options, [&] {
+                if (fields.size() < 5)
+                    throw ImportError(file, line, "DATA1 needs index, wavelength, n, k");
+                table.rows.push_back({require_number(fields[2], file, line),
+                                      require_number(fields[3], file, line),
+                                      require_number(fields[4], file, line), line});
+            });
         } else if (fields[0] == "POINTS" && fields.size() > 1) {
             announced = require_number(fields[1], file, line);
         } else if (fields[0] == "FORMAT" && fields.size() > 1 && fields[1] != "1") {
             throw ImportError(file, line,
                               fmt::format("TFCalc format {}; only 1 is known", fields[1]));
-        } else if (fields[0] == "COMMENT" && fields.size() > 1 && dataset.note.size() < 2000) {
-            dataset.note += (dataset.note.empty() ? "" : " ") + std::string(fields[1]);
+        } else if (fields[0] == "COMMENT" && fields.size() > 1) {
+            remarks.emplace_back(fields[1]);
         } else if (fields[0] == "EOF") {
             ended = true;
         }
     }
-    if (announced && *announced != static_cast<double>(table.rows.size())) {
-        throw ImportError(
-            file, 0, fmt::format("announces {} points and has {}", *announced, table.rows.size()));
+    if (announced && *announced != static_cast<double>(rows)) {
+        throw ImportError(file, 0, fmt::format("announces {} points and has {}", *announced, rows));
     }
+    take_remarks(dataset, remarks);
+    bad.record(dataset, table.rows.size());
     if (!ended) dataset.corrections.push_back("no EOF line at the end of the file");
     add_table(dataset, std::move(table), file, options);
     return dataset;
@@ -78,9 +85,11 @@ std::vector<ExportFile> write_tfcalc(const Dataset& d, const ExportOptions& opti
         fmt::format_to(std::back_inserter(text), "DATA1*{}*{}*{}*{}*\n", i + 1,
                        in_unit(table.n, i, Unit::nanometre), table.n.y[i], table.k[i]);
     }
-    std::string name = d.material + "/" + d.label;
-    std::replace(name.begin(), name.end(), '*', ' ');
-    return {{".MAT", text + fmt::format("COMMENT*{}*\nEOF*\n", name)}};
+    for (std::string remark : provenance_lines(d)) {
+        std::replace(remark.begin(), remark.end(), '*', ' ');
+        fmt::format_to(std::back_inserter(text), "COMMENT*{}*\n", remark);
+    }
+    return {{".MAT", text + "EOF*\n"}};
 }
 
 }  // namespace

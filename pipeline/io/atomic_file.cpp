@@ -63,6 +63,17 @@ std::string make_temporary(const fs::path& target) {
     refuse(target, errno);
 }
 
+/// Why a stream could not be written: a stream keeps no reason, but the disk is still full.
+int reason_of_failure(const fs::path& file) {
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    if (descriptor < 0) return errno;
+    const std::array<char, 65536> block{};
+    const bool written = ::write(descriptor, block.data(), block.size()) == ssize_t(block.size());
+    const int error = written ? EIO : errno != 0 ? errno : ENOSPC;
+    ::close(descriptor);
+    return error;
+}
+
 void flush_to_disk(const fs::path& file) {
     const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) return;
@@ -110,7 +121,8 @@ void AtomicFile::commit() {
     stream_.flush();
     const bool good = stream_.good();
     stream_.close();
-    if (!good || stream_.fail()) refuse(target_, errno != 0 ? errno : EIO);
+    if (!good || stream_.fail())
+        refuse(target_, errno != 0 ? errno : reason_of_failure(temporary_));
     if (renames_) {
         flush_to_disk(temporary_);
         if (::rename(temporary_.c_str(), target_.c_str()) != 0) refuse(target_, errno);

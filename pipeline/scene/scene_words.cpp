@@ -62,6 +62,13 @@ const Names<rte::CoatMethod> kCoatMethods = {
     {"first-order-patched", rte::CoatMethod::first_order_patched},
     {"exponential", rte::CoatMethod::exponential}};
 
+const Names<materials::Interpolation> kInterpolations = {
+    {"pchip", materials::Interpolation::pchip},
+    {"linear", materials::Interpolation::linear_in_wavelength},
+    {"linear-energy", materials::Interpolation::linear_in_energy}};
+const Names<materials::Extrapolation> kExtrapolations = {
+    {"refuse", materials::Extrapolation::refuse}, {"clamp", materials::Extrapolation::clamp}};
+
 template <typename Value>
 std::string list_of(const Names<Value>& names) {
     std::string text;
@@ -159,8 +166,36 @@ std::vector<SceneWord> layer_words() {
          .help = "database of your own materials, beside those that are built in; default: "
                  "$MIEBRDF_DATABASE, else $XDG_DATA_HOME/miebrdf/materials.sqlite",
          .field = "database",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.database = text_of(one_value(word, values));
+             }},
+        {.name = "interpolation",
+         .placeholder = "NAME",
+         .help = "of n and k between their rows: pchip (monotone in photon energy), linear (in "
+                 "wavelength, as other tools) or linear-energy",
+         .default_text = kInterpolations.front().first,
+         .field = "interpolation",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.index.interpolation = one_of(kInterpolations, word, values);
+             }},
+        {.name = "extrapolate",
+         .placeholder = "NAME",
+         .help =
+             "where a material has no data: refuse, or clamp to the nearer end (outputs say so)",
+         .default_text = kExtrapolations.front().first,
+         .field = "extrapolation",
+         .set =
+             [](const SceneWord& word, Values values, Request& request) {
+                 request.scene.index.extrapolation = one_of(kExtrapolations, word, values);
+             }},
+        {.name = "missing-k-zero",
+         .help = "k = 0 where a material's n is known and k is not, instead of an error",
+         .kind = WordKind::flag,
+         .field = "missing_k_is_zero",
          .set = [](const SceneWord& word, Values values, Request& request) {
-             request.scene.database = text_of(one_value(word, values));
+             request.scene.index.missing_k_is_zero = is_on(word, one_value(word, values));
          }}};
 }
 

@@ -24,7 +24,8 @@ namespace {
 /// scenes without names need no database.
 class Materials {
   public:
-    explicit Materials(const std::string& file) : file_(file) {
+    explicit Materials(const std::string& file, const materials::IndexOptions& options = {})
+        : file_(file), options_(options) {
         if (!file.empty() && !std::filesystem::exists(file)) {
             throw InputError(fmt::format("materials database '{}' does not exist", file));
         }
@@ -38,8 +39,13 @@ class Materials {
         return *database_;
     }
 
+    materials::RefractiveIndex index(const std::string& name) {
+        return open().refractive_index(name, options_);
+    }
+
   private:
     std::string file_;
+    materials::IndexOptions options_;
     std::optional<materials::Database> database_;
 };
 
@@ -68,11 +74,21 @@ ResolvedIndex index_of(const Species& species, const std::vector<double>& wavele
         return resolved;
     }
     const bool own = species.kind == "table";
-    const auto table = own ? own_index(species) : materials.open().refractive_index(species.name);
+    const auto table = own ? own_index(species) : materials.index(species.name);
     resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", species.name,
                                         species.index.size())
                           : source_line(materials.open().info(species.name));
-    for (const double nm : wavelength_nm) add(table.at(nm));
+    std::size_t outside = 0;
+    for (const double nm : wavelength_nm) {
+        add(table.at(nm));
+        outside += !table.covers(nm);
+    }
+    if (outside > 0) {
+        resolved.source += fmt::format(
+            "; {} of {} wavelengths are outside {} to {} nm: values of "
+            "the nearer end",
+            outside, wavelength_nm.size(), table.shortest_nm(), table.longest_nm());
+    }
     return resolved;
 }
 
@@ -120,7 +136,7 @@ class Resolver {
   public:
     /// @param some_nm  a wavelength at which the scene is wanted, for advice
     Resolver(const Scene& scene, double some_nm)
-        : scene_(scene), some_nm_(some_nm), materials_(scene.database) {}
+        : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index) {}
 
     ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm) {
         ResolvedMedium resolved{.medium = medium};

@@ -10,6 +10,7 @@ TEST_CASE("normalised names ignore case, spaces, '_' and '-'", "[materials][name
     CHECK(normalised("Al Ga-As_70") == "algaas70");
     CHECK(normalised("TiO2") == normalised("ti o_2"));
     CHECK(normalised("Al2O3") != normalised("Al2O"));
+    CHECK(normalised("TiO\xe2\x82\x82") == "tio2");
 }
 
 TEST_CASE("nearest names: beginnings first, then by typing errors", "[materials][names]") {

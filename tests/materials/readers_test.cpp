@@ -7,6 +7,7 @@
 
 #include <miebrdf/database.h>
 #include <miebrdf/index.h>
+#include "materials/readers/text.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,6 +117,12 @@ TEST_CASE("refractiveindex.info: n and k on grids of their own, the table before
     CHECK_THAT(all, Catch::Contains("sorted") && Catch::Contains("1 rows with a repeated") &&
                         Catch::Contains("negative k") && Catch::Contains("formula 5' ignored"));
     CHECK(d.corrections.size() == 4);
+}
+
+TEST_CASE("a DOI with escapes is the DOI", "[materials][import][rii]") {
+    CHECK(first_doi("<a href=\"https://doi.org/10.1364%2FAO.12.000555\">") ==
+          "10.1364/AO.12.000555");
+    CHECK(first_doi("doi.org/10.1/a%zz%2") == "10.1/a%zz%2");
 }
 
 TEST_CASE("refractiveindex.info: formulas, the older key of the range, unknown k",

@@ -94,6 +94,14 @@ TEST_CASE("interpolation can be chosen", "[materials][index]") {
     CHECK(in_energy.at(550).real() == Approx(4.0 - 2.0 * t).epsilon(1e-14));
 }
 
+TEST_CASE("the last rounding of an end of the range is inside", "[materials][index]") {
+    const RefractiveIndex index("x", IndexTable{{400, 826.5613226666667}, {1.5, 1.6}, {0, 0.1}});
+    CHECK(index.covers(826.561322888));  // 1.5 eV with CODATA 2018
+    CHECK(index.at(826.561322888) == std::complex<double>(1.6, 0.1));
+    CHECK(index.covers(std::nextafter(400.0, 0.0)));
+    CHECK_FALSE(index.covers(826.5614));
+}
+
 TEST_CASE("outside the data is an error with the asked and the valid range",
           "[materials][index][errors]") {
     const RefractiveIndex index("GaP", {{400, 500, 600}, {3, 3, 3}, {0, 0, 0}});

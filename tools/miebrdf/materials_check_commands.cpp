@@ -7,6 +7,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {
@@ -19,8 +20,29 @@ struct DatasetExport {
     DatabaseArgument database;
     std::string name;
     std::string format = "csv";
+    std::string wavelengths;  ///< empty: the dataset as it is
     materials::ExportOptions options;
 };
+
+// n and k of a dataset, a formula perhaps, as a table at wavelengths.
+materials::Dataset sampled(materials::Dataset dataset, const Database& database,
+                           std::vector<double> wavelength_nm) {
+    std::sort(wavelength_nm.begin(), wavelength_nm.end());
+    wavelength_nm.erase(std::unique(wavelength_nm.begin(), wavelength_nm.end()),
+                        wavelength_nm.end());
+    const RefractiveIndex index = database.refractive_index(dataset.material + "/" + dataset.label);
+    std::vector<double> n, k;
+    for (const double w : wavelength_nm) {
+        n.push_back(index.at(w).real());
+        k.push_back(index.at(w).imag());
+    }
+    using materials::make_table;
+    dataset.n = make_table(materials::Unit::nanometre, wavelength_nm, n);
+    if (dataset.k) dataset.k = make_table(materials::Unit::nanometre, wavelength_nm, k);
+    dataset.corrections.push_back(
+        fmt::format("not the source's rows: sampled at {} wavelengths", wavelength_nm.size()));
+    return dataset;
+}
 
 // What both halves are named after: NAME, whether NAME, NAME.spd or one of the halves was given.
 std::string common_beginning(std::string_view output) {
@@ -45,7 +67,12 @@ int write_pair(const std::vector<materials::ExportFile>& files, const Shell& she
 }
 
 int run_export(const DatasetExport& arguments, const Shell& shell) {
-    const materials::Dataset dataset = arguments.database.open().dataset(arguments.name);
+    const Database database = arguments.database.open();
+    materials::Dataset dataset = database.dataset(arguments.name);
+    if (!arguments.wavelengths.empty()) {
+        dataset =
+            sampled(std::move(dataset), database, parse_wavelengths_nm(arguments.wavelengths));
+    }
     const auto files = materials::export_dataset(dataset, arguments.format, arguments.options);
     if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
     shell.write_text(files.front().text);
@@ -55,6 +82,7 @@ int run_export(const DatasetExport& arguments, const Shell& shell) {
 struct DiffArguments {
     DatabaseArgument database;
     std::string first, second;
+    IndexArguments index;
     double tolerance = 0.0;
 };
 
@@ -72,8 +100,9 @@ std::vector<double> common_grid(const RefractiveIndex& a, const RefractiveIndex&
 
 int run_diff(const DiffArguments& arguments, const Shell& shell) {
     const Database database = arguments.database.open();
-    const RefractiveIndex a = database.refractive_index(arguments.first);
-    const RefractiveIndex b = database.refractive_index(arguments.second);
+    const RefractiveIndex a = database.refractive_index(arguments.first, arguments.index.options());
+    const RefractiveIndex b =
+        database.refractive_index(arguments.second, arguments.index.options());
     Table table;
     table.columns = {"wavelength_nm", "n_a", "n_b", "n_difference", "k_a", "k_b", "k_difference"};
     double largest_n = 0, largest_k = 0;
@@ -144,6 +173,11 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     command->add_option("--format", exported->format, formats)
         ->check(CLI::IsMember(names))
         ->capture_default_str();
+    command
+        ->add_option("--wavelengths", exported->wavelengths,
+                     "sample n and k here (a list or range, as for nk) instead of writing the "
+                     "dataset's own rows: for formulas, and formats that want another grid")
+        ->type_name("LIST");
     command->add_flag("--unknown-k-zero", exported->options.unknown_k_as_zero,
                       "write k = 0 for unknown k where the format needs a number");
     exported->database.add_to(*command);
@@ -158,6 +192,7 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     command->add_option("--tolerance", diff->tolerance, "differences up to this give exit code 0")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    diff->index.add_to(*command);
     diff->database.add_to(*command);
     shell.add_common_options(*command);
     command->footer("Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");

@@ -48,10 +48,21 @@ struct SearchArguments {
     std::string text;
     std::string covers;
     bool has_k = false;
+    std::size_t limit = 0;  ///< 0: none
 };
 
 Cell range_end(const MaterialInfo& m, double value) {
     return m.datasets > 0 ? Cell(value) : Cell();
+}
+
+/// Leaves the first rows, and says how many there were.
+void limit_rows(Table& table, std::size_t limit, const Shell& shell) {
+    if (limit == 0 || table.rows.size() <= limit) return;
+    const std::string left =
+        fmt::format("first {} of {}; --limit 0 shows all", limit, table.rows.size());
+    table.rows.resize(limit);
+    table.facts.emplace_back("shown", left);
+    shell.note(left);
 }
 
 Table table_of(const std::vector<MaterialInfo>& found) {
@@ -83,12 +94,61 @@ materials::SearchFilter filter_of(const SearchArguments& arguments) {
     return filter;
 }
 
+std::string nearest_of(const Database& database, const std::string& text) {
+    try {
+        return database.info(text).name;
+    } catch (const materials::UnknownMaterial& error) {
+        return fmt::format("{}", fmt::join(error.candidates, ", "));
+    } catch (const InputError&) {
+        return "";
+    }
+}
+
 int run_search(const SearchArguments& arguments, const Shell& shell) {
     const Database database = arguments.database.open();
     const std::vector<MaterialInfo> found = database.search(filter_of(arguments));
-    shell.write(table_of(found));
-    if (found.empty()) shell.note(fmt::format("nothing fits '{}'", arguments.text));
-    return found.empty() ? kCheckFailed : kGood;
+    Table table = table_of(found);
+    limit_rows(table, arguments.limit, shell);
+    shell.write(std::move(table));
+    if (!found.empty()) return kGood;
+    const std::string nearest = nearest_of(database, arguments.text);
+    shell.note(fmt::format("nothing fits '{}'{}", arguments.text,
+                           nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    return kCheckFailed;
+}
+
+int run_list(const SearchArguments& arguments, const Shell& shell) {
+    Table table = table_of(arguments.database.open().list());
+    limit_rows(table, arguments.limit, shell);
+    shell.write(std::move(table));
+    return kGood;
+}
+
+int run_datasets(const SearchArguments& arguments, const Shell& shell) {
+    const Database database = arguments.database.open();
+    const MaterialInfo material = database.info(arguments.text);
+    const materials::SearchFilter filter = filter_of(arguments);
+    Table table;
+    table.facts.emplace_back("units", "shortest_nm, longest_nm: nm in vacuum; temperature_k: K");
+    table.columns = {"dataset", "default",       "source", "shortest_nm", "longest_nm", "rows",
+                     "k_known", "temperature_k", "ray",    "composition", "reference"};
+    const std::vector<DatasetInfo> all = database.datasets(material.name);
+    for (const DatasetInfo& d : all) {
+        if (!materials::fits(d, filter)) continue;
+        table.rows.push_back(
+            {d.material + "/" + d.label, std::string(&d == &all.front() ? "yes" : "no"),
+             d.source + (d.key.empty() ? "" : ":" + d.key), d.shortest_nm, d.longest_nm,
+             d.n_formula > 0 ? Cell(fmt::format("formula {}", d.n_formula))
+                             : Cell(static_cast<double>(d.rows)),
+             std::string(d.k_known ? "yes" : "no"),
+             d.temperature_k ? Cell(*d.temperature_k) : Cell(), d.ray, d.composition, d.reference});
+    }
+    const bool none = table.rows.empty();
+    limit_rows(table, arguments.limit, shell);
+    shell.write(std::move(table));
+    if (none)
+        shell.note(fmt::format("no dataset of {} covers {}", material.name, arguments.covers));
+    return none ? kCheckFailed : kGood;
 }
 
 std::string range_text(double shortest_nm, double longest_nm) {
@@ -171,25 +231,47 @@ int run_show(const DatabaseArgument& argument, const std::string& name, const Sh
 
 }  // namespace
 
+static void add_filter(CLI::App& command, SearchArguments& arguments) {
+    command
+        .add_option("--covers", arguments.covers,
+                    "only with a dataset that covers A:B (nm or units)")
+        ->type_name("A:B");
+    command.add_flag("--has-k", arguments.has_k, "only with a dataset whose k is known");
+}
+
+static void add_limit(CLI::App& command, SearchArguments& arguments) {
+    command.add_option("--limit", arguments.limit, "most lines that are shown; 0: all")
+        ->type_name("N")
+        ->capture_default_str();
+}
+
 void add_materials_query_commands(CLI::App& materials, Shell& shell) {
     auto listed = std::make_shared<SearchArguments>();
     auto* list = materials.add_subcommand("list", "every material with its source and range");
     listed->database.add_to(*list);
     shell.add_common_options(*list);
     list->footer("Example:\n  miebrdf materials list");
-    shell.on_run(*list, [listed, &shell] {
-        shell.write(table_of(listed->database.open().list()));
-        return kGood;
-    });
+    add_limit(*list, *listed);
+    shell.on_run(*list, [listed, &shell] { return run_list(*listed, shell); });
+
+    auto shown = std::make_shared<SearchArguments>();
+    auto* datasets =
+        materials.add_subcommand("datasets", "the datasets of a material, one line each");
+    datasets->add_option("name", shown->text, "NAME")->required();
+    add_filter(*datasets, *shown);
+    add_limit(*datasets, *shown);
+    shown->database.add_to(*datasets);
+    shell.add_common_options(*datasets);
+    datasets->footer("Example:\n  miebrdf materials datasets Au --covers 400:700");
+    shell.on_run(*datasets, [shown, &shell] { return run_datasets(*shown, shell); });
 
     auto asked = std::make_shared<SearchArguments>();
     auto* search =
         materials.add_subcommand("search", "materials by words of name, title, provenance");
     search->add_option("text", asked->text, "words, or beginnings of words; all must occur");
-    search
-        ->add_option("--covers", asked->covers, "only with a dataset that covers A:B (nm or units)")
-        ->type_name("A:B");
-    search->add_flag("--has-k", asked->has_k, "only with a dataset whose k is known");
+    add_filter(*search, *asked);
+    asked->limit = 50;
+    add_limit(*search, *asked);
     asked->database.add_to(*search);
     shell.add_common_options(*search);
     search->footer(

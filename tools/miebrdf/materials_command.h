@@ -27,6 +27,19 @@ class DatabaseArgument {
     std::string file_;
 };
 
+/// How n and k are taken between and beyond the rows.
+class IndexArguments {
+  public:
+    void add_to(CLI::App& command);
+    materials::IndexOptions options() const;
+    const std::string& interpolation() const { return interpolation_; }
+
+  private:
+    std::string interpolation_ = "pchip";
+    std::string extrapolate_ = "refuse";
+    bool missing_k_zero_ = false;
+};
+
 void add_materials_query_commands(CLI::App& materials, Shell& shell);  ///< list, search, show
 void add_materials_nk_commands(CLI::App& materials, Shell& shell);     ///< nk, plot
 void add_materials_edit_commands(CLI::App& materials,

@@ -3,6 +3,7 @@
 
 #include <miebrdf/database.h>
 #include <miebrdf/error.h>
+#include "materials/index/units.h"
 #include "tools/miebrdf/materials_command.h"
 
 namespace miebrdf::program {
@@ -15,6 +16,7 @@ struct ImportArguments {
     DatabaseArgument database;
     std::vector<std::string> files;
     bool replace = false;
+    std::string unit;
     materials::ImportOptions options;
 };
 
@@ -54,6 +56,7 @@ Table table_of(const std::vector<materials::ImportItem>& items, const Shell& she
 int run_import(const ImportArguments& arguments, const Shell& shell) {
     materials::ImportOptions options = arguments.options;
     options.replace = arguments.replace;
+    if (!arguments.unit.empty()) options.unit = materials::parse_unit(arguments.unit);
     if (arguments.files.size() > 1 && !options.label.empty()) {
         throw UsageError("--label names one dataset, so it goes with one file");
     }
@@ -88,6 +91,14 @@ void add_import(CLI::App& materials, Shell& shell) {
                      "k between minus this and 0 is measurement noise and set to 0")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    command
+        ->add_option("--unit", arguments->unit,
+                     "of the first column where the file does not say; also reads bare columns: "
+                     "wavelength, n and perhaps k")
+        ->check(CLI::IsMember({"nm", "um", "A", "eV", "cm-1", "THz"}));
+    command->add_flag("--skip-bad-rows", arguments->options.skip_bad_rows,
+                      "leave out rows that are no numbers or not physical, and say which, instead "
+                      "of refusing the file; up to a tenth of its rows");
     command->add_flag("--replace", arguments->replace,
                       "replace a dataset of the same name that has other values");
     arguments->database.add_to(*command);
@@ -103,7 +114,7 @@ void add_import(CLI::App& materials, Shell& shell) {
 struct EditArguments {
     DatabaseArgument database;
     std::string name, second;
-    bool remove = false;
+    bool remove = false, dry_run = false;
 };
 
 int run_alias(const EditArguments& arguments, const Shell& shell) {
@@ -147,6 +158,16 @@ int run_remove(const EditArguments& arguments, const Shell& shell) {
     }
     std::erase_if(asked, [](const auto& dataset) { return dataset.layer == "embedded"; });
     const std::filesystem::path file = arguments.database.file();
+    if (arguments.dry_run) {
+        Table table;
+        table.columns = {"dataset", "source", "reference"};
+        for (const auto& d : asked)
+            table.rows.push_back({d.material + "/" + d.label, d.source, d.reference});
+        shell.write(std::move(table));
+        shell.note(fmt::format("{} dataset{} would be removed", asked.size(),
+                               asked.size() == 1 ? "" : "s"));
+        return kGood;
+    }
     bool removed = false;
     if (whole && std::filesystem::exists(file)) {
         removed = DatabaseWriter(file).remove_material(known.info(arguments.name).name);
@@ -195,6 +216,7 @@ void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
     command = add_edit(materials, shell, "remove", "remove a material or dataset of the user's",
                        gone, run_remove);
     command->add_option("name", gone->name, "NAME or NAME/DATASET")->required();
+    command->add_flag("--dry-run", gone->dry_run, "list what would be removed, and remove nothing");
     command->footer("Example:\n  miebrdf materials remove GaP/SOPRA-GAP");
 }
 

@@ -19,23 +19,10 @@ struct NkArguments {
     DatabaseArgument database;
     std::string name;
     std::string wavelengths;
-    std::string interpolation = "pchip";
-    std::string extrapolate = "refuse";
+    IndexArguments index;
     double k_floor = 0.0;
-    bool missing_k_zero = false;
+    bool permittivity = false, group_index = false;
 };
-
-materials::IndexOptions options_of(const NkArguments& arguments) {
-    materials::IndexOptions options;
-    if (arguments.interpolation == "linear")
-        options.interpolation = Interpolation::linear_in_wavelength;
-    if (arguments.interpolation == "linear-energy") {
-        options.interpolation = Interpolation::linear_in_energy;
-    }
-    if (arguments.extrapolate == "clamp") options.extrapolation = Extrapolation::clamp;
-    options.missing_k_is_zero = arguments.missing_k_zero;
-    return options;
-}
 
 void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArguments& arguments) {
     auto& facts = table.facts;
@@ -45,13 +32,25 @@ void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArgu
     facts.emplace_back("source", dataset.reference.empty()
                                      ? dataset.source
                                      : dataset.source + "; " + dataset.reference);
-    facts.emplace_back("interpolation", arguments.interpolation);
+    facts.emplace_back("interpolation", arguments.index.interpolation());
     for (const std::string& correction : dataset.corrections)
         facts.emplace_back("correction", correction);
     if (!dataset.k_known) facts.emplace_back("k", "unknown (not measured); taken as 0");
-    if (dataset.k_known && arguments.missing_k_zero)
+    if (dataset.k_known && arguments.index.options().missing_k_is_zero)
         facts.emplace_back("k", "taken as 0 where it is unknown");
     if (arguments.k_floor > 0) facts.emplace_back("k floor", arguments.k_floor);
+}
+
+// n - w dn/dw, from n a ten-thousandth of the wavelength to either side, inside the data. What is
+// between the rows is an interpolation, so its slope is as good as the rows are dense.
+double group_index(const materials::RefractiveIndex& index, double wavelength_nm) {
+    constexpr double kStep = 1e-4;
+    const double below = std::max(wavelength_nm * (1 - kStep), index.shortest_nm());
+    const double above = std::min(wavelength_nm * (1 + kStep), index.longest_nm());
+    const double n = index.at(wavelength_nm).real();
+    if (!(below < above)) return n;
+    const double slope = (index.at(above).real() - index.at(below).real()) / (above - below);
+    return n - wavelength_nm * slope;
 }
 
 int run_nk(const NkArguments& arguments, const Shell& shell) {
@@ -62,7 +61,10 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
     Table table;
     add_facts(table, dataset, arguments);
     table.columns = {"wavelength_nm", "n", "k"};
-    const auto index = database.refractive_index(full_name, options_of(arguments));
+    if (arguments.permittivity)
+        table.columns.insert(table.columns.end(), {"permittivity_real", "permittivity_imaginary"});
+    if (arguments.group_index) table.columns.emplace_back("group_index");
+    const auto index = database.refractive_index(full_name, arguments.index.options());
     for (const double wavelength_nm : wavelengths_nm) {
         const auto m = index.at(wavelength_nm);
         if (!index.covers(wavelength_nm)) {
@@ -72,7 +74,14 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
                             "the nearer end",
                             wavelength_nm, index.shortest_nm(), index.longest_nm()));
         }
-        table.rows.push_back({wavelength_nm, m.real(), std::max(m.imag(), arguments.k_floor)});
+        const std::complex<double> used(m.real(), std::max(m.imag(), arguments.k_floor));
+        std::vector<Cell> row{wavelength_nm, used.real(), used.imag()};
+        if (arguments.permittivity) {
+            const std::complex<double> permittivity = used * used;
+            row.insert(row.end(), {permittivity.real(), permittivity.imag()});
+        }
+        if (arguments.group_index) row.emplace_back(group_index(index, wavelength_nm));
+        table.rows.push_back(std::move(row));
     }
     shell.write(std::move(table));
     return kGood;
@@ -83,6 +92,7 @@ struct IndexPlotArguments {
     std::vector<std::string> names;
     std::string range;
     double scale = 2.0;
+    IndexArguments index;
 };
 
 /// As many points as make a smooth curve, the ends of the data among them.
@@ -100,11 +110,11 @@ std::vector<double> wavelengths_of(const materials::RefractiveIndex& index, doub
 }
 
 plot::IndexCurve curve_of(const materials::Database& database, const std::string& name, double from,
-                          double to) {
+                          double to, const materials::IndexOptions& options) {
     const auto dataset = database.dataset_info(name);
     plot::IndexCurve curve;
     curve.label = dataset.material + "/" + dataset.label;
-    const auto index = database.refractive_index(curve.label);
+    const auto index = database.refractive_index(curve.label, options);
     for (const double wavelength_nm : wavelengths_of(index, from, to)) {
         const auto m = index.at(wavelength_nm);
         curve.wavelength_nm.push_back(wavelength_nm);
@@ -134,7 +144,7 @@ int run_plot(const IndexPlotArguments& arguments, const Shell& shell) {
     const materials::Database database = arguments.database.open();
     std::vector<plot::IndexCurve> curves;
     for (const std::string& name : arguments.names) {
-        curves.push_back(curve_of(database, name, from, to));
+        curves.push_back(curve_of(database, name, from, to, arguments.index.options()));
     }
     const plot::Caption caption{"", shell.command_line()};
     plot::save_picture(plot::draw_nk(std::move(curves), caption), output, arguments.scale);
@@ -152,25 +162,16 @@ void add_nk(CLI::App& materials, Shell& shell) {
             "list or range; nm, or with a unit: nm, um, A, eV, cm-1, THz; rgb is 620,535,480")
         ->type_name("LIST")
         ->required();
-    command
-        ->add_option("--interpolation", arguments->interpolation,
-                     "pchip: monotone in photon energy; linear: in wavelength, as other tools; "
-                     "linear-energy")
-        ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}))
-        ->capture_default_str();
-    command
-        ->add_option(
-            "--extrapolate", arguments->extrapolate,
-            "outside the data: refuse, or clamp to the nearer end (and say so in the output)")
-        ->check(CLI::IsMember({"refuse", "clamp"}))
-        ->capture_default_str();
+    arguments->index.add_to(*command);
+    command->add_flag("--permittivity", arguments->permittivity,
+                      "also (n + ik)^2: permittivity_real, permittivity_imaginary");
+    command->add_flag("--group-index", arguments->group_index,
+                      "also n - w dn/dw, w being the wavelength");
     command
         ->add_option("--k-floor", arguments->k_floor,
                      "smallest k: smaller values are raised to this")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_flag("--missing-k-zero", arguments->missing_k_zero,
-                      "k = 0 where n is known and k is not, instead of an error");
     arguments->database.add_to(*command);
     shell.add_common_options(*command);
     command->footer("Example:\n  miebrdf materials nk GaP --wavelengths 400:700:10,2.25eV");
@@ -188,6 +189,7 @@ void add_nk_plot(CLI::App& materials, Shell& shell) {
     command->add_option("--scale", arguments->scale, "PNG pixels for each SVG unit")
         ->check(CLI::Range(0.1, 20.0))
         ->capture_default_str();
+    arguments->index.add_to(*command);
     arguments->database.add_to(*command);
     shell.add_common_options(*command, Writes::file);
     command->footer("Example:\n  miebrdf materials plot GaP TiO2 -o nk.svg");
@@ -195,6 +197,32 @@ void add_nk_plot(CLI::App& materials, Shell& shell) {
 }
 
 }  // namespace
+
+void IndexArguments::add_to(CLI::App& command) {
+    command
+        .add_option("--interpolation", interpolation_,
+                    "pchip: monotone in photon energy; linear: in wavelength, as other tools; "
+                    "linear-energy")
+        ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}))
+        ->capture_default_str();
+    command
+        .add_option("--extrapolate", extrapolate_,
+                    "outside the data: refuse, or clamp to the nearer end (and say so in the "
+                    "output)")
+        ->check(CLI::IsMember({"refuse", "clamp"}))
+        ->capture_default_str();
+    command.add_flag("--missing-k-zero", missing_k_zero_,
+                     "k = 0 where n is known and k is not, instead of an error");
+}
+
+materials::IndexOptions IndexArguments::options() const {
+    materials::IndexOptions options;
+    if (interpolation_ == "linear") options.interpolation = Interpolation::linear_in_wavelength;
+    if (interpolation_ == "linear-energy") options.interpolation = Interpolation::linear_in_energy;
+    if (extrapolate_ == "clamp") options.extrapolation = Extrapolation::clamp;
+    options.missing_k_is_zero = missing_k_zero_;
+    return options;
+}
 
 void add_materials_nk_commands(CLI::App& materials, Shell& shell) {
     add_nk(materials, shell);

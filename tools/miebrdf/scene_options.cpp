@@ -61,8 +61,9 @@ Request request_of(const SaidWords& said) {
 }
 
 std::vector<std::string> words_of_media() {
-    return {"wavelengths",       "database",   "effective-radius", "effective-variance",
-            "size-distribution", "host-index", "k-floor",          "mie-tolerance"};
+    return {"wavelengths",       "database",    "effective-radius", "effective-variance",
+            "size-distribution", "host-index",  "k-floor",          "mie-tolerance",
+            "interpolation",     "extrapolate", "missing-k-zero"};
 }
 
 void SceneArguments::add_to(CLI::App& command, Shell& shell, Base base,

@@ -120,10 +120,13 @@ struct SearchFilter {
     bool needs_k = false;                                    ///< ... with known k
 };
 
+/// Whether a dataset covers what the filter asks for; its text is not looked at.
+bool fits(const DatasetInfo& dataset, const SearchFilter& filter);
+
 /// Read-only view of the embedded database, of a file, or of a user's file laid over the embedded
-/// one. Of two layers the upper one is asked first for names; datasets of both are seen; the
-/// default dataset of a material is the one the upper layer chose explicitly, else the lower
-/// layer's: adding data never changes what a name meant before.
+/// one. Adding data never changes what a name meant before: of two layers the lower one is asked
+/// first for names and keys, datasets of both are seen, and the default dataset of a material is
+/// the one the upper layer chose explicitly, else the lower layer's.
 /// A Database may be used from several threads.
 class Database {
   public:
@@ -143,7 +146,11 @@ class Database {
 
     /// Finds a material by name, alias or normalised form (case, spaces, '_', '-' ignored). An
     /// exact name comes before an exact alias, before a normalised form that fits one material
-    /// only. "material/label" and "source:key" name one dataset.
+    /// only. A mixture is a material too: "bruggeman(TiO2:30%,SiO2)", and likewise maxwell-garnett
+    /// (the host comes last), looyenga, volume and average; average(o,e) of the ordinary and
+    /// extraordinary ray of a crystal is that of its powder, (2 o + e) / 3.
+    /// "material/label", "source:key" and the address of a page of refractiveindex.info name
+    /// one dataset.
     /// @throws UnknownMaterial  naming the nearest known names, or all that fit
     MaterialInfo info(const std::string& name) const;
     /// All datasets of a material, the default first.
@@ -165,7 +172,12 @@ class Database {
     /// The same by the normalised form alone, for names whose case means nothing.
     std::vector<std::string> resolve_normalised(const std::string& name) const;
 
-    /// What SQLite itself finds wrong (PRAGMA integrity_check, foreign keys); empty when sound.
+    /// The material to which the embedded table says that an entry of a collection belongs.
+    std::optional<std::string> collected_material(const std::string& source,
+                                                  const std::string& key) const;
+
+    /// What SQLite itself finds wrong (PRAGMA integrity_check, foreign keys) and materials that
+    /// the search index does not find; empty when sound.
     std::vector<std::string> integrity_problems() const;
 
   private:
@@ -175,6 +187,9 @@ class Database {
                                                    bool may_be_empty);
     std::vector<DatasetInfo> labelled(const std::string& material, const std::string& label) const;
     std::vector<DatasetInfo> from_source(const std::string& source, const std::string& key) const;
+    /// The dataset of a mixing rule; nothing when the name is none.
+    std::optional<Dataset> mixture(const std::string& name) const;
+    static std::vector<std::string> not_indexed(const Layer& layer);
     std::string canonical_name(const std::string& name) const;
     [[noreturn]] void throw_unknown(const std::string& name) const;
     std::vector<std::string> all_names() const;
@@ -245,7 +260,11 @@ struct ImportOptions {
     std::string label{};                 ///< of the dataset; empty: from source and file
     std::string source{};                ///< collection; empty: what the format implies
     double negative_k_tolerance = 1e-2;  ///< k down to minus this is set to 0: noise
-    bool replace = false;  ///< a dataset of the same label with other figures gives way
+    bool replace = false;        ///< a dataset of the same label with other figures gives way
+    std::optional<Unit> unit{};  ///< of the first column where the file does not say; bare columns
+                                 ///< (wavelength, n and perhaps k) are read when it is given
+    /// Rows that are no numbers or not physical are left out and recorded, up to a tenth of all.
+    bool skip_bad_rows = false;
 };
 
 struct ImportItem {
@@ -263,9 +282,10 @@ struct ImportItem {
 /// below it, or what its `catalog-nk.yml` / `library.yml` lists) bad files are refused one by one
 /// and the rest is added; the items say which and why. `X.eta.spd` and `X.k.spd` belong together.
 ///
-/// The material is the one named, or what the catalogue says, or the one that the file's name
-/// without extension means in it or the embedded database (exactly, by alias or normalised), else a
-/// new one of that name.
+/// The material is the one named, or the one to which materials/data/collections.csv assigns the
+/// entry of the collection, else: for a page of refractiveindex.info its book; for other files the
+/// one whose name or alias is exactly the file's name without extension, else a new one of that
+/// name. What else is in the database makes no difference, so the order of imports makes none.
 /// @throws ImportError  file, line and reason; DatabaseError
 std::vector<ImportItem> import_files(const std::filesystem::path& database,
                                      std::span<const std::filesystem::path> files,

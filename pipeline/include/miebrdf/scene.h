@@ -2,6 +2,7 @@
 // Conventions and units: docs/conventions.md; every word: docs/command-line.md.
 #pragma once
 
+#include <miebrdf/index.h>
 #include <miebrdf/sizes.h>
 #include <miebrdf/surface.h>
 
@@ -204,7 +205,8 @@ struct Scene {
     /// Index of the surface where the top medium has none of its own (hg:, isotropic:, ...), or
     /// where it should differ.
     std::optional<std::complex<double>> surface_index = {};
-    std::string database = {};  ///< file of the user's materials; empty: the default one
+    std::string database = {};           ///< file of the user's materials; empty: the default one
+    materials::IndexOptions index = {};  ///< of materials, between and beyond their rows
 };
 
 /// "AlGaAs7 (optical depth 0.1) on TiO2, surface roughness 0.3"

@@ -1,0 +1,205 @@
+#include "materials/database/mixtures.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "materials/index/checksum.h"
+#include "materials/index/units.h"
+#include "materials/readers/text.h"
+
+namespace miebrdf::materials {
+namespace {
+
+constexpr std::string_view kLabel = "mixture";
+constexpr std::size_t kMostWavelengths = 20000;
+
+[[noreturn]] void refuse(const std::string& name, const std::string& reason) {
+    throw UsageError(fmt::format("mixture '{}': {}", name, reason));
+}
+
+// Commas inside of inner parentheses belong to a mixture that is a part.
+std::vector<std::string> split_parts(const std::string& text) {
+    std::vector<std::string> parts(1);
+    int depth = 0;
+    for (const char c : text) {
+        depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+        if (c == ',' && depth == 0) {
+            parts.emplace_back();
+        } else {
+            parts.back() += c;
+        }
+    }
+    for (std::string& part : parts) part = std::string(without_blanks(part));
+    return parts;
+}
+
+// "30%" or "0.3"; nothing when it is no number: then the colon belongs to a name (sopra:GAP).
+std::optional<double> read_fraction(std::string_view text) {
+    text = without_blanks(text);
+    const bool percent = text.ends_with('%');
+    if (percent) text.remove_suffix(1);
+    const auto value = parse_number(text);
+    if (!value) return std::nullopt;
+    return percent ? *value / 100 : *value;
+}
+
+void settle_fractions(Mixture& mixture, const std::string& name,
+                      const std::vector<std::optional<double>>& given) {
+    const auto missing = std::count(given.begin(), given.end(), std::nullopt);
+    const bool powder = std::string_view(mixture.rule->name) == "average" && given.size() == 2;
+    double sum = 0;
+    for (const auto& fraction : given) {
+        if (!fraction) continue;
+        if (!(*fraction >= 0 && *fraction <= 1))
+            refuse(name, fmt::format("fraction {}; allowed: 0 to 1, or 0% to 100%", *fraction));
+        sum += *fraction;
+    }
+    if (missing > 1 && !(powder && missing == 2))
+        refuse(name, "write a fraction of the volume for all parts but one: TiO2:30%,SiO2");
+    constexpr double kRounding = 1e-9;
+    if (missing == 0 ? std::abs(sum - 1) > kRounding : sum > 1 + kRounding)
+        refuse(name, fmt::format("the fractions add up to {}; allowed: 1", sum));
+    const double powder_shares[] = {2.0 / 3.0, 1.0 / 3.0};
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const double rest = missing == 2 ? powder_shares[i] : std::max(0.0, 1 - sum);
+        mixture.parts[i].fraction = given[i].value_or(rest);
+    }
+}
+
+std::string join(const std::vector<std::string>& texts) {
+    return fmt::format("{}", fmt::join(texts, "; "));
+}
+
+}  // namespace
+
+std::optional<Mixture> parse_mixture(const std::string& asked) {
+    std::string name(without_blanks(asked));
+    if (name.ends_with(fmt::format(")/{}", kLabel))) name.resize(name.size() - kLabel.size() - 1);
+    const std::size_t open = name.find('(');
+    if (open == std::string::npos || !name.ends_with(')')) return std::nullopt;
+    Mixture mixture;
+    mixture.rule = find_mixing_rule(without_blanks(name.substr(0, open)));
+    if (mixture.rule == nullptr) return std::nullopt;
+    if (std::count(name.begin(), name.end(), '(') > 4)
+        refuse(name, "more than 4 rules in one name");
+    std::vector<std::optional<double>> given;
+    for (const std::string& part : split_parts(name.substr(open + 1, name.size() - open - 2))) {
+        const std::size_t colon = part.rfind(':');
+        const auto fraction =
+            colon == std::string::npos ? std::nullopt : read_fraction(part.substr(colon + 1));
+        given.push_back(fraction);
+        mixture.parts.push_back(
+            {std::string(without_blanks(fraction ? part.substr(0, colon) : part)), 0.0});
+        if (mixture.parts.back().name.empty()) refuse(name, "a part without a name");
+    }
+    if (given.size() < 2 || given.size() > mixture.rule->most_parts) {
+        refuse(name, fmt::format("{} part{}; {} takes {}", given.size(),
+                                 given.size() == 1 ? "" : "s", mixture.rule->name,
+                                 mixture.rule->most_parts == 2 ? "two" : "two or more"));
+    }
+    settle_fractions(mixture, name, given);
+    return mixture;
+}
+
+Dataset mix(const Mixture& mixture, const std::string& name,
+            const std::vector<RefractiveIndex>& indices, const std::vector<Dataset>& datasets) {
+    double shortest_nm = 0, longest_nm = indices.front().longest_nm();
+    for (const RefractiveIndex& index : indices) {
+        shortest_nm = std::max(shortest_nm, index.shortest_nm());
+        longest_nm = std::min(longest_nm, index.longest_nm());
+    }
+    if (!(shortest_nm < longest_nm)) {
+        std::string ranges;
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            ranges += fmt::format("{}{} ({} to {} nm)", i > 0 ? ", " : "", mixture.parts[i].name,
+                                  indices[i].shortest_nm(), indices[i].longest_nm());
+        }
+        throw InputError(
+            fmt::format("mixture '{}': its parts have no range in common: {}", name, ranges));
+    }
+    std::set<double> grid{shortest_nm, longest_nm};
+    bool k_known = true;
+    for (const RefractiveIndex& index : indices) {
+        k_known = k_known && index.k_known();
+        for (const double w : index.table().wavelength_nm) {
+            if (w > shortest_nm && w < longest_nm) grid.insert(w);
+        }
+    }
+    // Between the rows of the parts a mixture bends where they do not (a resonance of small spheres
+    // of gold): seven more wavelengths in each interval make their interpolation the only one that
+    // counts.
+    for (auto w = grid.begin(); std::next(w) != grid.end() && grid.size() < kMostWavelengths;) {
+        const double first = *w, last = *++w;
+        if (!(last > first * (1 + 1e-9))) continue;
+        for (int i = 1; i < 8; ++i) grid.insert(w, 1 / (((8 - i) / first + i / last) / 8));
+    }
+    std::vector<double> wavelength_nm, n, k;
+    for (const double w : grid) {
+        // Wavelengths that differ by rounding alone: the same row of two tables.
+        if (!wavelength_nm.empty() && !(w > wavelength_nm.back() * (1 + 1e-12))) continue;
+        std::vector<MixturePart> parts;
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            const std::complex<double> m = indices[i].at(w);
+            parts.push_back({m * m, mixture.parts[i].fraction});
+        }
+        const std::complex<double> m = std::sqrt(mixture.rule->permittivity(parts));
+        wavelength_nm.push_back(w);
+        n.push_back(m.real());
+        k.push_back(std::max(0.0, m.imag()));
+    }
+
+    Dataset mixed;
+    mixed.material = name;
+    mixed.label = kLabel;
+    mixed.source = "mixing rule";
+    mixed.format = "mixture";
+    mixed.n = make_table(Unit::nanometre, wavelength_nm, n);
+    if (k_known) mixed.k = make_table(Unit::nanometre, wavelength_nm, k);
+    std::vector<std::string> titles, references;
+    if (*mixture.rule->reference != '\0') references.emplace_back(mixture.rule->reference);
+    double density = 0;
+    bool density_known = true;
+    for (std::size_t i = 0; i < datasets.size(); ++i) {
+        const Dataset& part = datasets[i];
+        titles.push_back(
+            fmt::format("{:.6g} {}/{}", mixture.parts[i].fraction, part.material, part.label));
+        references.push_back(fmt::format("{}: {}", part.material, part.reference));
+        density_known = density_known && part.density_g_cm3;
+        density += mixture.parts[i].fraction * part.density_g_cm3.value_or(0.0);
+    }
+    mixed.title = fmt::format("{}: {}", mixture.rule->title, fmt::join(titles, " + "));
+    mixed.reference = join(references);
+    if (density_known) {
+        mixed.density_g_cm3 = density;
+        mixed.density_source = "of the parts, by volume";
+    }
+    return mixed;
+}
+
+DatasetInfo describe_unstored(const Dataset& d) {
+    DatasetInfo info;
+    info.material = d.material;
+    info.label = d.label;
+    info.layer = "nowhere: computed";
+    info.source = d.source;
+    info.reference = d.reference;
+    info.format = d.format;
+    info.content_sha256 = content_sha256(d);
+    info.density_g_cm3 = d.density_g_cm3;
+    info.density_source = d.density_source;
+    info.k_known = d.k.has_value();
+    info.rows = static_cast<int>(d.n->x.size());
+    info.n_shortest_nm = info.shortest_nm = d.n->shortest_nm;
+    info.n_longest_nm = info.longest_nm = d.n->longest_nm;
+    if (d.k) {
+        info.k_shortest_nm = d.k->shortest_nm;
+        info.k_longest_nm = d.k->longest_nm;
+    }
+    return info;
+}
+
+}  // namespace miebrdf::materials
