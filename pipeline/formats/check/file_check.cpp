@@ -68,7 +68,7 @@ double sampling_error(const BrdfFile& file, double mu_fixed) {
     constexpr struct {
         IntegrationGrid grid;
         int samples;
-    } kLevels[] = {{kSmooth, 4096}, {{96, 192}, 16384}, {{256, 512}, 65536}};
+    } kLevels[] = {{kSmooth, 2304}, {{96, 192}, 16384}, {{256, 512}, 65536}};
     constexpr double kAgree = 0.01;
     const bool from_in = file.sampling() == BrdfFile::Sampling::from_mu_in;
     double largest = 0.0;
