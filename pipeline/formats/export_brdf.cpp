@@ -66,41 +66,56 @@ Deviation compare(const BrdfFile& file, const FormatFile& part, const ExportJob&
     return measure_deviation(file, truth, random_directions(kComparedDirections, 99));
 }
 
-/// What a bound is for: grazing directions have none, there every format loses digits.
-double judged(const Deviation& deviation) { return std::max(deviation.rms[0], deviation.lobe); }
+AcceptedErrors accepted_by(const Format& format, const ExportOptions& options) {
+    return options.largest_error > 0 ? format.accepted.with_plain(options.largest_error)
+                                     : format.accepted;
+}
+
+/// "0.052 mu > 0.2, ...".
+std::string regions_of(const Deviation& deviation) {
+    std::vector<std::string> texts;
+    for (const RegionDeviation& region : deviation.regions)
+        texts.push_back(fmt::format("{:.2g} {}", region.rms, region.name));
+    return fmt::format("{}", fmt::join(texts, ", "));
+}
 
 /// Tries finer and finer files, in memory, for a resolution that would do.
 std::string advice(const Format& format, const FormatFile& part, const ExportJob& job,
-                   double bound) {
+                   const AcceptedErrors& accepted) {
     ExportOptions options = job.options;
     const int finest = format.resolution.finest;
     if (options.resolution >= finest) {
         return fmt::format("the format has no finer one; a table ({}) can hold it",
                            names_of_tables());
     }
-    double reached = 0.0;
+    RegionDeviation reached;
     while (options.resolution < finest) {
         options.resolution = std::min(2 * options.resolution, finest);
         std::ostringstream out;
         const ExportJob finer{job.spectral, job.rgb, options, job.control};
         part.write(finer, out);
-        reached = judged(
-            compare(*read_brdf_file(std::move(out).str(), format.name, {&format, 1}), part, job));
-        if (reached <= bound)
-            return fmt::format("resolution {} reaches {:.2g}", options.resolution, reached);
+        const Deviation found =
+            compare(*read_brdf_file(std::move(out).str(), format.name, {&format, 1}), part, job);
+        const RegionDeviation* miss = worst_region(found, accepted);
+        if (miss == nullptr)
+            return fmt::format("resolution {} reaches {:.2g}", options.resolution,
+                               std::max(found.rms[0], found.lobe));
+        reached = *miss;
     }
-    return fmt::format("resolution {} reaches no less than {:.2g}; a table ({}) can hold it",
-                       options.resolution, reached, names_of_tables());
+    return fmt::format("resolution {} reaches no less than {:.2g} at {}; a table ({}) can hold it",
+                       options.resolution, reached.rms, reached.name, names_of_tables());
 }
 
 [[noreturn]] void refuse(const Format& format, const FormatFile& part, const ExportJob& job,
-                         double bound, const Deviation& found) {
+                         const AcceptedErrors& accepted, const Deviation& found,
+                         const RegionDeviation& worst) {
     throw TooCoarse(fmt::format(
-        "format '{}' at resolution {} misses this BRDF by {:.2g} at mu > 0.2, {:.2g} at 0.05-0.2, "
-        "{:.2g} below, {:.2g} near mirror (rms, relative; allowed: {:.2g} at mu > 0.2 "
-        "and near mirror); {}",
-        format.name, job.options.resolution, found.rms[0], found.rms[1], found.rms[2], found.lobe,
-        bound, advice(format, part, job, bound)));
+        "format '{}' at resolution {} misses this BRDF at {}: by {:.2g} (rms), {:+.0f} % at mu_in "
+        "{:.3g}, mu_out {:.3g}, azimuth {:.4g}; by region (rms): {}; allowed: {:.2g} at mu > 0.2 "
+        "and near mirror, {:.2g} at retro-reflection and zenith, {:.2g} at mu < 0.2; {}",
+        format.name, job.options.resolution, worst.name, worst.rms, 100.0 * worst.worst,
+        worst.where.mu_in, worst.where.mu_out, worst.where.azimuth_deg, regions_of(found),
+        accepted.plain, accepted.peaks, accepted.grazing, advice(format, part, job, accepted)));
 }
 
 /// A file that has passed, and waits for those that belong to it.
@@ -111,8 +126,7 @@ struct PassedFile {
 
 PassedFile write_and_compare(const Format& format, const FormatFile& part, const ExportJob& job,
                              const fs::path& path) {
-    const double bound =
-        job.options.largest_error > 0 ? job.options.largest_error : format.accepted_error;
+    const AcceptedErrors accepted = accepted_by(format, job.options);
     ExportedFile written{with_suffix(path, part.suffix), 0, {}};
     auto file = std::make_unique<AtomicFile>(written.path);
     const std::string temporary = file->temporary_path().string();
@@ -126,8 +140,9 @@ PassedFile write_and_compare(const Format& format, const FormatFile& part, const
     file->stream().flush();
     written.bytes = fs::file_size(temporary);
     written.deviation = compare(*open_brdf_file(temporary, {&format, 1}), part, job);
-    if (!(judged(*written.deviation) <= bound))
-        refuse(format, part, job, bound, *written.deviation);
+    const RegionDeviation* miss = worst_region(*written.deviation, accepted);
+    if (miss != nullptr && !job.options.accept_error)
+        refuse(format, part, job, accepted, *written.deviation, *miss);
     return {std::move(written), std::move(file)};
 }
 

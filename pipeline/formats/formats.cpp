@@ -92,7 +92,10 @@ std::vector<std::string> options_of(const Format& format) {
     if (format.resolution.lowest < format.resolution.highest) names.emplace_back("resolution");
     for (const FormatOption& option : format.extra) names.push_back(option.name);
     if (format.takes_colours) names.emplace_back("rgb");
-    if (format.content == FormatContent::sampled) names.emplace_back("largest_error");
+    if (format.content == FormatContent::sampled) {
+        names.emplace_back("largest_error");
+        names.emplace_back("accept_error");
+    }
     return names;
 }
 

@@ -111,6 +111,57 @@ TEST_CASE("a lobe too sharp for the resolution is refused with the error and wha
     CHECK(export_brdf(sharp, "rgl", folder / "sharp.bsdf", anything).size() == 2);
 }
 
+TEST_CASE("what is refused is written where its error is accepted", "[formats][brdf_export]") {
+    const support::SharpMaterial sharp(support::seven_wavelengths(), 0.12);
+    const support::TemporaryFolder folder;
+    const ExportOptions options{.resolution = 8, .accept_error = true};
+    const auto files = export_brdf(sharp, "rgl", folder / "sharp.bsdf", options);
+    REQUIRE(files.size() == 2);
+    CHECK(worst_region(*files[0].deviation, find_format("rgl").accepted) != nullptr);
+}
+
+TEST_CASE("values that are wrong at grazing directions alone are refused, too",
+          "[formats][brdf_export]") {
+    // Judged at mu > 0.2 and near the mirror direction there, files with lobes up to 237 times too
+    // large at mu < 0.05 passed.
+    class Wrong : public support::TestMaterial {
+      public:
+        Wrong() : TestMaterial({550}, 0.4) {}
+        void evaluate(std::span<const Direction> directions,
+                      std::span<double> values) const override {
+            TestMaterial::evaluate(directions, values);
+            for (std::size_t d = 0; d < directions.size(); ++d)
+                if (std::min(directions[d].mu_in, directions[d].mu_out) < 0.05) values[d] *= 30.0;
+        }
+    };
+    const auto file = read_brdf_file(support::written_file("pbrt", Wrong()), "wrong");
+    const FileComparison found =
+        compare_file(*file, support::TestMaterial({550}, 0.4), "wavelengths");
+    CHECK(found.deviation.rms[0] <= 0.02);
+    const RegionDeviation* worst = worst_region(found.deviation, find_format("pbrt").accepted);
+    REQUIRE(worst != nullptr);
+    CHECK(worst->kind == RegionKind::grazing);
+    CHECK(worst->worst > 10.0);
+    CHECK(std::min(worst->where.mu_in, worst->where.mu_out) <= 0.2);
+}
+
+TEST_CASE("regions are looked at where they say", "[formats][brdf_export]") {
+    const support::TemporaryFolder folder;
+    const auto files = export_brdf(material(), "pbrt", folder / "a.bsdf", {.resolution = 8});
+    std::vector<std::string> names;
+    for (const RegionDeviation& region : files[0].deviation->regions) {
+        CAPTURE(region.name, region.rms);
+        names.emplace_back(region.name);
+        CHECK(region.rms > 0.0);
+        const Direction& d = region.where;
+        if (region.kind == RegionKind::grazing) CHECK(std::min(d.mu_in, d.mu_out) <= 0.2);
+        if (names.back() == "retro-reflection") CHECK(std::abs(d.mu_in - d.mu_out) <= 0.1);
+        if (names.back() == "zenith") CHECK(std::max(d.mu_in, d.mu_out) >= 0.995);
+    }
+    CHECK(names == std::vector<std::string>{"mu > 0.2", "mu 0.05-0.2", "mu < 0.05", "near mirror",
+                                            "near mirror, mu < 0.2", "retro-reflection", "zenith"});
+}
+
 TEST_CASE("unknown formats and options are refused with what there is",
           "[formats][brdf_export][errors]") {
     CHECK_THROWS_WITH(export_brdf(material(), "vrml", "x"),
@@ -173,7 +224,7 @@ Format tiny_format() {
             .content = FormatContent::sampled,
             .resolution = {"numbers", 1, 1, 1, 1},
             .extra = {{.name = "sign", .help = "of the number", .standard = 1, .lowest = -1}},
-            .accepted_error = 0.01,
+            .accepted = {.plain = 0.01},
             .files = {{.write =
                            [](const ExportJob& job, std::ostream& out) {
                                const Direction normal{1.0, 1.0, 0.0};
@@ -204,7 +255,7 @@ TEST_CASE("a format from outside is exported, read back, refused and checked as 
     std::vector<Format> formats(all_formats().begin(), all_formats().end());
     formats.push_back(tiny_format());
     const Format& tiny = find_format("tiny", formats);
-    CHECK(options_of(tiny) == std::vector<std::string>{"sign", "largest_error"});
+    CHECK(options_of(tiny) == std::vector<std::string>{"sign", "largest_error", "accept_error"});
     const support::TemporaryFolder folder;
     const auto files = export_brdf(White(), tiny, folder / "white.tiny", {}, {});
     REQUIRE(files.size() == 1);

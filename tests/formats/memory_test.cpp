@@ -36,7 +36,7 @@ ExportOptions options_of(const Large& large) {
     options.largest_error = 1e9;
     if (large.format == std::string("exr")) {
         // Values that no compression shrinks much are what its memory is compared with.
-        options.directions.azimuth_deg = equally_spaced(0.0, 180.0, 97);
+        options.directions.azimuth_deg = equally_spaced(0.0, 180.0, 129);
     }
     return options;
 }

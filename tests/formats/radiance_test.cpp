@@ -3,6 +3,7 @@
 
 #include "pipeline/formats/check/check.h"
 #include "tests/support/catch.h"
+#include "tests/support/outside/outside_file.h"
 #include "tests/support/sampling.h"
 #include "tests/support/test_material.h"
 #include "tests/support/written_file.h"
@@ -25,6 +26,78 @@ TEST_CASE("radiance: the Klems matrix is reciprocal and keeps the albedo", "[for
     const auto expected = support::integrated_albedo(material.rgb, 0.94);
     const auto found = directional_albedo(*read, 0.94);
     for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(found[c] / expected[c] - 1) <= 2e-2);
+}
+
+namespace {
+
+/// A paint of albedo 0.9 at every wavelength: bright, coloured by nothing.
+class GreyPaint : public support::TestMaterial {
+  public:
+    GreyPaint() : TestMaterial({480, 535, 620}, 0.4) {}
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        for (std::size_t d = 0; d < directions.size(); ++d)
+            std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(3 * d), 3,
+                        brdf(directions[d], 0.9));
+    }
+};
+
+std::vector<double> seen(const support::OutsideFile& file, const Direction& d) {
+    return file.brdf(support::to_light(d), support::to_viewer(d));
+}
+
+}  // namespace
+
+TEST_CASE("radiance: a grey paint is grey in the colours that Radiance renders",
+          "[formats][radiance]") {
+    // Two mistakes: chromaticity relative to D65, where Radiance is neutral at X = Y = Z (klems
+    // too); and a tree whose least value it subtracts, which then comes out red.
+    const GreyPaint paint;
+    const auto tree = support::tensor_tree_file(support::written_file("radiance", paint));
+    const auto matrix = support::klems_file(support::written_file("klems", paint));
+    for (const Direction& d : {Direction{1.0, 0.999, 0.0}, Direction{0.6, 0.7, 100.0},
+                               Direction{0.2, 0.25, 10.0}, Direction{0.5, 0.5, 180.0}}) {
+        for (const auto* file : {tree.get(), matrix.get()}) {
+            const std::vector<double> rgb = seen(*file, d);
+            CAPTURE(d.mu_in, d.mu_out, rgb);
+            // Six digits of the matrices, seven of the file.
+            for (const double channel : rgb) CHECK(std::abs(channel / rgb[1] - 1) <= 2e-6);
+        }
+        CHECK(seen(*tree, d)[1] == Approx(paint.brdf(d, 0.9)).epsilon(0.2));
+    }
+}
+
+TEST_CASE("radiance: the numbers of linear sRGB are those that Radiance renders",
+          "[formats][radiance]") {
+    const support::ColouredMaterial material;
+    const auto file = support::tensor_tree_file(
+        support::written_file("radiance", material.spectral, {.resolution = 6}));
+    for (const Direction& d : {Direction{0.9, 0.8, 60.0}, Direction{0.6, 0.7, 100.0}}) {
+        double truth[3];
+        material.rgb.evaluate({&d, 1}, truth);
+        const std::vector<double> rgb = seen(*file, d);
+        for (std::size_t c = 0; c < 3; ++c) CHECK(rgb[c] == Approx(truth[c]).epsilon(0.05));
+        // The cell is as much off in all colours: their ratios are true.
+        CHECK(rgb[0] / rgb[2] == Approx(truth[0] / truth[2]).epsilon(3e-3));
+    }
+}
+
+TEST_CASE("radiance: check sees a tree that Radiance would paint red", "[formats][radiance]") {
+    // The tree without its two black cells: as any program may write it.
+    std::string xml = support::written_file("radiance", GreyPaint());
+    const std::size_t black = xml.find("{\n0 ");
+    REQUIRE(black != xml.npos);
+    xml.replace(black, 4, "{\n.2 ");
+    const std::size_t across = xml.find(" 0\n", black);
+    REQUIRE(across < xml.find("CIE-u"));
+    xml.replace(across, 3, " .2\n");
+    const auto red = read_brdf_file(xml, "red");
+    const Direction steep{0.2, 0.25, 10.0};
+    double rgb[3];
+    red->evaluate(steep, rgb);
+    CHECK(rgb[0] > 1.5 * rgb[1]);
+    CHECK(compare_file(*red, GreyPaint(), "wavelengths").deviation.rms[0] > 0.2);
+    const auto as_radiance = seen(*support::tensor_tree_file(xml), steep);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(rgb[c] == Approx(as_radiance[c]).epsilon(1e-4));
 }
 
 TEST_CASE("radiance: levels out of range are refused", "[formats][radiance][errors]") {

@@ -24,6 +24,9 @@ namespace fs = std::filesystem;
 // One thread: what a child inherits has no threads, and CPU time is that of the work alone.
 const Control kControl{.threads = 1};
 
+/// Of a Deviation.
+constexpr std::size_t kRegions = 7;
+
 double cpu_seconds() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -51,10 +54,11 @@ void print_row(const Format& format, const fs::path& folder, const BrdfSource& s
     const double took = cpu_seconds() - seconds;
     const double memory = bench::peak_bytes() - resident;
     for (const ExportedFile& file : files) {
-        std::string errors = "exact | exact | exact | exact";
-        if (const auto& d = file.deviation) {
-            errors = fmt::format("{:.1e} | {:.1e} | {:.1e} | {:.1e}", d->rms[0], d->rms[1],
-                                 d->rms[2], d->lobe);
+        std::string errors;
+        for (std::size_t region = 0; region < kRegions; ++region) {
+            errors += region == 0 ? "" : " | ";
+            const auto& d = file.deviation;
+            errors += d ? fmt::format("{:.1e}", d->regions.at(region).rms) : "exact";
         }
         const std::string name = format.name + file.path.stem().string().substr(1);
         fmt::print("| {} | {} | {} | {} | {:.2f} | {:.0f} |\n", name, file.bytes, errors,
@@ -70,8 +74,9 @@ void print_table(const char* title, const Request& request, const fs::path& fold
             .table({BrdfPart::total, "bench_exports"});
     fmt::print("{} (the solution takes {:.1f} s of CPU time):\n\n", title, cpu_seconds() - start);
     fmt::print(
-        "| format | bytes | mu > 0.2 | mu 0.05-0.2 | mu < 0.05 | near mirror | albedo | "
-        "sampling | s | MB |\n|---|---|---|---|---|---|---|---|---|---|\n");
+        "| format | bytes | mu > 0.2 | mu 0.05-0.2 | mu < 0.05 | near mirror | near mirror, mu < "
+        "0.2 | retro | zenith | albedo | sampling | s | MB "
+        "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     malloc_trim(0);  // else children begin with free memory that no count shows
     for (const Format& format : all_formats()) {
         if (format.files.empty()) continue;  // no BRDF

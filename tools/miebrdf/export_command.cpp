@@ -16,39 +16,82 @@
 namespace miebrdf::program {
 namespace {
 
+/// "-78 % at mu_in 0.5, mu_out 0.5, azimuth 180".
+std::string worst_of(const RegionDeviation& region) {
+    return fmt::format("{:+.2g} % at mu_in {:.3g}, mu_out {:.3g}, azimuth {:.4g}",
+                       100.0 * region.worst, region.where.mu_in, region.where.mu_out,
+                       region.where.azimuth_deg);
+}
+
+/// One line for the file, and one for each region of what was read back.
 std::string describe(const ExportedFile& file) {
-    std::string line = file.path.string();
-    line += file.bytes > 0 ? fmt::format(": {} bytes", file.bytes) : ": written";
-    if (!file.deviation) return line + ", exact at its directions";
-    line += "; read back, relative error (rms)";
-    for (std::size_t band = 0; band < 3; ++band) {
-        line += fmt::format("{} {:.2g} at {}", band == 0 ? "" : ",", file.deviation->rms[band],
-                            kDeviationBands[band]);
-    }
-    return line + fmt::format(", {:.2g} near the mirror direction", file.deviation->lobe);
+    std::string text = file.path.string();
+    text += file.bytes > 0 ? fmt::format(": {} bytes", file.bytes) : ": written";
+    if (!file.deviation) return text + ", exact at its directions";
+    text += "; read back as its readers do, relative errors (rms, and the worst value):";
+    for (const RegionDeviation& region : file.deviation->regions)
+        text += fmt::format("\n  {:<22} {:<8.2g} {}", region.name, region.rms, worst_of(region));
+    return text;
 }
 
 /// What `--json` tells of the files.
-Table table_of(const std::vector<ExportedFile>& files, const ResultReport& report) {
+Table table_of(const std::vector<ExportedFile>& files, const ResultReport& report, bool converged) {
     Table table;
     table.facts = {{"error_estimate", rounded(report.error_estimate(), 3)},
                    {"tolerance", report.tolerance},
-                   {"converged", std::string(report.converged() ? "yes" : "no")}};
+                   {"converged", std::string(converged ? "yes" : "no")}};
     table.columns = {"file", "bytes"};
-    for (const char* band : kDeviationBands) {
-        table.columns.push_back(fmt::format("rms_deviation ({})", band));
+    const bool read_back = !files.empty() && files.front().deviation.has_value();
+    if (read_back) {
+        for (const RegionDeviation& region : files.front().deviation->regions) {
+            table.columns.push_back(fmt::format("rms_deviation ({})", region.name));
+            table.columns.push_back(fmt::format("worst_deviation ({})", region.name));
+        }
     }
-    table.columns.emplace_back("lobe_deviation");
     for (const ExportedFile& file : files) {
         std::vector<Cell> row = {file.path.string(), double(file.bytes)};
-        row.resize(table.columns.size());  // empty: exact at its directions
-        for (std::size_t band = 0; file.deviation && band < 3; ++band) {
-            row[2 + band] = rounded(file.deviation->rms[band], 3);
+        if (file.deviation) {
+            for (const RegionDeviation& region : file.deviation->regions) {
+                row.emplace_back(rounded(region.rms, 3));
+                row.emplace_back(rounded(region.worst, 3));
+            }
         }
-        if (file.deviation) row.back() = rounded(file.deviation->lobe, 3);
         table.rows.push_back(std::move(row));
     }
     return table;
+}
+
+/// How the values that were asked for came out.
+struct Requested {
+    ResultReport report;
+    std::string warning;  ///< of directions that nobody asked for by name
+};
+
+/// Directions of a table or a renderer's format reach down to the horizon, where forward peaks of
+/// large particles are solved last. What misses there is a warning; elsewhere, and at directions
+/// that were listed, it is a failure, as it is for `brdf`.
+Requested requested_of(const Brdf& brdf, const ResultReport& report, const ExportOptions& options,
+                       const ExportArguments& arguments) {
+    const BrdfPart part = parse_brdf_part(arguments.component());
+    const BrdfParts parts{part == BrdfPart::subsurface, part == BrdfPart::surface,
+                          part == BrdfPart::total};
+    constexpr std::size_t kMostAsked = 100000;  // more would cost as much again as the file
+    const Directions& lists = options.directions;
+    const std::size_t asked = lists.mu_in.size() * lists.mu_out.size() * lists.azimuth_deg.size();
+    if (arguments.lists_all_directions() && asked <= kMostAsked)
+        return {brdf.evaluate(lists, parts), ""};
+    if (report.converged()) return {report, ""};
+    constexpr double kGrazing = 0.2;
+    const Directions steep{
+        {kGrazing, 0.3, 0.6, 1.0}, {kGrazing, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
+    const ResultReport rest = brdf.evaluate(steep, parts);
+    if (!rest.converged()) return {report, ""};
+    const WavelengthReport& worst = report.worst();
+    return {rest, fmt::format("warning: grazing directions (mu < {}) miss the tolerance of {:.1e}: "
+                              "error estimate {:.1e} at {} nm, mu_in {}, mu_out {}, azimuth {}",
+                              kGrazing, report.tolerance, worst.error_estimate, worst.wavelength_nm,
+                              worst.solver.worst_mu_in, worst.solver.worst_mu_out,
+                              worst.solver.worst_azimuth_deg)};
 }
 
 /// Moments of a single-scattering table; what radiative-transfer codes with 64 streams use.
@@ -115,23 +158,35 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
     return converged ? kGood : kNotConverged;
 }
 
+/// Says before the work begins what will need much room.
+void announce_size(const ExportArguments& arguments, std::size_t wavelengths, const Shell& shell) {
+    constexpr std::uintmax_t kMuch = 100'000'000;
+    const std::uintmax_t bytes = expected_bytes(arguments.format(), arguments.file(), wavelengths);
+    if (bytes < kMuch) return;
+    shell.note(fmt::format("the file will have about {} MB; a smaller --resolution needs less",
+                           bytes / 1'000'000));
+}
+
 int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
     const ExportOptions options = arguments.file();
+    announce_size(arguments, brdf.wavelength_nm().size(), shell);
     const BrdfTable table =
         brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
     std::vector<ExportedFile> files;
     try {
         files = export_brdf(table, arguments.format(), output, options, shell.control());
     } catch (const TooCoarse& error) {
-        shell.note(fmt::format("error: {}; --max-error accepts it as it is", error.what()));
+        shell.note(fmt::format("error: {}; --accept-error writes it as it is", error.what()));
         return kCheckFailed;
     }
     for (const auto& file : files) shell.note(describe(file));
-    const ResultReport& report = table.report();
-    shell.tell_written(table_of(files, report));
-    shell.note(report.summary() + (report.converged() ? "" : "; all values are written"));
-    return report.converged() ? kGood : kNotConverged;
+    const Requested requested = requested_of(brdf, table.report(), options, arguments);
+    const bool converged = requested.report.converged();
+    shell.tell_written(table_of(files, requested.report, converged));
+    shell.note(requested.report.summary() + (converged ? "" : "; all values are written"));
+    if (!requested.warning.empty()) shell.note(requested.warning);
+    return converged ? kGood : kNotConverged;
 }
 
 Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shell& shell) {

@@ -48,7 +48,7 @@ std::string formats_that_take(const std::string& field) {
     });
 }
 
-/// "csv, json: 16 cosines; pbrt: 56 intervals of the cosine".
+/// "csv, json, npz, exr: 16 cosines; pbrt: 56 intervals of the cosine".
 std::string resolutions() {
     std::vector<std::pair<std::string, std::string>> groups;  // fineness, names
     for (const Format& format : all_formats()) {
@@ -70,12 +70,21 @@ std::string resolutions() {
 
 }  // namespace
 
+void default_to_reciprocal(CLI::App& command) {
+    CLI::Option* coupling = command.get_option("--coupling");
+    coupling->default_str("reciprocal");
+    coupling->description(coupling->get_description() +
+                          "; files default to reciprocal, because their readers differ in which "
+                          "direction is the light's");
+}
+
 void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     command_ = &command;
     command.add_option("--format", format_, formats_that([](const Format&) { return true; }))
         ->type_name("NAME")
         ->required();
     scene_.add_to(command, shell);
+    default_to_reciprocal(command);
     command.add_option("--component", component_, "total, subsurface or surface")
         ->capture_default_str();
     add_file_options(command);
@@ -113,12 +122,18 @@ void ExportArguments::add_file_options(CLI::App& command) {
                                  "visible",
                                  formats_that_take("rgb")))
         ->capture_default_str();
+    const std::string sampled = formats_that_take("largest_error");
+    const AcceptedErrors usual;
     group
         ->add_option(option_of("largest_error"), options_.largest_error,
                      fmt::format("{} are read back: largest relative error (rms, at mu > 0.2 and "
-                                 "near the mirror direction) that is accepted; 0: the format's own",
-                                 formats_that_take("largest_error")))
+                                 "near the mirror direction) that is accepted; at "
+                                 "retro-reflection and zenith {}, at mu < 0.2 {}, or this if it is "
+                                 "larger; 0: the format's own",
+                                 sampled, usual.peaks, usual.grazing))
         ->capture_default_str();
+    group->add_flag(option_of("accept_error"), options_.accept_error,
+                    sampled + ": write the file whatever its errors are");
 }
 
 bool ExportArguments::given(const std::string& option) const {
@@ -130,6 +145,13 @@ void ExportArguments::check_format() const {
     const std::vector<std::string> taken = file_options_of(format());
     for (const std::string& name : ignored_options_of(format_)) {
         if (!given(name)) continue;
+        if (format().content == FormatContent::scattering) {
+            throw UsageError(fmt::format(
+                "format '{}' has no use for {}: it holds single scattering by the particles of "
+                "--base alone (albedo, asymmetry, moments), before any light transfer; leave {} "
+                "out, or take a format of BRDFs",
+                format_, name, name));
+        }
         throw UsageError(fmt::format(
             "format '{}' has no use for {}; {}", format_, name,
             taken.empty()
@@ -145,6 +167,7 @@ void ExportArguments::check_format() const {
 
 Request ExportArguments::scene() const {
     Request request = scene_.parse();
+    if (!scene_.given("coupling")) request.scene.coupling = rte::SurfaceCoupling::reciprocal;
     std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
     return request;
 }

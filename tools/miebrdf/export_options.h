@@ -20,6 +20,10 @@ class ExportArguments {
 
     const Format& format() const { return find_format(format_); }
     const std::string& component() const { return component_; }
+    /// Whether every direction of the file is one that was asked for.
+    bool lists_all_directions() const {
+        return !mu_in_.empty() && !mu_out_.empty() && !azimuth_.empty();
+    }
     /// Wavelengths ascending: the order of every format.
     /// @throws UsageError, InputError
     Request scene() const;
@@ -39,6 +43,9 @@ class ExportArguments {
     std::string mu_in_, mu_out_, azimuth_;
     ExportOptions options_;
 };
+
+/// Says in the help of a command that --coupling defaults to reciprocal there.
+void default_to_reciprocal(CLI::App& command);
 
 /// Options (with their dashes) that a format has no use for: those of other formats, and for
 /// spectra and single-scattering tables parts of the scene's.

@@ -12,18 +12,27 @@ namespace miebrdf {
 /// Cosines and azimuth uniform, each band filled; the same numbers on every machine for a seed.
 std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed);
 
-/// Both cosines above 0.4; the half vector is off the normal by 0.001 to 0.5 rad, evenly in its
-/// logarithm, so that lobes of any width are met.
-std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed);
+/// Both cosines within (lowest, highest); the half vector is off the normal by 0.001 to 0.5 rad,
+/// evenly in its logarithm, so that lobes of any width are met.
+std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed, double lowest = 0.4,
+                                       double highest = 1.0);
+
+/// The outgoing direction is off the incident one, at mu > 0.2, by 0.001 to 0.1 rad, evenly in its
+/// logarithm; of every tenth by nothing. Glories of any width are met.
+std::vector<Direction> retro_directions(std::size_t count, std::uint64_t seed);
+
+/// One of both directions is as far off the zenith; the other one is anywhere above mu = 0.2.
+std::vector<Direction> zenith_directions(std::size_t count, std::uint64_t seed);
 
 /// Random combinations of the lists; the same on every machine for a seed.
 std::vector<Direction> random_listed(const ListedDirections& lists, std::size_t count,
                                      std::uint64_t seed);
 
 /// Compares channel by channel. @param source  with as many channels as the file
+/// @param peaks  compares about mirror and retro-reflection and the zenith as well
 /// @throws UsageError  when their numbers differ
 Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
-                            std::span<const Direction> directions);
+                            std::span<const Direction> directions, bool peaks = true);
 
 /// Integral of BRDF times cosine over the outgoing hemisphere, one for each channel: Gauss-Legendre
 /// in the cosine (32 nodes) and 64 midpoints in azimuth; good to 1e-3 for smooth BRDFs.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -47,17 +48,61 @@ std::vector<Direction> random_directions(std::size_t count, std::uint64_t seed) 
     return directions;
 }
 
-std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed) {
+std::vector<Direction> lobe_directions(std::size_t count, std::uint64_t seed, double lowest,
+                                       double highest) {
     Uniform uniform(seed);
-    constexpr double kLeastTilt = 1e-3, kLargestTilt = 0.5, kLeastCosine = 0.4;
+    constexpr double kLeastTilt = 1e-3, kLargestTilt = 0.5;
     std::vector<Direction> directions;
     while (directions.size() < count) {
-        const double mu_in = kLeastCosine + (1.0 - kLeastCosine) * uniform();
+        const double mu_in = lowest + (highest - lowest) * uniform();
         const double tilt = kLeastTilt * std::pow(kLargestTilt / kLeastTilt, uniform());
         const double turn = 2.0 * std::numbers::pi * uniform();
         const Eigen::Vector3d in = spherical(std::acos(mu_in), 0.0);
         const Eigen::Vector3d out = mirrored(in, spherical(tilt, turn));
+        if (out.z() > lowest && out.z() <= highest) directions.push_back(direction_of(in, out));
+    }
+    return directions;
+}
+
+namespace {
+
+/// `axis` turned by 0.001 to 0.1 rad, evenly in its logarithm, in any direction; every tenth of
+/// `number` stays.
+Eigen::Vector3d turned_a_little(const Eigen::Vector3d& axis, std::size_t number, Uniform& uniform) {
+    constexpr double kLeast = 1e-3, kLargest = 0.1;
+    const double angle = kLeast * std::pow(kLargest / kLeast, uniform());
+    const double turn = 2.0 * std::numbers::pi * uniform();
+    if (number % 10 == 0) return axis;
+    const Eigen::Vector3d across = axis.unitOrthogonal(), third = axis.cross(across);
+    return std::cos(angle) * axis +
+           std::sin(angle) * (std::cos(turn) * across + std::sin(turn) * third);
+}
+
+constexpr double kLeastCosine = 0.2;  // of the directions about peaks
+
+}  // namespace
+
+std::vector<Direction> retro_directions(std::size_t count, std::uint64_t seed) {
+    Uniform uniform(seed);
+    std::vector<Direction> directions;
+    for (std::size_t i = 0; directions.size() < count; ++i) {
+        const double mu_in = kLeastCosine + (1.0 - kLeastCosine) * uniform();
+        const Eigen::Vector3d in = spherical(std::acos(mu_in), 0.0);
+        const Eigen::Vector3d out = turned_a_little(in, i, uniform);
         if (out.z() > kLeastCosine) directions.push_back(direction_of(in, out));
+    }
+    return directions;
+}
+
+std::vector<Direction> zenith_directions(std::size_t count, std::uint64_t seed) {
+    Uniform uniform(seed);
+    std::vector<Direction> directions;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Eigen::Vector3d near = turned_a_little(Eigen::Vector3d::UnitZ(), i, uniform);
+        const double mu = kLeastCosine + (1.0 - kLeastCosine) * uniform();
+        Direction direction{near.z(), mu, 360.0 * uniform()};
+        if (uniform() < 0.5) std::swap(direction.mu_in, direction.mu_out);
+        directions.push_back(direction);
     }
     return directions;
 }
@@ -76,28 +121,65 @@ std::vector<Direction> random_listed(const ListedDirections& lists, std::size_t 
 
 namespace {
 
-double lobe_error(const BrdfFile& file, const BrdfSource& source) {
-    const std::vector<Direction> directions = lobe_directions(500, 77);
+enum class Measure { each, together };
+
+/// What is found in one region: relative errors of each value, or of all values together.
+struct RegionSums {
+    double squares = 0.0, values = 0.0;
+    RegionDeviation region;
+
+    RegionDeviation result() const {
+        RegionDeviation found = region;
+        found.rms = squares > 0.0 && values > 0.0 ? std::sqrt(squares / values) : 0.0;
+        return found;
+    }
+};
+
+RegionDeviation measure_region(const RegionDeviation& region, Measure measure, const BrdfFile& file,
+                               const BrdfSource& source, std::span<const Direction> directions) {
     const std::size_t channels = source.channels().size();
     std::vector<double> expected(directions.size() * channels), found(channels);
     source.evaluate(directions, expected);
-    double errors = 0.0, values = 0.0;
+    double mean = 0.0;
+    for (const double value : expected) mean += std::abs(value) / double(expected.size());
+    RegionSums sums;
+    sums.region = region;
     for (std::size_t d = 0; d < directions.size(); ++d) {
         file.evaluate(directions[d], found);
         for (std::size_t c = 0; c < channels; ++c) {
             if (std::isnan(found[c])) continue;
-            const double truth = expected[d * channels + c];
-            errors += (found[c] - truth) * (found[c] - truth);
-            values += truth * truth;
+            const double truth = expected[d * channels + c], error = found[c] - truth;
+            const double relative = error / std::max(std::abs(truth), kTail * mean);
+            sums.squares += measure == Measure::each ? relative * relative : error * error;
+            sums.values += measure == Measure::each ? 1.0 : truth * truth;
+            if (std::abs(relative) <= std::abs(sums.region.worst)) continue;
+            sums.region.worst = relative;
+            sums.region.where = directions[d];
         }
     }
-    return errors > 0.0 ? std::sqrt(errors / values) : 0.0;
+    return sums.result();
 }
 
 }  // namespace
 
+AcceptedErrors AcceptedErrors::with_plain(double least) const {
+    return {least, std::max(peaks, least), std::max(grazing, least)};
+}
+
+const RegionDeviation* worst_region(const Deviation& deviation, const AcceptedErrors& accepted) {
+    const RegionDeviation* worst = nullptr;
+    double largest = 1.0;  // of what is allowed
+    for (const RegionDeviation& region : deviation.regions) {
+        const double share = region.rms / accepted.of(region.kind);
+        if (share <= largest) continue;
+        worst = &region;
+        largest = share;
+    }
+    return worst;
+}
+
 Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
-                            std::span<const Direction> directions) {
+                            std::span<const Direction> directions, bool peaks) {
     const std::size_t channels = source.channels().size();
     if (file.channels().size() != channels) {
         throw UsageError(fmt::format("the file has {} channels ({}), the BRDF {}",
@@ -107,7 +189,11 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
     std::vector<double> expected(directions.size() * channels), found(channels);
     source.evaluate(directions, expected);
     Deviation deviation;
-    std::array<double, 3> sums = {0.0, 0.0, 0.0}, counts = {0.0, 0.0, 0.0};
+    std::array<RegionSums, 3> bands;
+    for (std::size_t b = 0; b < 3; ++b) {
+        bands[b].region.name = kDeviationBands[b];
+        bands[b].region.kind = b == 0 ? RegionKind::plain : RegionKind::grazing;
+    }
     double mean = 0.0;
     for (const double value : expected) mean += value / static_cast<double>(expected.size());
     for (std::size_t d = 0; d < directions.size(); ++d) {
@@ -118,18 +204,39 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
             continue;
         }
         ++deviation.directions;
-        const std::size_t band = band_of(directions[d]);
+        RegionSums& band = bands[band_of(directions[d])];
         for (std::size_t c = 0; c < channels; ++c) {
             const double truth = expected[d * channels + c];
             const double error = found[c] - truth;
+            const double relative = error / std::max(std::abs(truth), kTail * std::abs(mean));
             deviation.largest = std::max(deviation.largest, std::abs(error) / mean);
-            sums[band] += std::pow(error / std::max(std::abs(truth), kTail * std::abs(mean)), 2);
-            counts[band] += 1.0;
+            band.squares += relative * relative;
+            band.values += 1.0;
+            if (std::abs(relative) <= std::abs(band.region.worst)) continue;
+            band.region.worst = relative;
+            band.region.where = directions[d];
         }
     }
-    for (std::size_t b = 0; b < 3; ++b)
-        deviation.rms[b] = counts[b] > 0 ? std::sqrt(sums[b] / counts[b]) : 0.0;
-    deviation.lobe = lobe_error(file, source);
+    for (std::size_t b = 0; b < 3; ++b) {
+        deviation.regions.push_back(bands[b].result());
+        deviation.rms[b] = deviation.regions.back().rms;
+    }
+    if (!peaks) return deviation;
+    constexpr std::size_t kCount = 500;
+    const auto add = [&](const char* name, RegionKind kind, Measure measure,
+                         const std::vector<Direction>& list) {
+        RegionDeviation region;
+        region.name = name;
+        region.kind = kind;
+        deviation.regions.push_back(measure_region(region, measure, file, source, list));
+        return deviation.regions.back().rms;
+    };
+    deviation.lobe =
+        add("near mirror", RegionKind::plain, Measure::together, lobe_directions(kCount, 77));
+    add("near mirror, mu < 0.2", RegionKind::grazing, Measure::each,
+        lobe_directions(kCount, 78, 0.005, 0.2));
+    add("retro-reflection", RegionKind::peaks, Measure::each, retro_directions(kCount, 79));
+    add("zenith", RegionKind::peaks, Measure::each, zenith_directions(kCount, 80));
     return deviation;
 }
 

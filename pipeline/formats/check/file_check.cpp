@@ -12,17 +12,22 @@ namespace miebrdf {
 namespace {
 
 constexpr double kIncidences[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1.0};
-constexpr int kAzimuths = 64;
+
+struct IntegrationGrid {
+    int cosines, azimuths;
+};
+constexpr IntegrationGrid kSmooth = {32, 64};  ///< smooth BRDFs to 1e-3
 
 /// The one integral for both directions of light: `incident` says which cosine stays fixed.
-std::vector<double> integrate(const BrdfFile& file, double mu_fixed, bool fixed_is_incident) {
-    const math::Quadrature rule = math::gauss_legendre(32, 0.0, 1.0);
+std::vector<double> integrate(const BrdfFile& file, double mu_fixed, bool fixed_is_incident,
+                              const IntegrationGrid& grid = kSmooth) {
+    const math::Quadrature rule = math::gauss_legendre(grid.cosines, 0.0, 1.0);
     std::vector<double> sums(file.channels().size(), 0.0), values(sums.size());
     for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
         const double mu = rule.nodes[i];
-        const double weight = rule.weights[i] * mu * 2 * std::numbers::pi / kAzimuths;
-        for (int a = 0; a < kAzimuths; ++a) {
-            const double azimuth = 180.0 * (a + 0.5) / kAzimuths;
+        const double weight = rule.weights[i] * mu * 2 * std::numbers::pi / grid.azimuths;
+        for (int a = 0; a < grid.azimuths; ++a) {
+            const double azimuth = 180.0 * (a + 0.5) / grid.azimuths;
             file.evaluate(fixed_is_incident ? Direction{mu_fixed, mu, azimuth}
                                             : Direction{mu, mu_fixed, azimuth},
                           values);
@@ -34,24 +39,50 @@ std::vector<double> integrate(const BrdfFile& file, double mu_fixed, bool fixed_
     return sums;
 }
 
-/// The albedo that a renderer finds which draws directions from the file's own tables.
-std::vector<double> albedo_by_sampling(const BrdfFile& file, double mu_fixed) {
-    constexpr int kSide = 48;
+/// The albedo that a renderer finds which draws directions from the file's own tables, with evenly
+/// spread numbers (Roberts 2018, R-sequence of two dimensions): a grid of 48 x 48 missed that of a
+/// lobe of roughness 0.1 by 18 %, where 200,000 samples agree within 0.3 %.
+std::vector<double> albedo_by_sampling(const BrdfFile& file, double mu_fixed, int samples) {
+    constexpr double kStep[2] = {0.7548776662466927, 0.5698402909980532};
     std::vector<double> sums(file.channels().size(), 0.0), values(sums.size());
-    for (int i = 0; i < kSide; ++i) {
-        for (int j = 0; j < kSide; ++j) {
-            const auto direction = file.sample(mu_fixed, (i + 0.5) / kSide, (j + 0.5) / kSide);
-            if (!direction) continue;
-            const double density = file.density(*direction);
-            if (!(density > 0)) continue;
-            file.evaluate(*direction, values);
-            const double mu = file.sampling() == BrdfFile::Sampling::from_mu_in ? direction->mu_out
-                                                                                : direction->mu_in;
-            for (std::size_t c = 0; c < sums.size(); ++c)
-                sums[c] += values[c] * mu / density / kSide / kSide;
-        }
+    for (int i = 0; i < samples; ++i) {
+        const auto number = [&](std::size_t axis) {
+            const double multiple = 0.5 + (i + 1) * kStep[axis];
+            return multiple - std::floor(multiple);
+        };
+        const auto direction = file.sample(mu_fixed, number(0), number(1));
+        if (!direction) continue;
+        const double density = file.density(*direction);
+        if (!(density > 0)) continue;
+        file.evaluate(*direction, values);
+        const double mu = file.sampling() == BrdfFile::Sampling::from_mu_in ? direction->mu_out
+                                                                            : direction->mu_in;
+        for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += values[c] * mu / density / samples;
     }
     return sums;
+}
+
+/// Largest relative difference of the albedo by sampling from the integrated one, at one fixed
+/// cosine. Both are refined until they agree to 1 %, or are as fine as any file of ours needs.
+double sampling_error(const BrdfFile& file, double mu_fixed) {
+    constexpr struct {
+        IntegrationGrid grid;
+        int samples;
+    } kLevels[] = {{kSmooth, 2304}, {{96, 192}, 16384}, {{256, 512}, 65536}};
+    constexpr double kAgree = 0.01;
+    const bool from_in = file.sampling() == BrdfFile::Sampling::from_mu_in;
+    double largest = 0.0;
+    for (const auto& level : kLevels) {
+        const std::vector<double> expected = integrate(file, mu_fixed, from_in, level.grid);
+        const std::vector<double> sampled = albedo_by_sampling(file, mu_fixed, level.samples);
+        largest = 0.0;
+        for (std::size_t c = 0; c < expected.size(); ++c) {
+            if (expected[c] > 0)
+                largest = std::max(largest, std::abs(sampled[c] / expected[c] - 1.0));
+        }
+        if (largest <= kAgree) break;
+    }
+    return largest;
 }
 
 /// The albedo that is largest even if its integration errs.
@@ -72,14 +103,8 @@ void check_albedos(const BrdfFile& file, FileCheck& check) {
         const std::vector<double> albedo = directional_albedo(file, mu);
         note_albedo(file, {mu, albedo, std::vector<double>(albedo.size(), 0.0)}, check);
         if (file.sampling() == BrdfFile::Sampling::none) continue;
-        const bool from_in = file.sampling() == BrdfFile::Sampling::from_mu_in;
-        const std::vector<double> expected = from_in ? albedo : integrate(file, mu, false);
-        const std::vector<double> sampled = albedo_by_sampling(file, mu);
-        for (std::size_t c = 0; c < expected.size(); ++c) {
-            if (!(expected[c] > 0)) continue;
-            const double error = std::abs(sampled[c] / expected[c] - 1.0);
-            check.sampled_albedo_error = std::max(check.sampled_albedo_error.value_or(0.0), error);
-        }
+        check.sampled_albedo_error =
+            std::max(check.sampled_albedo_error.value_or(0.0), sampling_error(file, mu));
     }
 }
 
@@ -188,7 +213,7 @@ FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth, const
                                                   ? random_listed(*lists, kDirections, kSeed)
                                                   : random_directions(kDirections, kSeed);
     const auto compare = [&](const BrdfSource& source) {
-        comparison.deviation = measure_deviation(file, source, directions);
+        comparison.deviation = measure_deviation(file, source, directions, !comparison.only_listed);
         comparison.albedo_error = albedo_error(file, source);
     };
     if (file.wavelength_nm().empty() && !truth.wavelength_nm().empty()) {

@@ -40,6 +40,12 @@ ExportOptions ready_options(const Format& format, const ExportOptions& options) 
     return ready;
 }
 
+std::uintmax_t expected_bytes(const Format& format, const ExportOptions& options,
+                              std::size_t wavelengths) {
+    if (format.expected_bytes == nullptr) return 0;
+    return format.expected_bytes(ready_options(format, options), wavelengths);
+}
+
 void write_format(const Format& format, const FormatFile& file, const BrdfSource& source,
                   const ExportOptions& options, std::ostream& out, const Control& control) {
     const ExportOptions ready = ready_options(format, options);

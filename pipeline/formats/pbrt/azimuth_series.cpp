@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <unsupported/Eigen/FFT>
 
 #include <miebrdf/error.h>
@@ -16,6 +17,10 @@ namespace {
 /// Pairs of one job; each has hundreds of samples.
 constexpr std::size_t kPairsOfJob = 32;
 constexpr int kFirstOrders = 64;
+/// Samples of half a turn for peaks that the orders do not resolve: one every 80 arc seconds.
+constexpr int kMostSamples = 8192;
+/// Their mean has settled when it changes by less.
+constexpr double kSettled = 1e-3;
 
 /// Numbers of intervals of half a turn to try.
 std::vector<int> levels_up_to(int most_orders) {
@@ -74,6 +79,51 @@ double tail_of(const std::vector<double>& coefficients, std::size_t channels) {
     return tail;
 }
 
+/// Whether the means of the two agree.
+bool settled(const std::vector<double>& before, const std::vector<double>& now,
+             std::size_t channels) {
+    const std::size_t old_size = before.size() / channels, size = now.size() / channels;
+    for (std::size_t c = 0; c < channels; ++c) {
+        const double mean = now[c * size];
+        if (!(std::abs(before[c * old_size] - mean) <= kSettled * std::abs(mean))) return false;
+    }
+    return true;
+}
+
+/// The first orders, damped by Jackson's factors (Weisse et al. 2006, Rev. Mod. Phys. 78, eq. 71):
+/// their kernel is positive, so a peak comes out wider and lower, with the same mean, and nothing
+/// rings around it.
+std::vector<double> tapered(const std::vector<double>& coefficients, std::size_t channels,
+                            int orders) {
+    const std::size_t size = coefficients.size() / channels;
+    const auto kept = static_cast<std::size_t>(orders) + 1;
+    const double step = std::numbers::pi / double(kept + 1);
+    std::vector<double> list(kept * channels);
+    for (std::size_t k = 0; k < kept; ++k) {
+        const double x = double(k) * step;
+        const double factor =
+            (double(kept + 1 - k) * std::cos(x) + std::sin(x) / std::tan(step)) / double(kept + 1);
+        for (std::size_t c = 0; c < channels; ++c)
+            list[c * kept + k] = factor * coefficients[c * size + k];
+    }
+    return list;
+}
+
+/// A series whose tail does not vanish: more samples for what its orders still can say, for the
+/// mean above all, then the taper.
+void taper(const BrdfSource& source, const CosinePair& pair, int orders,
+           std::vector<double>& samples, Eigen::FFT<double>& fft, AzimuthSeries& series) {
+    std::vector<double> finer = series.coefficients;
+    for (int n = 2 * orders; n <= kMostSamples; n *= 2) {
+        refine(source, pair, n, samples);
+        const std::vector<double> now = transform(samples, series.channels, fft);
+        const bool done = settled(finer, now, series.channels);
+        finer = now;
+        if (done) break;
+    }
+    series.coefficients = tapered(finer, series.channels, orders);
+}
+
 }  // namespace
 
 void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
@@ -97,6 +147,8 @@ void azimuth_series(const BrdfSource& source, std::span<const CosinePair> pairs,
                 series.tail = tail_of(series.coefficients, series.channels);
                 if (series.tail <= tail_tolerance) break;
             }
+            if (series.tail > tail_tolerance)
+                taper(source, pairs[p], levels.back(), samples, fft, series);
             take(p, series);
         }
     });

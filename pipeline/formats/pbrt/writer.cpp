@@ -54,6 +54,58 @@ std::vector<float> spline_integral(const std::vector<float>& x, const std::vecto
 constexpr double kTailTolerance = 1e-5;
 constexpr int kMostOrders = 512;
 
+/// Series of more orders are of peaks of a degree and less.
+constexpr std::size_t kNarrowOrders = 128;
+
+/// A BRDF of which one pair of cosines stands for all pairs around it: means over the triangles
+/// that linear interpolation between nodes gives each of them.
+class PairMean : public BrdfSource {
+  public:
+    /// @param below, above  distances to the neighbouring nodes
+    struct Extent {
+        double below = 0.0, above = 0.0;
+    };
+    PairMean(const BrdfSource& source, const Extent& in, const Extent& out)
+        : source_(source), in_(in), out_(out) {}
+
+    const std::vector<std::string>& channels() const override { return source_.channels(); }
+    const std::vector<double>& wavelength_nm() const override { return source_.wavelength_nm(); }
+    const Provenance& provenance() const override { return source_.provenance(); }
+
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
+        constexpr int kPoints = 16;  // evenly spread (R-sequence of two dimensions)
+        constexpr double kStep[2] = {0.7548776662466927, 0.5698402909980532};
+        std::fill(values.begin(), values.end(), 0.0);
+        std::vector<Direction> moved(directions.begin(), directions.end());
+        std::vector<double> found(values.size());
+        for (int p = 0; p < kPoints; ++p) {
+            const auto number = [&](std::size_t axis) {
+                const double multiple = 0.5 + (p + 1) * kStep[axis];
+                return multiple - std::floor(multiple);
+            };
+            for (std::size_t d = 0; d < moved.size(); ++d) {
+                moved[d].mu_in = shifted(directions[d].mu_in, in_, number(0));
+                moved[d].mu_out = shifted(directions[d].mu_out, out_, number(1));
+            }
+            source_.evaluate(moved, found);
+            for (std::size_t i = 0; i < values.size(); ++i) values[i] += found[i] / kPoints;
+        }
+    }
+
+  private:
+    /// Distributed as a triangle over both intervals; a uniform number in (0, 1).
+    static double shifted(double mu, const Extent& extent, double uniform) {
+        const double share = extent.below / (extent.below + extent.above);
+        const double x = uniform < share
+                             ? -extent.below * (1.0 - std::sqrt(uniform / share))
+                             : extent.above * (1.0 - std::sqrt((1.0 - uniform) / (1.0 - share)));
+        return std::clamp(mu + x, kHorizonCosine, 1.0);
+    }
+
+    const BrdfSource& source_;
+    Extent in_, out_;
+};
+
 /// The tables of one file. With h intervals of each half of the cosine axis, nodes are
 /// sin^2(pi k / 2h), which crowd at the horizon, where the BRDF bends, and at the normal. Node
 /// index r counts from mu = -1; h and h + 1 are both mu = 0.
@@ -71,10 +123,13 @@ class FourierTables {
         extents_.resize(nodes_.size() * nodes_.size());
         mean_.assign(nodes_.size() * nodes_.size(), 0.0);
         blocks_.resize(pairs.size());
+        std::vector<std::uint8_t> narrow(pairs.size(), 0);
         azimuth_series(source, pairs, kTailTolerance, kMostOrders, control,
                        [&](std::size_t pair, const AzimuthSeries& series) {
                            blocks_[pair] = block_of(series, pairs[pair].mu_in);
+                           narrow[pair] = series.orders() > kNarrowOrders + 1 ? 1 : 0;
                        });
+        widen_ridges(source, pairs, narrow, control);
         for (std::size_t p = 0; p < pairs.size(); ++p) place(p);
         // The row below the horizon repeats the one above, so that a spline across the double node
         // sees no jump: same coefficients, no second copy.
@@ -123,6 +178,32 @@ class FourierTables {
             }
         }
         return pairs;
+    }
+
+    double node_above(std::size_t node) const {
+        return node + 1 < nodes_.size() ? double(nodes_[node + 1]) - nodes_[node] : 0.0;
+    }
+    double node_below(std::size_t node) const {
+        return node > 0 ? double(nodes_[node]) - nodes_[node - 1] : 0.0;
+    }
+
+    /// Peaks at retro-reflection and mirror directions are ridges along equal cosines. Narrower
+    /// than the distance of nodes, they would swing the splines between these by several times
+    /// their height: there nodes hold means.
+    void widen_ridges(const RgbSource& source, const std::vector<CosinePair>& pairs,
+                      const std::vector<std::uint8_t>& narrow, const Control& control) {
+        for (std::size_t p = 0; p < pairs.size(); ++p) {
+            // Node h + 1 + k is at +mu of node h - k.
+            const std::size_t out = h_ + 1 + p / h_, in = 2 * h_ + 1 - p % h_;
+            if (narrow[p] == 0 || std::max(in, out) - std::min(in, out) > 1) continue;
+            if (out <= h_ + 1) continue;  // the horizon has no node below
+            const PairMean mean(source, {node_below(in), node_above(in)},
+                                {node_below(out), node_above(out)});
+            azimuth_series(mean, {&pairs[p], 1}, kTailTolerance, kMostOrders, control,
+                           [&](std::size_t, const AzimuthSeries& series) {
+                               blocks_[p] = block_of(series, pairs[p].mu_in);
+                           });
+        }
     }
 
     /// Y, R and B of one pair, times the cosine, as far as any of them counts.
@@ -196,7 +277,7 @@ Format pbrt_format() {
             .content = FormatContent::sampled,
             .resolution = {"intervals of the cosine", 56, 4, 500, 112},
             .takes_colours = true,
-            .accepted_error = 0.02,
+            .accepted = {.plain = 0.02},
             .files = {{.colours = true, .write = write_pbrt}},
             .reader = pbrt_reader()};
 }

@@ -54,11 +54,33 @@ std::vector<float> radiance_block(const pugi::xml_node& layer, std::string_view 
     return {};
 }
 
-/// Linear sRGB from CIE XYZ.
-std::array<double, 3> srgb_of(double X, double Y, double Z) {
-    // Inverse of the matrix of IEC 61966-2-1, to the digits of that standard.
-    return {3.2406 * X - 1.5372 * Y - 0.4986 * Z, -0.9689 * X + 1.8758 * Y + 0.0415 * Z,
-            0.0557 * X - 0.2040 * Y + 1.0570 * Z};
+using Colour = std::array<double, 3>;
+using Matrix = double[3][3];
+
+Colour product(const Matrix& matrix, const Colour& colour) {
+    Colour result{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) result[i] += matrix[i][c] * colour[c];
+    }
+    return result;
+}
+
+/// Radiance's R, G, B of CIE XYZ: nominal CRT primaries, neutral at X = Y = Z (color.h).
+Colour radiance_rgb(const Colour& xyz) {
+    constexpr Matrix kRgb = {{2.5653128430, -1.1668496158, -0.3984632272},
+                             {-1.0221081721, 1.9782866167, 0.0438215555},
+                             {0.0747243773, -0.2519395672, 1.1772151899}};
+    return product(kRgb, xyz);
+}
+
+/// The primaries in which Radiance adds up parts of a BSDF (ccolor.c).
+constexpr Matrix kSharpOfXyz = {
+    {1.2694, -0.0988, -0.1706}, {-0.8364, 1.8006, 0.0357}, {0.0297, -0.0315, 1.0018}};
+constexpr Matrix kXyzOfSharp = {
+    {0.8156, 0.0472, 0.1372}, {0.3791, 0.5769, 0.0440}, {-0.0123, 0.0167, 0.9955}};
+
+Colour xyz_of_chromaticity(double Y, double u, double v) {
+    return {Y * 9 * u / (4 * v), Y, Y * (12 - 3 * u - 20 * v) / (4 * v)};
 }
 
 /// Constant over cells of the directions, which each kind numbers its own way.
@@ -136,7 +158,7 @@ class KlemsFile : public RadianceFile {
     }
     std::array<double, 3> colour_of(std::size_t cell) const override {
         if (x_.empty() || z_.empty()) return {y_[cell], y_[cell], y_[cell]};
-        return srgb_of(x_[cell], y_[cell], z_[cell]);
+        return radiance_rgb({x_[cell], y_[cell], z_[cell]});
     }
 
     std::vector<Ring> rings_;
@@ -179,6 +201,7 @@ class TreeFile : public RadianceFile {
         if ((!u_.empty() && u_.size() != y_.size()) || (!v_.empty() && v_.size() != y_.size())) {
             throw InputError("radiance: the trees of colour and luminance differ");
         }
+        subtract_diffuse();
     }
     std::string description() const override {
         return fmt::format("tensor tree, {} cells a side", side_);
@@ -197,16 +220,41 @@ class TreeFile : public RadianceFile {
         // Normal incidence belongs to the last cell in use, as in Radiance.
         return (index(0.5 - 1e-6 - 0.5 * sin_in) * side_ + index(x)) * side_ + index(y);
     }
-    std::array<double, 3> colour_of(std::size_t cell) const override {
+    /// When it loads a coloured tree, Radiance takes its least colour for a diffuse part. What is
+    /// left of an isotropic tree then has no chromaticity any more (bsdf_t.c, subtract_min_RGB).
+    void subtract_diffuse() {
+        constexpr double kLeast = 0.01 / pi;
+        if (u_.empty() || v_.empty()) return;
+        Colour least = {1e10, 1e10, 1e10};
+        for (std::size_t cell = 0; cell < y_.size() / 2; ++cell) {
+            const Colour sharp =
+                product(kSharpOfXyz, xyz_of_chromaticity(y_[cell], u_[cell], v_[cell]));
+            for (std::size_t c = 0; c < 3; ++c) least[c] = std::min(least[c], sharp[c]);
+        }
+        const Colour xyz = product(kXyzOfSharp, least);
+        if (!(xyz[1] > kLeast)) return;
+        diffuse_ = xyz;
+        u_.clear();
+        v_.clear();
+        left_over_red_ = true;
+    }
+
+    Colour colour_of(std::size_t cell) const override {
         const double Y = y_[cell];
+        if (left_over_red_) {  // the first of its primaries
+            const double rest = std::max(Y - diffuse_[1], 0.0) / kXyzOfSharp[1][0];
+            Colour xyz = diffuse_;
+            for (std::size_t i = 0; i < 3; ++i) xyz[i] += rest * kXyzOfSharp[i][0];
+            return radiance_rgb(xyz);
+        }
         if (u_.empty() || v_.empty() || !(v_[cell] > 0)) return {Y, Y, Y};
-        const double X = Y * 9 * u_[cell] / (4 * v_[cell]);
-        const double Z = Y * (12 - 3 * u_[cell] - 20 * v_[cell]) / (4 * v_[cell]);
-        return srgb_of(X, Y, Z);
+        return radiance_rgb(xyz_of_chromaticity(Y, u_[cell], v_[cell]));
     }
 
     std::size_t side_ = 1;
     std::vector<float> y_, u_, v_;
+    Colour diffuse_ = {0.0, 0.0, 0.0};
+    bool left_over_red_ = false;
 };
 
 Recognised recognise_radiance(std::string_view content) {

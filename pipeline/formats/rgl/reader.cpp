@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
 
 #include <miebrdf/brdf_source.h>
@@ -59,9 +61,8 @@ class RglFile : public BrdfFile {
     }
 
     std::optional<Direction> sample(double mu_in, double u, double v) const override {
-        const Incidence incidence = locate(mu_in);
-        const Point2 m =
-            warp(tables_.vndf, incidence).sample(warp(tables_.luminance, incidence).sample({u, v}));
+        const auto warps = warps_at(mu_in);
+        const Point2 m = warps->visible.sample(warps->luminance.sample({u, v}));
         const Eigen::Vector3d half = on_sphere(m.x * m.x * pi / 2, (2.0 * m.y - 1.0) * pi);
         const Eigen::Vector3d in = incident(mu_in);
         const Eigen::Vector3d out = 2.0 * half.dot(in) * half - in;
@@ -70,15 +71,14 @@ class RglFile : public BrdfFile {
     }
 
     double density(const Direction& direction) const override {
-        const Incidence incidence = locate(direction.mu_in);
+        const auto warps = warps_at(direction.mu_in);
         const Eigen::Vector3d in = incident(direction.mu_in);
         const Eigen::Vector3d half = (in + outgoing(direction)).normalized();
         const Point2 m = square_of(half);
-        const BilinearWarp visible = warp(tables_.vndf, incidence);
         const double jacobian =
             std::max(2.0 * pi * pi * m.x * std::hypot(half.x(), half.y()), 1e-6) * 4.0 *
             in.dot(half);
-        return warp(tables_.luminance, incidence).density(visible.invert(m)) * visible.density(m) /
+        return warps->luminance.density(warps->visible.invert(m)) * warps->visible.density(m) /
                jacobian;
     }
 
@@ -133,8 +133,26 @@ class RglFile : public BrdfFile {
         return {std::move(mixed), slices.nx, slices.ny};
     }
 
+    /// What directions are drawn with at one incidence; the last one is kept.
+    struct Warps {
+        double mu_in;
+        BilinearWarp visible, luminance;
+    };
+
+    std::shared_ptr<const Warps> warps_at(double mu_in) const {
+        const std::lock_guard lock(mutex_);
+        if (warps_ == nullptr || warps_->mu_in != mu_in) {
+            const Incidence incidence = locate(mu_in);
+            warps_ = std::make_shared<const Warps>(
+                Warps{mu_in, warp(tables_.vndf, incidence), warp(tables_.luminance, incidence)});
+        }
+        return warps_;
+    }
+
     std::string content_;
     RglTables tables_;  // views into content_
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const Warps> warps_;
 };
 
 Recognised recognise_rgl(std::string_view content) {

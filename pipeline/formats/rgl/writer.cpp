@@ -200,6 +200,13 @@ void write_rgl_rgb(const ExportJob& job, std::ostream& out) {
     write_rgl(job.rgb, job.rgb.weights().description, job, out);
 }
 
+/// Of the spectral file: a slice for each wavelength and one of luminance at every incidence.
+std::uintmax_t rgl_bytes(const ExportOptions& options, std::size_t wavelengths) {
+    const auto n = static_cast<std::uintmax_t>(options.resolution);
+    const auto angles = static_cast<std::uintmax_t>(options.extra.at("incident_angles"));
+    return angles * (wavelengths + 1) * n * n * sizeof(float);
+}
+
 }  // namespace
 
 Format rgl_format() {
@@ -215,8 +222,9 @@ Format rgl_format() {
                        .standard = 24,
                        .lowest = 2,
                        .highest = 512}},
-            .accepted_error = 0.05,
+            .accepted = {.plain = 0.05},
             .needs_ascending_wavelengths = true,
+            .expected_bytes = rgl_bytes,
             .files = {{.suffix = "_spec", .write = write_rgl_spectral},
                       {.suffix = "_rgb", .colours = true, .write = write_rgl_rgb}},
             .reader = rgl_reader()};

@@ -1,5 +1,6 @@
 // Spectral OpenEXR tables of ours: channels by wavelength, directions from attributes.
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatVectorAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -135,6 +137,17 @@ std::vector<double> list_attribute(const Imf::Header& header, const char* name) 
     return {attribute->value().begin(), attribute->value().end()};
 }
 
+/// What values are the BRDF times of: pi in reflectance factors; 1 where nothing is said, as in
+/// files of before.
+double brdf_factor(const Imf::Header& header) {
+    const auto* attribute = header.findTypedAttribute<Imf::DoubleAttribute>("brdf_factor");
+    if (attribute == nullptr) return 1.0;
+    const double factor = attribute->value();
+    if (!(factor > 0.0 && std::isfinite(factor)))
+        throw InputError(fmt::format("exr: brdf_factor is {}; allowed: > 0", factor));
+    return factor;
+}
+
 /// Wavelength of T.550,000000nm; 0 for other channels.
 double wavelength_of(const std::string& channel) {
     if (!channel.starts_with("T.") || !channel.ends_with("nm")) return 0.0;
@@ -185,7 +198,9 @@ GridTable read_table(std::string_view content) {
     file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
     table.count = planes.size();
-    table.value = [planes = std::move(planes)](std::size_t i) { return double(planes[i]); };
+    table.value = [planes = std::move(planes), factor = brdf_factor(header)](std::size_t i) {
+        return double(planes[i]) / factor;
+    };
     return table;
 }
 

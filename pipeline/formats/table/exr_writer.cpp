@@ -1,5 +1,6 @@
 // exr: spectral OpenEXR (Fichet, Pacanowski & Wilkie 2021, JCGT 10(3)). docs/formats/exr.md
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatVectorAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -57,8 +58,9 @@ std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview
                              const rte::Directions& part, const Control& control) {
     const std::vector<double> table = tabulate(source, part, control);
     const std::size_t wavelengths = source.wavelength_nm().size(), pixels = size_of(part);
-    std::vector<float> planes(table.begin(), table.end());
-    planes.resize((wavelengths + 3) * pixels, 0.0f);
+    std::vector<float> planes((wavelengths + 3) * pixels, 0.0f);
+    for (std::size_t i = 0; i < table.size(); ++i)
+        planes[i] = static_cast<float>(std::numbers::pi * table[i]);
     for (std::size_t c = 0; c < 3; ++c) {
         float* plane = &planes[(wavelengths + c) * pixels];
         for (std::size_t p = 0; p < pixels; ++p) {
@@ -89,9 +91,10 @@ void write_rows(const std::vector<float>& planes, const rte::Directions& part, s
     file.writePixels(static_cast<int>(part.mu_in.size() * part.mu_out.size()));
 }
 
-/// One 32-bit float channel T.<wavelength>nm for each wavelength, and R, G, B of the reflection
-/// function (pi times the BRDF) to look at. Column = azimuth, row = mu_in * number of mu_out +
-/// mu_out; the three lists are in float-vector attributes of their names.
+/// One 32-bit float channel T.<wavelength>nm for each wavelength, and R, G, B to look at. All of
+/// them hold the reflectance factor, pi times the BRDF, since channels T are reflectances: a white
+/// Lambertian surface is 1. The attribute `brdf_factor` says so. Column = azimuth, row = mu_in *
+/// number of mu_out + mu_out; the three lists are in float-vector attributes of their names.
 void write_exr(const ExportJob& job, std::ostream& out) {
     const BrdfSource& source = job.spectral;
     const RgbWeights& preview = job.rgb.weights();
@@ -104,11 +107,13 @@ void write_exr(const ExportJob& job, std::ostream& out) {
     header.insert("mu_in", Imf::FloatVectorAttribute(floats(grid.mu_in)));
     header.insert("mu_out", Imf::FloatVectorAttribute(floats(grid.mu_out)));
     header.insert("azimuth_deg", Imf::FloatVectorAttribute(floats(grid.azimuth_deg)));
-    const auto description =
-        metadata(source, {.format = "exr",
-                          .cosine_included = false,
-                          .azimuth_zero = "mirror side",
-                          .colour = "R, G, B: pi times the BRDF; " + preview.description});
+    header.insert("brdf_factor", Imf::DoubleAttribute(std::numbers::pi));
+    auto description = metadata(source, {.format = "exr",
+                                         .cosine_included = false,
+                                         .azimuth_zero = "mirror side",
+                                         .colour = "R, G, B: " + preview.description});
+    description["quantity"] = "reflectance factor, pi times the BRDF, in all channels";
+    description["units"] = "1 (pi times 1/sr)";
     header.insert("miebrdf", Imf::StringAttribute(description.dump()));
 
     for (const double wavelength : source.wavelength_nm())

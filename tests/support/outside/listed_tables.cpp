@@ -124,6 +124,8 @@ OutsideTable exr_table(const std::string& bytes) {
                        float_list(attributes.at("mu_out")),
                        float_list(attributes.at("azimuth_deg")),
                        {}};
+    // Channels T are reflectances: pi times the BRDF, as the file says.
+    const double factor = number_at<double>(attributes.at("brdf_factor"), 0);
     std::map<double, std::vector<double>> planes;
     for (std::size_t block = 0; block < (height + 15) / 16; ++block) {
         const std::size_t chunk = number_at<std::uint64_t>(bytes, at + 8 * block);
@@ -146,7 +148,7 @@ OutsideTable exr_table(const std::string& bytes) {
     }
     for (const auto& [wavelength, plane] : planes) {
         table.wavelength_nm.push_back(wavelength);
-        table.values.insert(table.values.end(), plane.begin(), plane.end());
+        for (const double value : plane) table.values.push_back(value / factor);
     }
     return table;
 }

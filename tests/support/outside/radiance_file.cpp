@@ -1,5 +1,7 @@
-// WINDOW's XML as Radiance reads it: src/common/bsdf_m.c (matrices), bsdf_t.c (tensor trees). The
-// text is cut out by its tags, without an XML parser.
+// WINDOW's XML as Radiance reads it: src/common/bsdf_m.c (matrices), bsdf_t.c (tensor trees), with
+// colours as its ccolor.c adds them up and its color.h turns them into R, G, B. The text is cut out
+// by its tags, without an XML parser.
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,10 +39,32 @@ std::vector<double> data_of(const std::string& xml, const std::string& band) {
     return {};
 }
 
-std::vector<double> rgb_of(double x, double y, double z) {
-    // Inverse of the matrix of IEC 61966-2-1, to the digits of that standard.
-    return {3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
-            0.0557 * x - 0.2040 * y + 1.0570 * z};
+struct Xyz {
+    double x = 0, y = 0, z = 0;
+};
+
+/// Of luminance and the chromaticity (x, y); as ccy2rgb, with primaries of a nominal CRT and white
+/// at (1/3, 1/3).
+std::vector<double> rgb_of(const Xyz& colour) {
+    // Chromaticities of the primaries; their luminances make equal parts of them white.
+    constexpr double kX[3] = {0.640, 0.290, 0.150}, kY[3] = {0.330, 0.600, 0.060};
+    constexpr double kLuminance[3] = {0.265105820106, 0.670105820106, 0.064788359788};
+    Eigen::Matrix3d xyz;
+    for (int c = 0; c < 3; ++c) {
+        xyz.col(c) = kLuminance[c] / kY[c] * Vector(kX[c], kY[c], 1 - kX[c] - kY[c]);
+    }
+    const Vector rgb = xyz.inverse() * Vector(colour.x, colour.y, colour.z);
+    return {rgb.x(), rgb.y(), rgb.z()};
+}
+
+/// c_cmix: colours add up.
+Xyz sum_of(const Xyz& a, const Xyz& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+/// SDyuv2rgb: chromaticity (x, y) of (u', v'), then X and Z of Y.
+Xyz of_uv(double luminance, double u, double v) {
+    const double divisor = 6 * u - 16 * v + 12;
+    const double x = 9 * u / divisor, y = 4 * v / divisor;
+    return {x / y * luminance, luminance, (1 - x - y) / y * luminance};
 }
 
 class KlemsFile : public OutsideFile {
@@ -51,7 +75,7 @@ class KlemsFile : public OutsideFile {
     std::vector<double> brdf(const Vector& light, const Vector& viewer) const override {
         // The incident basis is that of the vector in which light travels.
         const std::size_t index = patch(viewer) * 145 + patch({-light.x(), -light.y(), light.z()});
-        return rgb_of(x_.at(index), y_.at(index), z_.at(index));
+        return rgb_of({x_.at(index), y_.at(index), z_.at(index)});
     }
 
   private:
@@ -75,6 +99,7 @@ class TensorTreeFile : public OutsideFile {
     explicit TensorTreeFile(const std::string& xml)
         : y_(data_of(xml, "Visible")), u_(data_of(xml, "CIE-u")), v_(data_of(xml, "CIE-v")) {
         side_ = static_cast<std::size_t>(std::lround(std::cbrt(double(y_.size()))));
+        subtract_min_rgb();
     }
 
     std::vector<double> brdf(const Vector& light, const Vector& viewer) const override {
@@ -85,14 +110,36 @@ class TensorTreeFile : public OutsideFile {
         const auto [a, b] = square(x, y);
         const double first = 0.5 - 1e-6 - 0.5 * std::hypot(light.x(), light.y());
         const std::size_t index = (cell(first) * side_ + cell(a)) * side_ + cell(b);
-        const double Y = y_.at(index), u = u_.at(index), v = v_.at(index);
-        return rgb_of(Y * 9 * u / (4 * v), Y, Y * (12 - 3 * u - 20 * v) / (4 * v));
+        const double Y = y_.at(index);
+        if (u_.empty()) {  // one channel, in the first of the primaries that it adds up
+            const double sharp = std::max(Y - diffuse_.y, 0.0) / 0.3791;
+            return rgb_of(sum_of(diffuse_, {0.8156 * sharp, 0.3791 * sharp, -0.0123 * sharp}));
+        }
+        return rgb_of(of_uv(Y, u_.at(index), v_.at(index)));
     }
 
   private:
     std::size_t cell(double x) const {
         return std::min(side_ - 1,
                         static_cast<std::size_t>(std::max(0.0, x) * static_cast<double>(side_)));
+    }
+
+    /// Of the half in use. The new trees of u' and v' lack the other half, and are dropped.
+    void subtract_min_rgb() {
+        double least[3] = {1e10, 1e10, 1e10};
+        for (std::size_t i = 0; i < y_.size() / 2; ++i) {
+            const Xyz c = of_uv(y_[i], u_[i], v_[i]);
+            const double sharp[3] = {1.2694 * c.x - 0.0988 * c.y - 0.1706 * c.z,
+                                     -0.8364 * c.x + 1.8006 * c.y + 0.0357 * c.z,
+                                     0.0297 * c.x - 0.0315 * c.y + 1.0018 * c.z};
+            for (int k = 0; k < 3; ++k) least[k] = std::min(least[k], sharp[k]);
+        }
+        const auto [r, g, b] = least;
+        const double y = 0.3791 * r + 0.5769 * g + 0.0440 * b;
+        if (y <= 0.01 / kPi) return;
+        diffuse_ = {0.8156 * r + 0.0472 * g + 0.1372 * b, y, -0.0123 * r + 0.0167 * g + 0.9955 * b};
+        u_.clear();
+        v_.clear();
     }
 
     /// Concentric: the sector of 90 degrees about each half axis becomes a triangle of the square.
@@ -108,6 +155,7 @@ class TensorTreeFile : public OutsideFile {
 
     std::vector<double> y_, u_, v_;
     std::size_t side_ = 0;
+    Xyz diffuse_;
 };
 
 }  // namespace

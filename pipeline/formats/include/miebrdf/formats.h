@@ -30,6 +30,7 @@ namespace miebrdf {
 
 class BrdfFile;
 struct ExportJob;
+struct ExportOptions;
 struct ReflectanceSpectrum;
 struct ScatteringTable;
 
@@ -78,6 +79,26 @@ struct FormatReader {
     std::unique_ptr<BrdfFile> (*read)(std::string content) = nullptr;
 };
 
+/// Kinds of directions, each with a bound of its own.
+enum class RegionKind {
+    plain,    ///< mu > 0.2, and near the mirror direction there
+    peaks,    ///< retro-reflection and zenith, where peaks are narrower than most formats' cells
+    grazing,  ///< mu < 0.2
+};
+
+/// Largest rms errors, by kind of region.
+struct AcceptedErrors {
+    double plain = 0.05;
+    double peaks = 0.5;
+    double grazing = 2.0;  ///< as if all values were three times too large
+
+    double of(RegionKind kind) const {
+        return kind == RegionKind::plain ? plain : kind == RegionKind::peaks ? peaks : grazing;
+    }
+    /// The same with at least `least` everywhere, and exactly that in plain regions.
+    AcceptedErrors with_plain(double least) const;
+};
+
 /// All that is known of a format: export, check, help and messages read it from here.
 struct Format {
     std::string name = {};
@@ -92,11 +113,14 @@ struct Format {
     bool takes_colours = false;
     std::vector<FormatOption> extra = {};
 
-    /// Largest error, as in ExportOptions::largest_error, that is accepted by default.
-    double accepted_error = 0.05;
+    AcceptedErrors accepted = {};  ///< by default
     bool needs_ascending_wavelengths = false;
     bool seeks = false;            ///< goes back in its file: pipes get it from memory
     std::string not_checked = {};  ///< why check_file does not know it; empty: it does
+
+    /// Bytes of its largest file, about, for options that are complete; null: not known before.
+    std::uintmax_t (*expected_bytes)(const ExportOptions& options,
+                                     std::size_t wavelengths) = nullptr;
 
     // The functions of the format, with types of the library's inside: formats are added there.
     std::vector<FormatFile> files = {};
@@ -125,9 +149,23 @@ struct ExportOptions {
     /// "auto": cie where the wavelengths cover the visible.
     std::string rgb = "auto";
     /// Largest relative error (rms, at mu > 0.2 and near the mirror direction) of a file that is
-    /// read back; 0: Format::accepted_error.
+    /// read back; 0: that of Format::accepted. Other regions may have theirs, or this if it is
+    /// larger.
     double largest_error = 0.0;
+    bool accept_error = false;              ///< write the file whatever was found
     std::map<std::string, int> extra = {};  ///< Format::extra by name
+};
+
+/// How far a file is from the BRDF in one kind of directions.
+struct RegionDeviation {
+    const char* name = "";
+    RegionKind kind = RegionKind::plain;
+    /// Root mean square of relative errors; about mirror directions, where a lobe ranges over many
+    /// decades, that of the errors over that of the values.
+    double rms = 0.0;
+    /// Relative error with its sign, and the directions, of the value that is worst.
+    double worst = 0.0;
+    Direction where;
 };
 
 /// How far a file, read as its program reads it, is from the BRDF that it was made from: root mean
@@ -143,11 +181,18 @@ struct Deviation {
     double largest = 0.0;        ///< of all directions, relative to the BRDF's mean over directions
     std::size_t directions = 0;  ///< compared; those where the file has no value are left out
     std::size_t missing = 0;
+    /// The three bands of `rms`; then, with 500 directions each, those about the mirror direction
+    /// (`lobe`), about it within mu < 0.2, about retro-reflection, and about the zenith. Of tables
+    /// that no program interpolates the bands alone.
+    std::vector<RegionDeviation> regions;
 };
 
 /// Names of Deviation::rms.
 inline constexpr std::array<const char*, 3> kDeviationBands = {"mu > 0.2", "mu 0.05-0.2",
                                                                "mu < 0.05"};
+
+/// The region of a deviation that misses its bound by the largest factor; null when none does.
+const RegionDeviation* worst_region(const Deviation& deviation, const AcceptedErrors& accepted);
 
 struct ExportedFile {
     std::filesystem::path path;
@@ -173,6 +218,11 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::strin
                                       const std::filesystem::path& path,
                                       const ExportOptions& options = {},
                                       const Control& control = {});
+
+/// About how large the largest file will be; 0 where the format does not know before.
+/// @throws UsageError  options out of range
+std::uintmax_t expected_bytes(const Format& format, const ExportOptions& options,
+                              std::size_t wavelengths);
 
 /// A reflectance at each wavelength.
 struct ReflectanceSpectrum {
