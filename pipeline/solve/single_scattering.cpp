@@ -29,6 +29,9 @@ constexpr int kMostAutomaticStreams = 64;
 /// incidence.
 constexpr double kPhaseFloor = 0.5;
 
+/// Products of partial waves and angles that a level of sizes for single angles of P is worth.
+constexpr double kMostPhaseWork = 1.5e8;
+
 mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const ResolvedMedium& medium,
                                       std::size_t w, const OpticsDemand& demand) {
     mie::EnsembleRequest request;
@@ -39,6 +42,8 @@ mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const Resolved
     request.highest_moment = demand.highest_moment;
     request.angles_deg = demand.angles_deg;
     request.tolerance = demand.tolerance;
+    request.phase_tolerance =
+        std::clamp(kPhasePerMoment * demand.tolerance, kLeastAngleTolerance, kMostPhaseTolerance);
     if (demand.whole_phase_function) {
         request.with_phase_table = true;
         request.phase_floor = kPhaseFloor;
@@ -77,6 +82,7 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
     }
     if (ensemble.phase_table) result.optics.phase = *ensemble.phase_table;
     result.phase = ensemble.phase;
+    result.phase_error = ensemble.phase_error;
     result.asymmetry = ensemble.asymmetry;
     result.q_ext = ensemble.q_ext;
     result.error_estimate = ensemble.error_estimate;
@@ -168,8 +174,27 @@ MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std:
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(
             rte::exact_phase(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
+        result.phase_error.push_back(0.0);
     }
     return result;
+}
+
+mie::PhaseValues phase_of_mie(const ResolvedScene& scene, std::size_t medium, std::size_t w,
+                              const OpticsDemand& demand, const mie::PhaseTable& table,
+                              const std::vector<double>& angles_deg,
+                              const std::vector<double>& allowed, const mie::Executor& run) {
+    auto request = ensemble_request(scene, scene.media[medium], w, demand);
+    request.angles_deg = angles_deg;
+    request.phase_allowed = allowed;
+    request.phase_floor = 0.0;
+    request.phase_work = kMostPhaseWork;
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+        const double P = table(std::cos(angles_deg[i] * std::numbers::pi / 180.0));
+        if (P > 0.0 && allowed[i] > 0.0)
+            request.phase_tolerance = std::min(request.phase_tolerance, allowed[i] / P);
+    }
+    request.phase_tolerance = std::max(request.phase_tolerance, kLeastAngleTolerance);
+    return mie::phase_at_angles(request, 0.0, run);
 }
 
 std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
@@ -198,18 +223,18 @@ std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
 }
 
 std::vector<double> packed(const MediumOptics& optics) {
-    const auto& [o, phase, asymmetry, q_ext, error_estimate, converged] = optics;
+    const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged] = optics;
     const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
     NumberPacker packer;
     packer.add(albedo).add(one_minus_albedo).add(chi).add(has_more_moments);
-    packer.add(phase).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
+    packer.add(phase).add(phase_error).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
     const auto* table = function.target<mie::PhaseTable>();
     packer.add(table != nullptr);
     if (table == nullptr) return packer.numbers();
-    const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor] =
-        table->parts();
+    const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor,
+                 gave_moments] = table->parts();
     packer.add(edges).add(coefficients).add(mean).add(interpolation_error).add(size_error);
-    return packer.add(noise).add(noise_floor).numbers();
+    return packer.add(noise).add(noise_floor).add(gave_moments).numbers();
 }
 
 MediumOptics unpacked_optics(const std::vector<double>& numbers) {
@@ -218,13 +243,14 @@ MediumOptics unpacked_optics(const std::vector<double>& numbers) {
     const auto read = [&](auto&... values) { (unpacker.read(values), ...); };
     rte::Optics& o = optics.optics;
     read(o.single_scattering_albedo, o.one_minus_albedo, o.chi, o.has_more_moments);
-    read(optics.phase, optics.asymmetry, optics.q_ext, optics.error_estimate, optics.converged);
+    read(optics.phase, optics.phase_error, optics.asymmetry, optics.q_ext, optics.error_estimate,
+         optics.converged);
     bool has_table = false;
     read(has_table);
     if (!has_table) return optics;
     mie::PhaseTable::Parts parts;
     read(parts.edges, parts.coefficients, parts.mean, parts.interpolation_error, parts.size_error);
-    read(parts.noise, parts.noise_floor);
+    read(parts.noise, parts.noise_floor, parts.gave_moments);
     o.phase = mie::PhaseTable(std::move(parts));
     return optics;
 }

@@ -19,6 +19,9 @@ struct ScaledStack {
     BaseKind base = BaseKind::half_space;
     double ground_albedo = 0.0;
     int moments = 1;  ///< Legendre moments of the medium that has most
+    /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
+    /// coat is left out what does not show beside that. 0: nothing is.
+    double brightness = 0.0;
 };
 
 /// delta-M for every medium; layers without depth are left out, and so is everything below a coat

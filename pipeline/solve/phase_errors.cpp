@@ -1,0 +1,214 @@
+#include "pipeline/solve/phase_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "rte/first_order/first_order.h"
+#include "rte/phase/scaled_medium.h"
+
+namespace miebrdf {
+namespace {
+
+/// Of an error of P that is known by its rms.
+constexpr double kDeviations = 2.0;
+/// More angles than this cost as much as all of P.
+constexpr std::size_t kMostAngles = 64;
+
+struct PhaseLayer {
+    const mie::PhaseTable* table = nullptr;
+    double albedo = 0.0;
+    double depth_factor = 1.0;  ///< of delta-M
+    double optical_depth = 0.0;
+};
+
+/// The layers from the top down.
+std::vector<PhaseLayer> layers_of(const SolvedLayers& solved) {
+    std::vector<PhaseLayer> layers;
+    const auto add = [&](const rte::Optics& optics, double optical_depth) {
+        const auto scaled = rte::scale_optics(optics, std::max(1, solved.moments), solved.delta_m);
+        layers.push_back({optics.phase.target<mie::PhaseTable>(), optics.single_scattering_albedo,
+                          scaled.depth_factor, optical_depth});
+    };
+    const rte::Stack& stack = solved.stack;
+    for (auto coat = stack.coats.rbegin(); coat != stack.coats.rend(); ++coat)
+        add(coat->optics, coat->optical_depth);
+    if (stack.base_kind == rte::BaseKind::half_space)
+        add(stack.base, std::numeric_limits<double>::infinity());
+    return layers;
+}
+
+/// dR / dP of each layer at a pair of cosines.
+void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu_out,
+                  std::vector<double>& weights) {
+    const double q = 1.0 / mu_in + 1.0 / mu_out;
+    double above = 0.25 / (mu_in + mu_out), above_scaled = above;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const PhaseLayer& layer = layers[i];
+        const double slant = layer.optical_depth * q, scaled = slant * layer.depth_factor;
+        const bool in_moments = layer.table != nullptr && layer.table->parts().gave_moments;
+        weights[i] = in_moments
+                         ? above * layer.albedo * -std::expm1(-slant)
+                         : above_scaled * layer.albedo / layer.depth_factor * -std::expm1(-scaled);
+        above *= std::exp(-slant);
+        above_scaled *= std::exp(-scaled);
+    }
+}
+
+/// Calls visit(index, cos Theta, weights of the layers, largest value at that incidence).
+template <typename Visit>
+void for_each_direction(const std::vector<PhaseLayer>& layers, const Directions& directions,
+                        const std::vector<double>& reflection, const Visit& visit) {
+    const auto& [mu_in, mu_out, azimuths] = directions;
+    const std::size_t block = mu_out.size() * azimuths.size();
+    std::vector<double> cosines, weights(layers.size());
+    for (const double azimuth : azimuths)
+        cosines.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
+    std::size_t k = 0;
+    for (const double in : mu_in) {
+        const auto first = reflection.begin() + static_cast<std::ptrdiff_t>(k);
+        const double brightest =
+            *std::max_element(first, first + static_cast<std::ptrdiff_t>(block));
+        for (const double out : mu_out) {
+            find_weights(layers, in, out, weights);
+            for (const double cosine : cosines)
+                visit(k++, rte::cos_scattering_angle(in, out, cosine), weights, brightest);
+        }
+    }
+}
+
+bool any_noisy(const std::vector<PhaseLayer>& layers) {
+    return std::any_of(layers.begin(), layers.end(),
+                       [](const PhaseLayer& layer) { return layer.table != nullptr; });
+}
+
+/// P of one layer at one angle, anew.
+struct Point {
+    double allowed = std::numeric_limits<double>::infinity();
+    double change = 0.0;  ///< against the table
+    double noise = 0.0;   ///< rms
+};
+
+/// By angle, of each layer; angles that differ by rounding are one.
+using Points = std::vector<std::map<double, Point>>;
+
+double angle_of(double cos_theta) {
+    constexpr double step = 1e-6;  // degrees
+    return step * std::round(std::acos(cos_theta) * (180.0 / std::numbers::pi) / step);
+}
+
+PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, const Directions& directions,
+                      const std::vector<double>& reflection, const Points& points) {
+    PhaseNoise worst;
+    const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
+    for_each_direction(
+        layers, directions, reflection,
+        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double brightest) {
+            if (!(brightest > 0.0)) return;
+            double noise = 0.0;
+            for (std::size_t i = 0; i < layers.size(); ++i) {
+                if (layers[i].table == nullptr) continue;
+                double of_layer = -1.0;
+                if (!points.empty() && !points[i].empty()) {
+                    const auto known = points[i].find(angle_of(cos_theta));
+                    if (known != points[i].end()) of_layer = known->second.noise;
+                }
+                noise +=
+                    weights[i] * (of_layer >= 0.0 ? of_layer : layers[i].table->noise(cos_theta));
+            }
+            noise /= brightest;
+            if (!(noise > worst.largest)) return;
+            worst = {noise, directions.mu_in[k / azimuths / outs],
+                     directions.mu_out[k / azimuths % outs], directions.azimuth_deg[k % azimuths]};
+        });
+    return worst;
+}
+
+}  // namespace
+
+PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection) {
+    const std::vector<PhaseLayer> list = layers_of(layers);
+    if (!any_noisy(list)) return {};
+    return noise_left(list, layers.directions, reflection, {});
+}
+
+bool has_noisy_phase(const rte::Stack& stack) {
+    const auto is_noisy = [](const rte::Optics& optics) {
+        return optics.phase.target<mie::PhaseTable>() != nullptr;
+    };
+    return (stack.base_kind == rte::BaseKind::half_space && is_noisy(stack.base)) ||
+           std::any_of(stack.coats.begin(), stack.coats.end(),
+                       [&](const rte::Coat& coat) { return is_noisy(coat.optics); });
+}
+
+double moment_sensitivity(const SolvedLayers& solved, const std::vector<double>& reflection) {
+    double largest = 1.0;
+    const std::vector<PhaseLayer> layers = layers_of(solved);
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t, double, const std::vector<double>& weights, double brightest) {
+            double sum = 0.0;
+            for (std::size_t i = 0; i < layers.size(); ++i)
+                if (layers[i].table != nullptr) sum += weights[i];
+            if (sum > largest * brightest && brightest > 0.0) largest = sum / brightest;
+        });
+    return largest;
+}
+
+double phase_error_estimate(const PhaseNoise& noise) { return kDeviations * noise.largest; }
+
+PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
+                        const SolvedLayers& solved, double allowed, std::vector<double>& reflection,
+                        const mie::Executor& run) {
+    const std::vector<PhaseLayer> layers = layers_of(solved);
+    if (!any_noisy(layers)) return {};
+    Points points(layers.size());
+    const double share = allowed / (kDeviations * static_cast<double>(layers.size()));  // an rms
+    std::size_t count = 0;
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t, double cos_theta, const std::vector<double>& weights, double brightest) {
+            for (std::size_t i = 0; i < layers.size() && count <= kMostAngles; ++i) {
+                if (layers[i].table == nullptr || !(weights[i] > 0.0)) continue;
+                const double enough = share * std::max(brightest, 0.0) / weights[i];
+                if (layers[i].table->noise(cos_theta) <= enough) continue;
+                const auto [point, is_new] = points[i].try_emplace(angle_of(cos_theta));
+                point->second.allowed = std::min(point->second.allowed, enough);
+                count += is_new ? 1 : 0;
+            }
+        });
+    if (count > kMostAngles) return noise_left(layers, solved.directions, reflection, {});
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        if (points[i].empty()) continue;
+        std::vector<double> angles_deg, errors;
+        for (const auto& [angle, point] : points[i]) {
+            angles_deg.push_back(std::clamp(angle, 0.0, 180.0));
+            errors.push_back(kDeviations * point.allowed);
+        }
+        // The layers that show are the scene's topmost.
+        const std::size_t medium = scene.media.size() - 1 - i;
+        const mie::PhaseValues values =
+            phase_of_mie(scene, medium, w, demand, *layers[i].table, angles_deg, errors, run);
+        std::size_t at = 0;
+        for (auto& [angle, point] : points[i]) {
+            point.change = values.phase[at] -
+                           (*layers[i].table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
+            point.noise = values.error[at] / kDeviations;
+            ++at;
+        }
+    }
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double) {
+            for (std::size_t i = 0; i < layers.size(); ++i) {
+                if (points[i].empty()) continue;
+                const auto point = points[i].find(angle_of(cos_theta));
+                if (point != points[i].end()) reflection[k] += weights[i] * point->second.change;
+            }
+        });
+    return noise_left(layers, solved.directions, reflection, points);
+}
+
+}  // namespace miebrdf
