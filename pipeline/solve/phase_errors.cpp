@@ -14,6 +14,12 @@ namespace {
 
 /// Of an error of P that is known by its rms.
 constexpr double kDeviations = 2.0;
+/// Ripple has all degrees up to that of the largest spheres, and the forward peak falls to nothing
+/// over the same degrees: what an error of P and of its moments does lies this far between what
+/// degrees beyond the peak do and what the lowest that delta-M cuts off do.
+constexpr double kMeanPeak = 0.25;
+/// What is not known of that, relative to the change of P.
+constexpr double kPeakDoubt = 0.05;
 /// More angles than this cost as much as all of P.
 constexpr std::size_t kMostAngles = 64;
 
@@ -48,10 +54,11 @@ void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const PhaseLayer& layer = layers[i];
         const double slant = layer.optical_depth * q, scaled = slant * layer.depth_factor;
+        const double as_peak =
+            above_scaled * layer.albedo / layer.depth_factor * -std::expm1(-scaled);
+        const double as_scattered = above * layer.albedo * -std::expm1(-slant);
         const bool in_moments = layer.table != nullptr && layer.table->parts().gave_moments;
-        weights[i] = in_moments
-                         ? above * layer.albedo * -std::expm1(-slant)
-                         : above_scaled * layer.albedo / layer.depth_factor * -std::expm1(-scaled);
+        weights[i] = in_moments ? as_scattered + kMeanPeak * (as_peak - as_scattered) : as_peak;
         above *= std::exp(-slant);
         above_scaled *= std::exp(-scaled);
     }
@@ -115,8 +122,9 @@ PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, const Directions& d
                     const auto known = points[i].find(angle_of(cos_theta));
                     if (known != points[i].end()) of_layer = known->second.noise;
                 }
-                noise +=
-                    weights[i] * (of_layer >= 0.0 ? of_layer : layers[i].table->noise(cos_theta));
+                noise = std::hypot(
+                    noise,
+                    weights[i] * (of_layer >= 0.0 ? of_layer : layers[i].table->noise(cos_theta)));
             }
             noise /= brightest;
             if (!(noise > worst.largest)) return;
@@ -165,7 +173,8 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
     const std::vector<PhaseLayer> layers = layers_of(solved);
     if (!any_noisy(layers)) return {};
     Points points(layers.size());
-    const double share = allowed / (kDeviations * static_cast<double>(layers.size()));  // an rms
+    // An rms; layers err independently of each other.
+    const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(layers.size())));
     std::size_t count = 0;
     for_each_direction(
         layers, solved.directions, reflection,
@@ -195,7 +204,9 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
         for (auto& [angle, point] : points[i]) {
             point.change = values.phase[at] -
                            (*layers[i].table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
-            point.noise = values.error[at] / kDeviations;
+            const bool in_moments = layers[i].table->parts().gave_moments;
+            point.noise = std::hypot(values.error[at] / kDeviations,
+                                     in_moments ? kPeakDoubt * point.change : 0.0);
             ++at;
         }
     }

@@ -23,10 +23,9 @@ struct SolvedLayers {
 /// few parts in a thousand (mie::PhaseTable::noise), independently of each other, and light
 /// scattered once brings that into R. Moments, albedos and means over directions average it out.
 ///
-/// Single scattering with the noise for P, weakened by what lies above, the layers' contributions
-/// added up. Where the moments come from the same table, its errors are in both and belong to
-/// degrees beyond the forward peak, so that light in the peak counts as scattered; else it counts
-/// as not scattered, as in the exact first order.
+/// Single scattering with the noise for P, weakened by what lies above; layers err independently.
+/// Where the moments come from the same table, its errors are in both, and light that is diffracted
+/// before or after counts by what degree they belong to (rte/first_order/narrow_features.h).
 ///
 /// @param reflection  R laid out as BrdfValues::Slice
 /// @return the largest rms relative to the largest value at its incidence

@@ -30,7 +30,7 @@ constexpr int kMostAutomaticStreams = 64;
 constexpr double kPhaseFloor = 0.5;
 
 /// Products of partial waves and angles that a level of sizes for single angles of P is worth.
-constexpr double kMostPhaseWork = 1.5e8;
+constexpr double kMostPhaseWork = 3e8;
 
 mie::EnsembleRequest ensemble_request(const ResolvedScene& scene, const ResolvedMedium& medium,
                                       std::size_t w, const OpticsDemand& demand) {

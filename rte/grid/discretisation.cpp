@@ -135,7 +135,7 @@ double least_believed(double before, bool slow) {
 // Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
 // phase functions and like a power of n at grazing: in both cases the finest errs by no more than
 // d q, d the difference of the last two and q what it has fallen by from that of the first two. No
-// more is claimed than d to the power 1.25 (r^n alone would be 1.5), and nothing of unresolved
+// more is claimed than d to the power 1.125 (r^n alone would be 1.5), and nothing of unresolved
 // peaks, which keep the difference itself (docs/numerics.md).
 void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
                     std::size_t block, bool slow, double tolerance) {
@@ -150,7 +150,7 @@ void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fin
             largest_of(differences(coarsest.values, coarse.values, fine.values, block));
         const double largest = largest_of(last);
         if (!slow && largest < before && largest < 1.0)
-            gain = std::max(largest / before, std::pow(largest, 0.25));
+            gain = std::max(largest / before, std::pow(largest, 0.125));
     }
     std::size_t within = 0;
     double largest = 0.0;
