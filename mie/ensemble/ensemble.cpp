@@ -23,7 +23,12 @@ constexpr int kLeastTableMoment = 200;
 constexpr int kSafeBandWidth = 64;
 constexpr double kLeastTableTolerance = 1e-5;
 constexpr double kLeastSingleTolerance = 1e-7;  // single precision errs by 5e-9 (measured)
-constexpr double kRounding = 1e-13;             // no estimate below what rounding leaves
+// Where a medium reflects little, P is what it reflects: its tolerance is this times what is enough
+// where light scattered many times outshines P.
+constexpr double kDarkPhaseShare = 0.03;
+constexpr double kDark = 0.2;  // albedo of such a half-space
+constexpr double kLeastDarkShare = 1e-3;
+constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
 
 // What a size distribution without ends leaves out: well below what is asked of the result.
 double tail_for(const EnsembleRequest& request) {
@@ -89,13 +94,24 @@ double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
     return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
 }
 
-// Largest relative change of the phase function at the angles asked for; 0 without angles.
-double phase_change(const EnsembleOptics& a, const EnsembleOptics& b) {
-    double change = 0;
-    for (std::size_t i = 0; i < b.phase.size(); ++i) {
-        change = std::max(change, std::abs(a.phase[i] / b.phase[i] - 1));
+// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
+double half_space_albedo(const EnsembleOptics& optics) {
+    const double similar = optics.one_minus_albedo /
+                           (1 - optics.single_scattering_albedo * std::min(optics.asymmetry, 1.0));
+    const double s = std::sqrt(std::clamp(similar, 0.0, 1.0));
+    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
+}
+
+RadiusRange range_of(const EnsembleRequest& request) {
+    const double tail = tail_for(request);
+    return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
+                    : radius_range(request.sizes);
+}
+
+void require_angles(const std::vector<double>& angles_deg) {
+    for (const double angle : angles_deg) {
+        if (!(angle >= 0 && angle <= 180)) throw UsageError("angle_deg", angle, "0 to 180");
     }
-    return change;
 }
 
 // The average over sizes: passes of more sizes until the error estimate is met. Computes everything
@@ -114,8 +130,10 @@ class EnsembleAverage {
     void add_pass();
     EnsembleOptics optics_of(const SizeSums& sums) const;
     void estimate_errors(const EnsembleOptics& before);
+    bool is_enough() const;
     void put_exact_extinction();
     void put_phase_table();
+    void put_phase();
 
     EnsembleRequest request_;
     const Executor& run_;
@@ -126,7 +144,6 @@ class EnsembleAverage {
     double share_ = 1;  // of it, inside
     int terms_ = 0;
     bool moments_from_table_ = false;
-    AngularFunctions angular_;
     std::optional<MomentTransform> transform_;  // tables that all passes share
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
@@ -144,15 +161,15 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
     start();
     do {
         add_pass();
-    } while (!optics_.converged && refinement_->refine());
+    } while (!is_enough() && refinement_->refine());
+    if (!request_.angles_deg.empty()) put_phase();
     if (request_.with_phase_table || moments_from_table_) put_phase_table();
 }
 
 void EnsembleAverage::start() {
     validate(request_);
     tail_ = tail_for(request_);
-    range_ = tail_ > 0 ? radius_range(request_.sizes, tail_, 1 / wave_number_per_um_)
-                       : radius_range(request_.sizes);
+    range_ = range_of(request_);
     share_ = area_share_within(request_.sizes, range_);
     const double smallest = wave_number_per_um_ * range_.smallest_um;
     const double largest = wave_number_per_um_ * range_.largest_um;
@@ -163,7 +180,7 @@ void EnsembleAverage::start() {
     terms_ = number_of_terms(largest);
     moments_from_table_ = request_.highest_moment > std::max(kLeastTableMoment, terms_ / 5) &&
                           request_.tolerance >= kLeastTableTolerance;
-    if (!request_.angles_deg.empty()) angular_ = AngularFunctions(request_.angles_deg, terms_);
+    require_angles(request_.angles_deg);
     if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width(), run_);
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
 }
@@ -180,7 +197,6 @@ SizeSumOptions EnsembleAverage::sum_options() const {
     }
     options.single_precision =
         refinement_->rule() == Rule::even && request_.tolerance >= kLeastSingleTolerance;
-    if (angular_.angle_count() > 0) options.angles = &angular_;
     return options;
 }
 
@@ -201,9 +217,16 @@ void EnsembleAverage::add_pass() {
     optics_.size_nodes = refinement_->nodes_so_far();
     estimate_errors(before);
     if (exact_known_) put_exact_extinction();
-    optics_.converged =
-        optics_.error_estimate <= request_.tolerance &&
-        (optics_.phase.empty() || optics_.phase_error_estimate <= request_.phase_tolerance);
+    optics_.converged = optics_.error_estimate <= request_.tolerance;
+}
+
+// A half-space that reflects little is made of small differences of moments: for radiative transfer
+// they are wanted better by as much as it is dark.
+bool EnsembleAverage::is_enough() const {
+    double share = 1.0;
+    if (request_.phase_floor > 0)
+        share = std::clamp(half_space_albedo(optics_) / kDark, kLeastDarkShare, 1.0);
+    return optics_.converged && optics_.error_estimate <= share * request_.tolerance;
 }
 
 void EnsembleAverage::prepare_even_rule() {
@@ -229,16 +252,13 @@ EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
         const double whole = o.chi[0];
         for (double& chi : o.chi) chi /= whole;
     }
-    for (const double intensity : sums.intensity) {
-        o.phase.push_back(intensity / (2 * sums.spheres.scattered));
-    }
     return o;
 }
 
 void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const double least = std::max(kRounding, tail_);
     const bool single = refinement_->rule() == Rule::single;
-    optics_.error_estimate = optics_.phase_error_estimate = single ? kRounding : 1.0;
+    optics_.error_estimate = single ? kRounding : 1.0;
     if (single || refinement_->pass() == 0) return;
     const double absorption = change_by_absorption(before, optics_);
     const double change = std::max(largest_change(before, optics_), absorption);
@@ -263,7 +283,6 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     }
     change_before_ = change;
     absorption_before_ = std::max(absorption, absorption_before_ / 2);
-    optics_.phase_error_estimate = std::max(phase_change(before, optics_), least);
 }
 
 // Extinction, and with it the albedo, need not carry the error of the nodes.
@@ -277,9 +296,11 @@ void EnsembleAverage::put_exact_extinction() {
 
 void EnsembleAverage::put_phase_table() {
     PhaseTabulationOptions options;
-    options.interpolation_tolerance = request_.table_tolerance;
-    options.size_tolerance = request_.phase_tolerance;
-    options.floor = request_.phase_floor;
+    const double bright = request_.phase_floor > 0 ? half_space_albedo(optics_) : 1.0;
+    const double relaxed = bright + (1 - bright) * kDarkPhaseShare;
+    options.interpolation_tolerance = relaxed * request_.table_tolerance;
+    options.size_tolerance = relaxed * request_.phase_tolerance;
+    options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
@@ -290,7 +311,9 @@ void EnsembleAverage::put_phase_table() {
     }
     TabulatedPhase tabulated =
         tabulate_phase(relative_index_, request_.sizes, range_, wave_number_per_um_, options, run_);
-    const auto table = std::make_shared<const PhaseTable>(std::move(tabulated.table));
+    PhaseTable::Parts parts = tabulated.table.parts();
+    parts.gave_moments = moments_from_table_;
+    const auto table = std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
     if (request_.with_phase_table) optics_.phase_table = table;
     if (!moments_from_table_) return;
     const std::vector<double> chi = table->moments(options.last_moment, run_);
@@ -299,7 +322,36 @@ void EnsembleAverage::put_phase_table() {
     optics_.error_estimate = std::max(optics_.error_estimate, tabulated.moment_error);
 }
 
+void EnsembleAverage::put_phase() {
+    PhaseValues values = phase_at_angles(request_, optics_.q_sca, run_);
+    optics_.phase = std::move(values.phase);
+    optics_.phase_error = std::move(values.error);
+    for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
+        const double relative = optics_.phase_error[i] / optics_.phase[i];
+        optics_.phase_error_estimate =
+            std::max({optics_.phase_error_estimate, relative, kRounding});
+        optics_.converged =
+            optics_.converged &&
+            (request_.phase_allowed.empty() ? relative <= request_.phase_tolerance
+                                            : optics_.phase_error[i] <= request_.phase_allowed[i]);
+    }
+}
+
 }  // namespace
+
+PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const Executor& run) {
+    validate(request);
+    require_angles(request.angles_deg);
+    const RadiusRange range = range_of(request);
+    PhaseTabulationOptions options;
+    options.size_tolerance = request.phase_tolerance;
+    options.floor = request.phase_floor;
+    options.most_work = request.phase_work;
+    options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
+    return phase_at_angles(relative_index_of(request), request.sizes, range,
+                           wave_number_per_um(request), options, request.angles_deg,
+                           request.phase_allowed, run);
+}
 
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
     return EnsembleAverage(request, run).optics();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <complex>
+#include <limits>
+#include <vector>
 
 #include <miebrdf/ensemble.h>
 
@@ -15,6 +17,7 @@ struct PhaseTabulationOptions {
     int last_moment = -1;  ///< highest one; -1: none
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
+    double most_work = std::numeric_limits<double>::infinity();  ///< EnsembleRequest::phase_work
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };
 
@@ -35,5 +38,18 @@ TabulatedPhase tabulate_phase(std::complex<double> relative_index,
                               const SizeDistribution& distribution, const RadiusRange& range,
                               double wave_number_per_um, const PhaseTabulationOptions& options,
                               const Executor& run);
+
+/// P at single angles, each with levels of sizes until its two families agree there and a quarter
+/// of a period of the fastest wave to both sides: neither its value nor its error depends on the
+/// other angles.
+/// @param options  size_tolerance (which also bounds the finest level), floor and
+///                 scattering_efficiency count
+/// @param allowed  absolute error of P at each angle; empty: size_tolerance, relative to
+///                 max(P, floor)
+PhaseValues phase_at_angles(std::complex<double> relative_index,
+                            const SizeDistribution& distribution, const RadiusRange& range,
+                            double wave_number_per_um, const PhaseTabulationOptions& options,
+                            const std::vector<double>& angles_deg,
+                            const std::vector<double>& allowed, const Executor& run);
 
 }  // namespace miebrdf::mie

@@ -30,11 +30,12 @@ struct Intensity {
     double scattered = 0;
 };
 
+template <typename Scalar>
 Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes& sizes,
                        const std::vector<SizeChunks::Block>& blocks,
-                       const AngularFunctionsOf<float>& angular) {
+                       const AngularFunctionsOf<Scalar>& angular) {
     const auto& last = blocks.back();
-    SphereBlockOf<float> block;
+    SphereBlockOf<Scalar> block;
     block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
                     kMostSizesPerBlock);
     Intensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
@@ -91,7 +92,13 @@ WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
         wave_number_per_um_);
 }
 
-FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<float>& angular,
+int SizeFamilies::sizes_at(int level) const {
+    if (family_count_ == 1) return 1;
+    return (first_counts_[0] + first_counts_[1]) << std::max(0, level - 1);
+}
+
+template <typename Scalar>
+FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>& angular,
                                     const Executor& run) const {
     const int first_family = rippled_ || level == 0 ? 0 : 1;
     std::vector<WeightedSizes> sizes(family_count_);
@@ -121,6 +128,11 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<float>& 
     }
     return total;
 }
+
+template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<float>&,
+                                             const Executor&) const;
+template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<double>&,
+                                             const Executor&) const;
 
 FamilyIntensity SizeFamilies::with_level(const FamilyIntensity& before,
                                          const FamilyIntensity& level) const {

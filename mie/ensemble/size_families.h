@@ -41,12 +41,17 @@ class SizeFamilies {
     /// The finest level: 0.1 in x at a tolerance of 1e-2. A bound on time, not on accuracy.
     int last_level() const { return last_level_; }
 
+    /// Sizes of a level, of both families.
+    int sizes_at(int level) const;
+
     /// Whether a level resolves the interference of reflected and diffracted light, exp(2i x). All
     /// levels do where there is ripple. Families of coarser sizes may agree by chance.
     bool resolves(int level) const { return level >= resolved_level_; }
 
-    /// Sums over one level's spheres alone; the same bits for any executor.
-    FamilyIntensity level(int level, const AngularFunctionsOf<float>& angular,
+    /// Sums over one level's spheres alone; the same bits for any executor. Scalar: float or
+    /// double.
+    template <typename Scalar>
+    FamilyIntensity level(int level, const AngularFunctionsOf<Scalar>& angular,
                           const Executor& run) const;
 
     /// All levels so far, from those `before` and one more `level`; any number of angles.

@@ -14,9 +14,11 @@
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/phase_errors.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 
@@ -95,20 +97,26 @@ void remove_rounding(std::vector<double>& albedos) {
 }
 
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
-                 rte::StackMemory& memory) {
+                 const OpticsDemand& demand, const mie::Executor& run, rte::StackMemory& memory) {
     const rte::Stack& stack = optics.stack;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return black(request);
     const double tolerance = request.solver.tolerance;
     SolverOptions solver = request.solver;
-    solver.tolerance = rest_of_tolerance(tolerance, optics.mie_error_estimate);
+    const bool reflects = request.quantity == LayerQuantity::reflection;
+    solver.tolerance = rest_of_tolerance(
+        tolerance, optics.mie_error_estimate +
+                       (reflects && has_noisy_phase(stack) ? kPhaseShare * tolerance : 0.0));
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
-    if (request.quantity == LayerQuantity::reflection) {
+    double mie_error = optics.mie_error_estimate;
+    if (reflects) {
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
         slice.report.phase_noise =
-            largest_phase_noise(stack, request.directions, slice.values, table.report.moments);
+            refine_phase(request.scene, w, demand,
+                         {stack, request.directions, table.report.moments, solver.delta_m},
+                         kPhaseShare * tolerance, slice.values, run);
         slice.plane_albedo = std::move(table.plane_albedo);
         remove_rounding(slice.plane_albedo);
     } else {
@@ -121,7 +129,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.transmittance.resize(slice.values.size(), 0.0);
         slice.report.solver = table.report;
     }
-    judge(slice.report, optics.mie_error_estimate, optics.converged, tolerance);
+    judge(slice.report, mie_error, optics.converged, tolerance);
     return slice;
 }
 
@@ -208,7 +216,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const LayerJob& job = jobs[missing[i]];
-        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, memories.local());
+        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, demand,
+                                   pieces_of_job(control), memories.local());
         if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
     });
     std::vector<LayerSlice> slices;

@@ -90,9 +90,13 @@ double percus_yevick(double volume_fraction, double qd) {
     return 1.0 / (1.0 + 24.0 * f * (a * first + b * second + c * third));
 }
 
-double CrowdedPhase::operator()(double cos_theta) const {
+double CrowdedPhase::factor(double cos_theta) const {
     const double sine_of_half = std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_theta)));
-    return alone.phase(cos_theta) * percus_yevick(volume_fraction, 2.0 * kd * sine_of_half) / mean;
+    return percus_yevick(volume_fraction, 2.0 * kd * sine_of_half) / mean;
+}
+
+double CrowdedPhase::operator()(double cos_theta) const {
+    return alone.phase(cos_theta) * factor(cos_theta);
 }
 
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
@@ -122,8 +126,10 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     whole.q_ext = alone.q_ext.value_or(0.0) * extinction;
     for (std::size_t i = 0; i < whole.phase.size(); ++i) {
         const double half = 0.5 * angles_deg[i] * kPi / 180.0;
-        whole.phase[i] *=
+        const double factor =
             percus_yevick(species.volume_fraction, 2.0 * kd * std::sin(half)) / phase.mean;
+        whole.phase[i] *= factor;
+        if (i < whole.phase_error.size()) whole.phase_error[i] *= factor;
     }
     whole.optics.phase = std::move(phase);
     return whole;

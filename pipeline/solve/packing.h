@@ -17,6 +17,8 @@ struct CrowdedPhase {
     double kd = 0.0;    ///< wave number in the host times diameter
     double mean = 1.0;  ///< of P S over the sphere: scattering, crowded over alone
 
+    /// S(q) / mean.
+    double factor(double cos_theta) const;
     double operator()(double cos_theta) const;
 };
 

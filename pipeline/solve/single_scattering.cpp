@@ -30,6 +30,9 @@ constexpr int kMostAutomaticStreams = 64;
 /// incidence.
 constexpr double kPhaseFloor = 0.5;
 
+/// Products of partial waves and angles that a level of sizes for single angles of P is worth.
+constexpr double kMostPhaseWork = 3e8;
+
 mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_t w,
                                       const OpticsDemand& demand) {
     const Particles& at = species.particles[w];
@@ -41,6 +44,8 @@ mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_
     request.highest_moment = demand.highest_moment;
     request.angles_deg = demand.angles_deg;
     request.tolerance = demand.tolerance;
+    request.phase_tolerance =
+        std::clamp(kPhasePerMoment * demand.tolerance, kLeastAngleTolerance, kMostPhaseTolerance);
     if (demand.whole_phase_function) {
         request.with_phase_table = true;
         request.phase_floor = kPhaseFloor;
@@ -79,6 +84,7 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
     }
     if (ensemble.phase_table) result.optics.phase = *ensemble.phase_table;
     result.phase = ensemble.phase;
+    result.phase_error = ensemble.phase_error;
     result.asymmetry = ensemble.asymmetry;
     result.q_ext = ensemble.q_ext;
     result.error_estimate = ensemble.error_estimate;
@@ -218,6 +224,7 @@ MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(
             rte::exact_phase(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
+        result.phase_error.push_back(0.0);
     }
     return result;
 }
@@ -253,11 +260,14 @@ MediumOptics mixed(const ResolvedMedium& medium, std::size_t w,
     whole.q_ext.reset();
     whole.asymmetry = 0.0;
     std::fill(whole.phase.begin(), whole.phase.end(), 0.0);
+    std::fill(whole.phase_error.begin(), whole.phase_error.end(), 0.0);
     for (std::size_t s = 0; s < species.size() && sum > 0.0; ++s) {
         const double share = scattering[s] / sum;
         whole.asymmetry += share * species[s].asymmetry;
         for (std::size_t a = 0; a < whole.phase.size(); ++a)
             whole.phase[a] += share * species[s].phase[a];
+        for (std::size_t a = 0; a < species[s].phase_error.size(); ++a)
+            whole.phase_error[a] += share * species[s].phase_error[a];
     }
     return whole;
 }
@@ -272,6 +282,24 @@ MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std:
         if (one.crowded) species.back() = crowded(species.back(), one, w, demand.angles_deg);
     }
     return mixed(resolved, w, species);
+}
+
+mie::PhaseValues phase_of_mie(const ResolvedSpecies& species, std::size_t w,
+                              const OpticsDemand& demand, const mie::PhaseTable& table,
+                              const std::vector<double>& angles_deg,
+                              const std::vector<double>& allowed, const mie::Executor& run) {
+    auto request = ensemble_request(species, w, demand);
+    request.angles_deg = angles_deg;
+    request.phase_allowed = allowed;
+    request.phase_floor = 0.0;
+    request.phase_work = kMostPhaseWork;
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+        const double P = table(std::cos(angles_deg[i] * std::numbers::pi / 180.0));
+        if (P > 0.0 && allowed[i] > 0.0)
+            request.phase_tolerance = std::min(request.phase_tolerance, allowed[i] / P);
+    }
+    request.phase_tolerance = std::max(request.phase_tolerance, kLeastAngleTolerance);
+    return mie::phase_at_angles(request, 0.0, run);
 }
 
 std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
@@ -334,19 +362,19 @@ std::vector<std::vector<double>> optical_depths_of(const ResolvedScene& scene,
 
 std::vector<double> packed(const MediumOptics& optics) {
     // A species alone: the extinction of a medium is not its own.
-    const auto& [o, phase, asymmetry, q_ext, error_estimate, converged, per_um] = optics;
+    const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged, per_um] = optics;
     static_cast<void>(per_um);
     const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
     NumberPacker packer;
     packer.add(albedo).add(one_minus_albedo).add(chi).add(has_more_moments);
-    packer.add(phase).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
+    packer.add(phase).add(phase_error).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
     const auto* table = function.target<mie::PhaseTable>();
     packer.add(table != nullptr);
     if (table == nullptr) return packer.numbers();
-    const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor] =
-        table->parts();
+    const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor,
+                 gave_moments] = table->parts();
     packer.add(edges).add(coefficients).add(mean).add(interpolation_error).add(size_error);
-    return packer.add(noise).add(noise_floor).numbers();
+    return packer.add(noise).add(noise_floor).add(gave_moments).numbers();
 }
 
 MediumOptics unpacked_optics(const std::vector<double>& numbers) {
@@ -355,13 +383,14 @@ MediumOptics unpacked_optics(const std::vector<double>& numbers) {
     const auto read = [&](auto&... values) { (unpacker.read(values), ...); };
     rte::Optics& o = optics.optics;
     read(o.single_scattering_albedo, o.one_minus_albedo, o.chi, o.has_more_moments);
-    read(optics.phase, optics.asymmetry, optics.q_ext, optics.error_estimate, optics.converged);
+    read(optics.phase, optics.phase_error, optics.asymmetry, optics.q_ext, optics.error_estimate,
+         optics.converged);
     bool has_table = false;
     read(has_table);
     if (!has_table) return optics;
     mie::PhaseTable::Parts parts;
     read(parts.edges, parts.coefficients, parts.mean, parts.interpolation_error, parts.size_error);
-    read(parts.noise, parts.noise_floor);
+    read(parts.noise, parts.noise_floor, parts.gave_moments);
     o.phase = mie::PhaseTable(std::move(parts));
     return optics;
 }

@@ -40,10 +40,11 @@ constexpr int kMostMoments = 12'000;
 
 struct MediumOptics {
     rte::Optics optics;
-    std::vector<double> phase;    ///< P at the demanded angles_deg, in their order
-    double asymmetry = 0.0;       ///< chi_1
-    std::optional<double> q_ext;  ///< extinction efficiency; empty if analytic or a mixture
-    double error_estimate = 0.0;  ///< relative, of the size average; 0 if analytic
+    std::vector<double> phase;        ///< P at the demanded angles_deg, in their order
+    std::vector<double> phase_error;  ///< of each, absolute (twice an rms)
+    double asymmetry = 0.0;           ///< chi_1
+    std::optional<double> q_ext;      ///< extinction efficiency; empty if analytic or a mixture
+    double error_estimate = 0.0;      ///< relative, of the size average; 0 if analytic
     bool converged = true;
     double extinction_per_um = 0.0;  ///< of the medium (extinction_per_um); 0 of single species
 };
@@ -75,6 +76,14 @@ double extinction_per_um(const ResolvedMedium& medium, std::size_t w,
 MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std::size_t w,
                             const OpticsDemand& demand,
                             const mie::Executor& run = mie::run_in_order);
+
+/// P of a medium with spheres at a few angles, better than its table has it.
+/// @param allowed  error at each angle, absolute; as much of it as a bounded number of sizes
+/// reaches
+mie::PhaseValues phase_of_mie(const ResolvedSpecies& species, std::size_t w,
+                              const OpticsDemand& demand, const mie::PhaseTable& table,
+                              const std::vector<double>& angles_deg,
+                              const std::vector<double>& allowed, const mie::Executor& run);
 
 /// The optics of every medium at some of the scene's wavelengths: [place in `wavelengths`][medium].
 /// Equal jobs are done once, different ones in parallel; what Control remembers is looked up.

@@ -20,6 +20,9 @@ constexpr double kSlowAbove = 1e-3;
 constexpr double kRounding = 1e-13;
 // Requests of at most so many values, or of fewer pairs of cosines, get probes.
 constexpr std::size_t kFew = 16;
+// A solution with so little work (nodes cubed times Fourier orders) is worth a try even if more
+// nodes did not help before: about 0.1 s.
+constexpr double kCheapWork = 8e6;
 constexpr int kTypicalStreams = 24;  // where the tolerance decides
 constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
 constexpr double kProbeCosines[] = {0.1, 0.35, 0.9};
@@ -47,7 +50,8 @@ double largest_moment(const Stack& stack, int degree) {
     double largest = 0.0;
     const auto look_at = [&](const Optics& optics) {
         const auto l = std::size_t(degree);
-        if (l < optics.chi.size()) largest = std::max(largest, optics.chi[l]);
+        // Backward peaks alternate in sign.
+        if (l < optics.chi.size()) largest = std::max(largest, std::abs(optics.chi[l]));
     };
     if (stack.base_kind == BaseKind::half_space) look_at(stack.base);
     for (const Coat& coat : stack.coats) look_at(coat.optics);
@@ -97,42 +101,69 @@ Attempt with_fewer_moments_if_needed(Discretisation discretisation, const Solve&
     return attempt;
 }
 
-// What the finer of two solutions still lacks. The error falls like r^n for smooth phase functions:
-// with 2n/3 against n nodes that is the difference to the power 1.5, of which 1.25 is claimed;
-// unresolved peaks fall more slowly and keep the difference itself (docs/numerics.md).
-double claimed_power(bool slow) { return slow ? 1.0 : 1.25; }
-
-double remaining_error(double difference, double power) {
-    return difference >= 1.0 ? difference : std::pow(difference, power);
-}
-
-// Compares two tables, relative to the largest value in each block (one incidence). The claimed
-// error rises with the difference, so that differences can be compared in its place.
-void estimate_error(const Attempt& coarse, Attempt& fine, std::size_t block, bool slow,
-                    double tolerance) {
-    SolverReport& report = fine.report;
-    const double power = claimed_power(slow);
-    const double allowed = std::pow(tolerance, 1.0 / power);
-    double largest = 0.0;
-    std::size_t within = 0;
-    const std::size_t count = fine.values.size();
-    for (std::size_t start = 0; start < count; start += block) {
-        const std::size_t end = std::min(count, start + block);
-        double scale = 0.0;
-        for (std::size_t k = start; k < end; ++k) scale = std::max(scale, std::abs(fine.values[k]));
+// |b - a| at each value, relative to the largest of `scale` in its block (one incidence).
+std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b,
+                                const std::vector<double>& scale, std::size_t block) {
+    std::vector<double> result(b.size());
+    for (std::size_t start = 0; start < b.size(); start += block) {
+        const std::size_t end = std::min(b.size(), start + block);
+        double largest = 0.0;
+        for (std::size_t k = start; k < end; ++k) largest = std::max(largest, std::abs(scale[k]));
         for (std::size_t k = start; k < end; ++k) {
-            const double change = std::abs(fine.values[k] - coarse.values[k]);
-            const double difference = change > 0.0 ? change / scale : 0.0;
-            if (difference <= allowed) ++within;
-            if (difference > largest) {
-                largest = difference;
-                report.worst_value = k;
-            }
+            const double change = std::abs(b[k] - a[k]);
+            result[k] = change > 0.0 ? change / largest : 0.0;
         }
     }
-    report.share_within_tolerance = count > 0 ? double(within) / double(count) : 1.0;
-    report.error_estimate =
-        std::max({report.error_estimate, kRounding, remaining_error(largest, power)});
+    return result;
+}
+
+double largest_of(const std::vector<double>& values) {
+    double largest = 0.0;
+    for (const double value : values) {
+        if (!(value <= largest)) largest = value;
+    }
+    return largest;
+}
+
+// What the solution with one number of nodes cannot be trusted to differ from the next one by, when
+// two solutions before it differ by that: errors of few values have signs and may agree by chance.
+double least_believed(double before, bool slow) {
+    if (slow) return 0.1 * before;
+    return before < 1.0 ? std::pow(before, 1.5) : before;
+}
+
+// Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
+// phase functions and like a power of n at grazing: in both cases the finest errs by no more than
+// d q, d the difference of the last two and q what it has fallen by from that of the first two. No
+// more is claimed than d to the power 1.125 (r^n alone would be 1.5), and nothing of unresolved
+// peaks, which keep the difference itself (docs/numerics.md).
+void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
+                    std::size_t block, bool slow, double tolerance) {
+    SolverReport& report = fine.report;
+    std::vector<double> last = differences(coarse.values, fine.values, fine.values, block);
+    double gain = 1.0;
+    if (coarsest.physical) {
+        const auto both = differences(coarsest.values, fine.values, fine.values, block);
+        for (std::size_t k = 0; k < last.size(); ++k)
+            last[k] = std::max(last[k], least_believed(both[k], slow));
+        const double before =
+            largest_of(differences(coarsest.values, coarse.values, fine.values, block));
+        const double largest = largest_of(last);
+        if (!slow && largest < before && largest < 1.0)
+            gain = std::max(largest / before, std::pow(largest, 0.125));
+    }
+    std::size_t within = 0;
+    double largest = 0.0;
+    for (std::size_t k = 0; k < last.size(); ++k) {
+        const double error = gain * last[k];
+        if (error <= tolerance) ++within;
+        if (!(error <= largest)) {
+            largest = error;
+            report.worst_value = k;
+        }
+    }
+    report.share_within_tolerance = last.empty() ? 1.0 : double(within) / double(last.size());
+    report.error_estimate = std::max({report.error_estimate, kRounding, largest});
 }
 
 void require_physical(Attempt& attempt, std::size_t count) {
@@ -164,6 +195,10 @@ class Progress {
     double best_before_ = infinity;  ///< without the last estimate
 };
 
+double work_of(int streams, int fourier_orders) {
+    return std::pow(double(streams), 3) * fourier_orders;
+}
+
 }  // namespace
 
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
@@ -187,13 +222,17 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     };
     std::vector<int> ladder{options.streams};
     if (options.streams == 0) ladder = stream_ladder(stack, options);
-    Attempt coarse = attempt_at(coarser_streams(ladder.front()));
+    const int coarser = coarser_streams(ladder.front());
+    Attempt coarsest;
+    if (coarser_streams(coarser) < coarser) coarsest = attempt_at(coarser_streams(coarser));
+    Attempt coarse = attempt_at(coarser);
     Attempt fine;
     Progress progress;
-    for (const int streams : ladder) {
+    for (std::size_t step = 0; step < ladder.size(); ++step) {
+        const int streams = ladder[step];
         fine = attempt_at(streams);
         if (fine.physical && coarse.physical) {
-            estimate_error(coarse, fine, block, converges_slowly(stack, streams),
+            estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
                            options.tolerance);
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
@@ -202,7 +241,12 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         fine.report.converged =
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged) break;
-        if (fine.physical && progress.has_stalled_at(fine.report.error_estimate)) break;
+        const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
+        if (stalled && step + 1 < ladder.size() &&
+            work_of(ladder[step + 1], fine.report.fourier_orders) > kCheapWork) {
+            break;
+        }
+        coarsest = std::move(coarse);
         coarse = fine;
     }
     fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
@@ -214,11 +258,7 @@ AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
     : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
     const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
     const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
-    // Across the plane of incidence the odd orders vanish; probes would bring them back.
-    if (!are_few || fourier_order_vanishes(1, asked.azimuth_deg) ||
-        !converges_slowly(stack, streams)) {
-        return;
-    }
+    if (!are_few || !converges_slowly(stack, streams)) return;
     for (const double azimuth : asked.azimuth_deg) {
         for (const double offset : kProbeOffsets_deg) {
             directions_.azimuth_deg.push_back(azimuth + offset);

@@ -34,6 +34,10 @@ inline constexpr double kPhaseTableShare = 0.01;
 inline constexpr double kPhasePerMoment = 50.0;
 inline constexpr double kLeastPhaseTolerance = 2e-4;
 inline constexpr double kMostPhaseTolerance = 3e-2;
+/// What errors of P may do to single directions, as an error estimate.
+inline constexpr double kPhaseShare = 0.4;
+/// The least that is asked of P at listed angles.
+inline constexpr double kLeastAngleTolerance = 1e-6;
 /// Of the error that points of P may have, the part that interpolation between them may.
 inline constexpr double kPhaseInterpolationShare = 0.5;
 

@@ -108,17 +108,32 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
     const Eigen::VectorXd logarithm = moment.unaryExpr(
         [](double x) { return x > 0.0 ? std::log(x) : std::numeric_limits<double>::quiet_NaN(); });
 
+    // The window at l: near the end it shrinks on both sides.
+    const auto reach_at = [&](int l) { return std::min({kHalfWindow, l, count - 1 - l}); };
+    int not_geometric = moments;  // the first degree whose window is not positive throughout
+    while (not_geometric < count) {
+        const int reach = reach_at(not_geometric);
+        if (logarithm.segment(not_geometric - reach, 2 * reach + 1).array().isNaN().any()) break;
+        ++not_geometric;
+    }
+
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
         // Near the end the window shrinks on both sides, so that a slope does not become a bias.
-        const int reach = std::min({kHalfWindow, l, count - 1 - l});
+        const int reach = reach_at(l);
         const auto weights = kernel.segment(kHalfWindow - reach, 2 * reach + 1);
         const double weight = weights.sum();
-        const double log_mean = weights.dot(logarithm.segment(l - reach, weights.size()));
-        // NaN: not positive throughout the window.
-        const double smooth = std::isnan(log_mean)
-                                  ? weights.dot(moment.segment(l - reach, weights.size())) / weight
-                                  : std::exp(log_mean / weight);
+        double smooth = weights.dot(moment.segment(l - reach, weights.size())) / weight;
+        // From the geometric to the arithmetic mean over as many degrees as a window has: a step
+        // at one degree would be a term of the sum over N_l that flips with its parity.
+        if (l < not_geometric) {
+            const double log_mean = weights.dot(logarithm.segment(l - reach, weights.size()));
+            const double left = double(not_geometric - l) / (2 * kHalfWindow + 1);
+            const double share = not_geometric == count || left >= 1.0
+                                     ? 1.0
+                                     : std::pow(std::sin(0.5 * std::numbers::pi * left), 2);
+            smooth += share * (std::exp(log_mean / weight) - smooth);
+        }
         split.peak.push_back(smooth);
         split.rest.push_back(chi[std::size_t(l)] - smooth);
         largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));

@@ -54,7 +54,8 @@ struct ForwardPeak {
 };
 
 /// F_l is the running Gaussian mean of chi over l, sigma 12 degrees; geometric where chi is
-/// positive throughout the window, which makes it exact for Henyey-Greenstein.
+/// positive throughout the window, which makes it exact for Henyey-Greenstein, and arithmetic from
+/// the first degree on where it is not; one turns into the other over 97 degrees.
 ///
 /// @param chi      all moments
 /// @param moments  L

@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
 
+#include "rte/first_order/first_order.h"
 #include "rte/fourier/fourier_mode.h"
 #include "rte/math/tolerance_budget.h"
+#include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 
 namespace miebrdf::rte {
 namespace {
 
-constexpr double kSafety = 10.0;  // bases that are not Lambertian
+// Bases that are not Lambertian: what a base sends back where it came from may be brighter than a
+// white ground by this.
+constexpr double kSafety = 100.0;
 // Enough for transmissions to some per cent, which is all that a yes or no needs.
 constexpr int kStreams = 16;
 // Differences below this are rounding of the solver: nothing is left to see.
@@ -19,6 +26,16 @@ constexpr double kDeepestCoat = 1e100;
 
 double largest(const std::vector<double>& cosines) {
     return cosines.empty() ? 1.0 : *std::max_element(cosines.begin(), cosines.end());
+}
+
+// A few of a list, its ends among them.
+std::vector<double> a_few_of(const std::vector<double>& values) {
+    constexpr std::size_t few = 8;
+    if (values.size() <= few) return values;
+    std::vector<double> some;
+    for (std::size_t i = 0; i < few; ++i)
+        some.push_back(values[i * (values.size() - 1) / (few - 1)]);
+    return some;
 }
 
 AlbedoTable albedo_over_ground(const Optics& coat, double optical_depth,
@@ -30,6 +47,25 @@ AlbedoTable albedo_over_ground(const Optics& coat, double optical_depth,
     SolverOptions options;
     options.streams = kStreams;
     return albedo(stack, cosines, options);
+}
+
+// At each incidence the largest value that the coat itself sends to (some of) the directions; 0
+// where 16 streams cannot tell.
+std::vector<double> brightest_over_black(const Optics& coat, double optical_depth,
+                                         const Directions& directions) {
+    Stack stack;
+    stack.base_kind = BaseKind::none;
+    stack.coats = {{coat, optical_depth}};
+    const Directions some{directions.mu_in, a_few_of(directions.mu_out),
+                          a_few_of(directions.azimuth_deg)};
+    SolverOptions options;
+    options.streams = kStreams;
+    const std::vector<double> values = reflect(stack, some, options).reflection;
+    const std::size_t block = some.mu_out.size() * some.azimuth_deg.size();
+    std::vector<double> brightest(some.mu_in.size(), 0.0);
+    for (std::size_t k = 0; k < values.size(); ++k)
+        if (values[k] > brightest[k / block]) brightest[k / block] = values[k];
+    return brightest;
 }
 
 }  // namespace
@@ -53,30 +89,48 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
     const double mean = std::abs(white.spherical_albedo - black.spherical_albedo);
     const std::size_t incident = directions.mu_in.size();
     const bool albedo_only = directions.mu_out.empty();
-    if (albedo_only &&
-        !(kSafety * mean <= kHiddenLayersShare * tolerance * black.spherical_albedo)) {
-        return false;
-    }
+    const auto is_below = [&](double change, double value) {
+        return kSafety * change <= kHiddenLayersShare * tolerance * value;
+    };
+    if (albedo_only && !is_below(mean, black.spherical_albedo)) return false;
+    const std::vector<double> brightest =
+        albedo_only ? black.plane_albedo : brightest_over_black(coat, optical_depth, directions);
     for (std::size_t i = 0; i < incident; ++i) {
-        const double allowed = kHiddenLayersShare * tolerance * black.plane_albedo[i];
-        if (albedo_only && !(kSafety * visible(i) <= allowed)) return false;
+        if (albedo_only && !is_below(visible(i), brightest[i])) return false;
         for (std::size_t o = incident; o < cosines.size(); ++o) {
             const double change = visible(i) * visible(o) / std::max(mean, kDarkest);
-            if (!(kSafety * change <= allowed)) return false;
+            if (!is_below(change, brightest[i])) return false;
         }
     }
     return true;
 }
 
+double least_brightness(const std::vector<ScaledMedium>& media, const Directions& directions) {
+    double least = std::numeric_limits<double>::infinity();
+    const std::vector<double> mu_out = a_few_of(directions.mu_out);
+    const std::vector<double> azimuths = a_few_of(directions.azimuth_deg);
+    for (const double mu_in : directions.mu_in) {
+        double brightest = 0.0;
+        for (const double out : mu_out) {
+            for (const double azimuth : azimuths) {
+                const double cosine = std::cos(azimuth * (std::numbers::pi / 180.0));
+                brightest = std::max(brightest, single_scattering(media, true, mu_in, out, cosine));
+            }
+        }
+        least = std::min(least, brightest);
+    }
+    return std::isfinite(least) ? least : 0.0;
+}
+
 bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,
-                            double tolerance) {
+                            double allowed) {
     // With q = strongest(): U and V (eigenmodes.h) are at least (1 - q) M^-1, so that nothing
     // decays more slowly than exp(-(1 - q) tau). Down and up, times 4 for what the coat reflects
     // itself.
     constexpr double kCoatReflects = 4.0;
     const double slowest = 1.0 - coat.strongest();
     return slowest > 0.0 &&
-           kCoatReflects * std::exp(-2.0 * slowest * scaled_optical_depth) <= tolerance;
+           kCoatReflects * std::exp(-2.0 * slowest * scaled_optical_depth) <= allowed;
 }
 
 bool is_bottomless(double optical_depth) { return std::isinf(optical_depth); }

@@ -2,12 +2,15 @@
 // visible layers and the plan ask.
 #pragma once
 
+#include <vector>
+
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 
 namespace miebrdf::rte {
 
 struct FourierMedium;
+struct ScaledMedium;
 
 /// Whether light that went straight through a coat and back is below the tolerance. A coat that
 /// lets more through hides nothing, and no optics are needed to know it.
@@ -20,16 +23,22 @@ bool may_hide(double optical_depth, const Directions& directions, double toleran
 /// V(mu) = T(mu) T / (1 - S), its reflection functions by T(mu) T(mu_0) / (1 - S) =
 /// V(mu) V(mu_0) / V with the spherical V = T^2 / (1 - S) (T: transmission, S: reflection from
 /// below). Two solutions of Fourier order 0 give them. No base returns more light than the white
-/// ground; that it may send it elsewhere is what the factor of safety (10) is for.
+/// ground; that it may send it elsewhere is what the factor of safety (100) is for. The change is
+/// compared with the largest value that the coat itself sends to the directions asked for at that
+/// incidence: however dark a coat is, it hides only what is darker.
 /// @param directions  without mu_out: only albedos are wanted
 bool hides_what_is_below(const Optics& coat, double optical_depth, const Directions& directions,
                          double tolerance);
 
+/// A lower bound of the largest reflection at every incidence: light scattered once, at some of the
+/// directions. Shares of the tolerance are relative to that.
+/// @param media  from the bottom up
+double least_brightness(const std::vector<ScaledMedium>& media, const Directions& directions);
+
 /// Whether a coat counts as a half-space in one Fourier order: a bound, asked by the solver of
 /// every coat and order.
-/// @param tolerance  of the equations of that order
-bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,
-                            double tolerance);
+/// @param allowed  of the reflection function, absolute
+bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth, double allowed);
 
 /// A coat without bottom is a half-space: nothing below it exists for the solver.
 bool is_bottomless(double optical_depth);

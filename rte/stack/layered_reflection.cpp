@@ -13,6 +13,7 @@
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
+#include "rte/stack/hidden_layers.h"
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
@@ -39,14 +40,16 @@ void require_options(const SolverOptions& options) {
     }
 }
 
-Attempt reflect_with(const Stack& stack, std::span<const double> azimuth_deg,
+Attempt reflect_with(const Stack& stack, const Directions& directions,
                      const RequestedDirections& requested, const SolverOptions& options,
                      const Discretisation& discretisation, StackMemory& memory,
                      FourierOrders& orders, FirstOrderSum& first_order) {
-    const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
+        scaled.brightness = least_brightness(scaled.media, directions);
     const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
     MultipleScattering multiple =
-        sum_fourier_orders(scaled, grid, requested, azimuth_deg,
+        sum_fourier_orders(scaled, grid, requested, directions.azimuth_deg,
                            kFourierTailShare * options.tolerance, options, &memory, orders);
     orders = std::move(multiple.by_fourier_order);
     Attempt attempt;
@@ -137,7 +140,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     Attempt attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
         [&](const Discretisation& discretisation) {
-            return reflect_with(stack, judged.azimuth_deg, requested, options, discretisation,
+            return reflect_with(stack, judged, requested, options, discretisation,
                                 memory != nullptr ? *memory : own, orders, first_order);
         });
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);

@@ -1,5 +1,6 @@
 #include "rte/stack/stack_solver.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -86,7 +87,7 @@ std::size_t StackSolver::solve_lowest() {
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
         set_medium(stack_.media[c]);
         if (!hides_in_fourier_order(memory_.medium, stack_.media[c].scaled_optical_depth,
-                                    tolerance_)) {
+                                    tolerance_ * std::min(stack_.brightness, 1.0))) {
             continue;
         }
         solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_,

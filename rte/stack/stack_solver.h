@@ -21,6 +21,9 @@ struct ScaledStack {
     int moments = 1;  ///< Legendre moments of the medium that has most
     /// The flux into what lies below is wanted (Reflector::glow_at_requested): nothing is left out.
     bool transmits = false;
+    /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
+    /// coat is left out what does not show beside that. 0: nothing is.
+    double brightness = 0.0;
 };
 
 /// delta-M for every medium; layers without depth are left out, and so is everything below a coat

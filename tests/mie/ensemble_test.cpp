@@ -195,12 +195,15 @@ TEST_CASE("the moments are those of the phase function", "[mie][ensemble]") {
     request.highest_moment = 120;
     request.tolerance = 1e-9;  // double precision throughout
     request.angles_deg = {0, 13, 60, 90, 141, 180};
+    request.phase_tolerance = 1e-6;
     const auto optics = mie::average_over_sizes(request);
     for (std::size_t i = 0; i < request.angles_deg.size(); ++i) {
         const double mu = mie::cosine_of_scattering_angle(request.angles_deg[i]);
         double sum = 0;
         for (int l = 0; l <= 120; ++l) sum += (2 * l + 1) * optics.chi[l] * std::legendre(l, mu);
-        CHECK(sum == Approx(optics.phase[i]).epsilon(1e-10));
+        // Other sizes: each as good as it was asked for.
+        CHECK(std::abs(sum - optics.phase[i]) <=
+              optics.phase_error[i] + 120 * 120 * request.tolerance);
     }
 }
 

@@ -94,6 +94,10 @@ TEST_CASE("hidden layers: a coat that lets light through hides nothing", "[pipel
     CHECK(rte::hides_what_is_below(white, 1e7, directions, 1e-3));
     CHECK(rte::hides_what_is_below(rte::isotropic_optics(0.5), 20, directions, 1e-3));
     CHECK_FALSE(leaves_out(scene_of("isotropic:0.5", {"isotropic:1@5"}), "hidden layers"));
+    // A dark coat hides only what is darker: these let 2e-6 through and send back 8e-6 and nothing.
+    CHECK_FALSE(
+        rte::hides_what_is_below(rte::henyey_greenstein_optics(0.001, 0.8), 6.5, directions, 1e-3));
+    CHECK_FALSE(rte::hides_what_is_below(rte::isotropic_optics(0.0), 6.5, directions, 1e-3));
 }
 
 TEST_CASE("hidden layers: what is called hidden changes by less than a tenth of the tolerance",

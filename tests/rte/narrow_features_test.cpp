@@ -154,3 +154,20 @@ TEST_CASE("the soft cutoff fades moments without moving energy", "[rte][delta_m]
     CHECK(rte::scale_optics(rte::henyey_greenstein_optics(0.99, 0.75), 64, true).first_cutoff ==
           64);
 }
+
+TEST_CASE("the running mean of the forward peak has no step where moments turn negative",
+          "[rte][narrow]") {
+    // A peak that falls like that of spheres and crosses zero: a step of N_l at one degree would
+    // give (2l + 1) N_l / 2 to retro-reflection, with the sign of its parity.
+    std::vector<double> chi(400);
+    for (int l = 0; l < 400; ++l)
+        chi[std::size_t(l)] = std::pow(1 - l / 300.0, 3) * std::exp(-l / 200.0);
+    const auto split = rte::split_forward_peak(chi, 32);
+    REQUIRE(split.rest.size() > 300);
+    double largest = 0;
+    for (std::size_t k = 1; k < 300; ++k) {
+        const double step = std::abs(split.rest[k] - split.rest[k - 1]);
+        largest = std::max(largest, step * (2.0 * double(k + 32) + 1));
+    }
+    CHECK(largest <= 2e-3);
+}

@@ -65,3 +65,20 @@ TEST_CASE("a deep coat cut in two, so that no part hides the base, reflects the 
         }
     }
 }
+
+TEST_CASE("a dark coat shows its base as long as that is not darker", "[rte][layered]") {
+    // Cut in pieces, no one of which could hide anything; relative to what comes out.
+    const double albedo = GENERATE(0.0, 0.001, 0.2);
+    const auto coat = rte::henyey_greenstein_optics(albedo, 0.8);
+    const double tau = GENERATE(6.5, 8.25);
+    const rte::Stack whole{.base = rte::isotropic_optics(1.0), .coats = {{coat, tau}}};
+    rte::Stack cut{.base = whole.base};
+    for (int k = 0; k < 8; ++k) cut.coats.push_back({coat, tau / 8});
+    const rte::Directions directions{{1.0}, {1.0, 0.6}, {180.0}};
+    const rte::SolverOptions options{.tolerance = 1e-3, .streams = 24};
+    const auto one = rte::reflect(whole, directions, options).reflection;
+    const auto other = rte::reflect(cut, directions, options).reflection;
+    CAPTURE(albedo, tau, one[0], other[0]);
+    for (std::size_t k = 0; k < one.size(); ++k)
+        CHECK(std::abs(one[k] / other[k] - 1) <= 0.05 * options.tolerance);
+}

@@ -36,6 +36,7 @@ TEST_CASE("stress: refusals", "[stress]") { require_all(stress::refusals, 60); }
 TEST_CASE("stress: sphere switches", "[stress]") { require_all(stress::sphere_switches, 150); }
 TEST_CASE("stress: transfer switches", "[stress]") { require_all(stress::transfer_switches, 20); }
 TEST_CASE("stress: photons", "[stress]") { require_all(stress::photons, 30); }
+TEST_CASE("stress: promises", "[stress]") { require_all(stress::promises, 24); }
 
 TEST_CASE("the battery notices what is broken", "[stress]") {
     std::vector<stress::Check> checks;

@@ -32,7 +32,7 @@ TEST_CASE("columns are those that scripts depend on", "[program]") {
           Columns{"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
                   "error_estimate", "chi_0", "chi_1", "chi_2"});
     CHECK(csv_of("phase hg:0.9,0.5 --wavelengths 550 --angles 0,180").columns() ==
-          Columns{"wavelength_nm", "angle_deg", "phase"});
+          Columns{"wavelength_nm", "angle_deg", "phase", "error_estimate"});
     CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1").columns() ==
           Columns{"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "brdf"});
     CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1 --quantity reflection")

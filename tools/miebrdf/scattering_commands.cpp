@@ -121,13 +121,15 @@ int write_phase(MediaSpectra spectra, const Shell& shell) {
     spectra.compute(shell.control());
     Table table;
     add_facts(table, spectra,
-              "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1");
-    table.columns = {"wavelength_nm", "angle_deg", "phase"};
+              "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1; "
+              "error_estimate: of phase, absolute, twice an rms");
+    table.columns = {"wavelength_nm", "angle_deg", "phase", "error_estimate"};
     const std::vector<double>& angles = spectra.demand.angles_deg;
     for (std::size_t w = 0; w < spectra.optics.size(); ++w) {
         for (std::size_t a = 0; a < angles.size(); ++a) {
-            table.rows.push_back(
-                {spectra.scene.wavelength_nm[w], angles[a], spectra.optics[w].front().phase[a]});
+            const MediumOptics& optics = spectra.optics[w].front();
+            table.rows.push_back({spectra.scene.wavelength_nm[w], angles[a], optics.phase[a],
+                                  optics.phase_error[a]});
         }
     }
     shell.write(std::move(table));

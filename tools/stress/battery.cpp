@@ -81,7 +81,8 @@ std::vector<Check> run_battery(const Options& options,
                                                     {"refusals", refusals},
                                                     {"photons", photons},
                                                     {"sphere switches", sphere_switches},
-                                                    {"transfer switches", transfer_switches}};
+                                                    {"transfer switches", transfer_switches},
+                                                    {"promises", promises}};
     std::vector<Check> checks;
     for (const auto& [name, suite] : suites) {
         if (watch) watch(name);

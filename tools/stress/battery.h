@@ -71,6 +71,8 @@ void refusals(const Options& options, std::vector<Check>& checks);
 void photons(const Options& options, std::vector<Check>& checks);
 void sphere_switches(const Options& options, std::vector<Check>& checks);
 void transfer_switches(const Options& options, std::vector<Check>& checks);
+/// Random scenes: no converged result misses its tolerance.
+void promises(const Options& options, std::vector<Check>& checks);
 
 /// Everything, suite by suite.
 /// @param watch  called with the name of each suite before it is run

@@ -6,6 +6,7 @@
 
 #include <complex>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -28,15 +29,23 @@ struct EnsembleRequest {
     double host_index = 1.0;                     ///< real index of the medium between them
     double wavelength_nm = 550.0;                ///< in vacuum
     int highest_moment = -1;                     ///< chi_0 ... chi_L; -1: no moments
-    std::vector<double> angles_deg = {};  ///< scattering angles for the phase function, 0 to 180
-    double tolerance = 1e-4;              ///< relative, of albedo, q_ext and moments
-    double phase_tolerance = 1e-2;        ///< relative, of P at each angle listed, and rms over
-                                          ///< each panel of a phase table; points of P need many
-                                          ///< more sizes than moments do
-    double phase_floor = 0;               ///< a phase table's P below this is resolved relative to
-                                          ///< this: dim angles do not matter to radiative transfer
-    bool with_phase_table = false;        ///< P at every angle, as a PhaseTable
-    double table_tolerance = 1e-3;        ///< of its interpolation, relative within each panel
+    std::vector<double> angles_deg = {};     ///< scattering angles for the phase function, 0 to 180
+    double tolerance = 1e-4;                 ///< relative, of albedo, q_ext and moments
+    double phase_tolerance = 1e-2;           ///< relative, of P at each angle listed, and rms over
+                                             ///< each panel of a phase table; points of P need many
+                                             ///< more sizes than moments do
+    std::vector<double> phase_allowed = {};  ///< absolute, at each angle listed, in place of
+                                             ///< phase_tolerance; empty: that
+    /// Of P at angles: sizes times partial waves times angles (3 for each one listed), per level of
+    /// sizes. Where that does not reach the tolerance, the error says so.
+    double phase_work = std::numeric_limits<double>::infinity();
+    /// A phase table for radiative transfer: P below this is resolved relative to this, because dim
+    /// angles do not matter beside light that is scattered many times. Where the medium absorbs
+    /// there is less of that: the floor is for a half-space that returns everything, and both it
+    /// and the tolerances fall with what a half-space of the medium returns. 0: no such use.
+    double phase_floor = 0;
+    bool with_phase_table = false;  ///< P at every angle, as a PhaseTable
+    double table_tolerance = 1e-3;  ///< of its interpolation, relative within each panel
 };
 
 /// P(cos Theta) of an ensemble as polynomials on panels of the scattering angle.
@@ -60,6 +69,8 @@ class PhaseTable {
         /// The same of each panel, rms over its nodes, relative to max(P, noise_floor); empty: 0.
         std::vector<double> noise;
         double noise_floor = 0;
+        /// The moments given beside it are its own: they share its errors.
+        bool gave_moments = false;
     };
 
     PhaseTable() = default;
@@ -103,6 +114,7 @@ struct EnsembleOptics {
     std::vector<double> phase;                      ///< P at angles_deg; mean over the sphere = 1
     std::shared_ptr<const PhaseTable> phase_table;  ///< null unless asked for
     double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
+    std::vector<double> phase_error;                ///< of each, absolute: twice an rms
     double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
     int size_nodes = 0;
     /// Both estimates within their tolerances, that of the moments for those of the band: moments
@@ -119,6 +131,18 @@ struct EnsembleOptics {
 /// @param run  runs pieces of the work; the result does not depend on it, bit for bit
 EnsembleOptics average_over_sizes(const EnsembleRequest& request,
                                   const Executor& run = run_in_order);
+
+/// P at single angles.
+struct PhaseValues {
+    std::vector<double> phase;
+    std::vector<double> error;  ///< absolute: twice an rms
+};
+
+/// P at request.angles_deg alone, by as many sizes as each angle needs: no moments, no albedo.
+/// @param q_sca  scattering efficiency of the average, by which resonances that the sizes have
+///               missed show; 0: not known
+PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca,
+                            const Executor& run = run_in_order);
 
 /// Degree of the last Legendre moment that is not zero within rounding: twice the number of partial
 /// waves of the largest sphere.

@@ -1,0 +1,286 @@
+#include "pipeline/solve/phase_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "pipeline/solve/packing.h"
+#include "rte/first_order/first_order.h"
+#include "rte/phase/scaled_medium.h"
+
+namespace miebrdf {
+namespace {
+
+/// Of an error of P that is known by its rms.
+constexpr double kDeviations = 2.0;
+/// Ripple has all degrees up to that of the largest spheres, and the forward peak falls to nothing
+/// over the same degrees: what an error of P and of its moments does lies this far between what
+/// degrees beyond the peak do and what the lowest that delta-M cuts off do.
+constexpr double kMeanPeak = 0.25;
+/// What is not known of that, relative to the change of P.
+constexpr double kPeakDoubt = 0.05;
+/// More angles than this cost as much as all of P.
+constexpr std::size_t kMostAngles = 64;
+
+/// The phase function of one species of a layer.
+struct PhasePart {
+    const mie::PhaseTable* table = nullptr;
+    const CrowdedPhase* crowded = nullptr;  ///< null: the species alone
+    double share = 1.0;                     ///< of the layer's scattering
+    std::size_t species = 0;                ///< of the medium
+
+    /// What it adds to the layer's P, per its own.
+    double factor(double cos_theta) const {
+        return crowded == nullptr ? share : share * crowded->factor(cos_theta);
+    }
+};
+
+struct PhaseLayer {
+    std::vector<PhasePart> parts = {};  ///< none: nothing errs
+    double albedo = 0.0;
+    double depth_factor = 1.0;  ///< of delta-M
+    double optical_depth = 0.0;
+};
+
+/// The parts of a layer's phase function that come from Mie theory.
+std::vector<PhasePart> parts_of(const rte::Optics& optics) {
+    std::vector<PhasePart> parts;
+    const auto add = [&](const rte::Optics& one, double share, std::size_t species) {
+        PhasePart part{.share = share, .species = species};
+        part.table = one.phase.target<mie::PhaseTable>();
+        part.crowded = one.phase.target<CrowdedPhase>();
+        if (part.crowded != nullptr)
+            part.table = part.crowded->alone.phase.target<mie::PhaseTable>();
+        if (part.table != nullptr) parts.push_back(part);
+    };
+    const auto* mixed = optics.phase.target<rte::MixedPhase>();
+    if (mixed == nullptr) {
+        add(optics, 1.0, 0);
+    } else {
+        for (std::size_t s = 0; s < mixed->components.size(); ++s)
+            add(mixed->components[s], mixed->share[s], s);
+    }
+    return parts;
+}
+
+/// The layers from the top down.
+std::vector<PhaseLayer> layers_of(const SolvedLayers& solved) {
+    std::vector<PhaseLayer> layers;
+    const auto add = [&](const rte::Optics& optics, double optical_depth) {
+        const auto scaled = rte::scale_optics(optics, std::max(1, solved.moments), solved.delta_m);
+        layers.push_back({parts_of(optics), optics.single_scattering_albedo,
+                          scaled.depth_factor, optical_depth});
+    };
+    const rte::Stack& stack = solved.stack;
+    for (auto coat = stack.coats.rbegin(); coat != stack.coats.rend(); ++coat)
+        add(coat->optics, coat->optical_depth);
+    if (stack.base_kind == rte::BaseKind::half_space)
+        add(stack.base, std::numeric_limits<double>::infinity());
+    return layers;
+}
+
+/// dR / dP of each layer at a pair of cosines.
+void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu_out,
+                  std::vector<double>& weights) {
+    const double q = 1.0 / mu_in + 1.0 / mu_out;
+    double above = 0.25 / (mu_in + mu_out), above_scaled = above;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const PhaseLayer& layer = layers[i];
+        const double slant = layer.optical_depth * q, scaled = slant * layer.depth_factor;
+        const double as_peak =
+            above_scaled * layer.albedo / layer.depth_factor * -std::expm1(-scaled);
+        const double as_scattered = above * layer.albedo * -std::expm1(-slant);
+        const bool in_moments =
+            !layer.parts.empty() &&
+            std::all_of(layer.parts.begin(), layer.parts.end(), [](const PhasePart& part) {
+                return part.table->parts().gave_moments;
+            });
+        weights[i] = in_moments ? as_scattered + kMeanPeak * (as_peak - as_scattered) : as_peak;
+        above *= std::exp(-slant);
+        above_scaled *= std::exp(-scaled);
+    }
+}
+
+/// Calls visit(index, cos Theta, weights of the layers, largest value at that incidence).
+template <typename Visit>
+void for_each_direction(const std::vector<PhaseLayer>& layers, const Directions& directions,
+                        const std::vector<double>& reflection, const Visit& visit) {
+    const auto& [mu_in, mu_out, azimuths] = directions;
+    const std::size_t block = mu_out.size() * azimuths.size();
+    std::vector<double> cosines, weights(layers.size());
+    for (const double azimuth : azimuths)
+        cosines.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
+    std::size_t k = 0;
+    for (const double in : mu_in) {
+        const auto first = reflection.begin() + static_cast<std::ptrdiff_t>(k);
+        const double brightest =
+            *std::max_element(first, first + static_cast<std::ptrdiff_t>(block));
+        for (const double out : mu_out) {
+            find_weights(layers, in, out, weights);
+            for (const double cosine : cosines)
+                visit(k++, rte::cos_scattering_angle(in, out, cosine), weights, brightest);
+        }
+    }
+}
+
+bool any_noisy(const std::vector<PhaseLayer>& layers) {
+    return std::any_of(layers.begin(), layers.end(),
+                       [](const PhaseLayer& layer) { return !layer.parts.empty(); });
+}
+
+/// P of one layer at one angle, anew.
+struct Point {
+    double allowed = std::numeric_limits<double>::infinity();
+    double change = 0.0;  ///< against the table
+    double noise = 0.0;   ///< rms
+};
+
+/// By angle, of each part of each layer; angles that differ by rounding are one.
+using Points = std::vector<std::vector<std::map<double, Point>>>;
+
+double angle_of(double cos_theta) {
+    constexpr double step = 1e-6;  // degrees
+    return step * std::round(std::acos(cos_theta) * (180.0 / std::numbers::pi) / step);
+}
+
+/// P of a species at the angles of its points, from as many sizes as that takes.
+void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand,
+                 const PhasePart& part, const mie::Executor& run, std::map<double, Point>& points) {
+    std::vector<double> angles_deg, errors;
+    for (const auto& [angle, point] : points) {
+        angles_deg.push_back(std::clamp(angle, 0.0, 180.0));
+        errors.push_back(kDeviations * point.allowed);
+    }
+    const mie::PhaseValues values =
+        phase_of_mie(species, w, demand, *part.table, angles_deg, errors, run);
+    const bool in_moments = part.table->parts().gave_moments;
+    std::size_t at = 0;
+    for (auto& [angle, point] : points) {
+        point.change = values.phase[at] -
+                       (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
+        point.noise = std::hypot(values.error[at] / kDeviations,
+                                 in_moments ? kPeakDoubt * point.change : 0.0);
+        ++at;
+    }
+}
+
+PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, const Directions& directions,
+                      const std::vector<double>& reflection, const Points& points) {
+    PhaseNoise worst;
+    const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
+    for_each_direction(
+        layers, directions, reflection,
+        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double brightest) {
+            if (!(brightest > 0.0)) return;
+            double noise = 0.0;
+            for (std::size_t i = 0; i < layers.size(); ++i) {
+                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
+                    const PhasePart& part = layers[i].parts[p];
+                    double own = part.table->noise(cos_theta);
+                    if (!points.empty() && !points[i][p].empty()) {
+                        const auto known = points[i][p].find(angle_of(cos_theta));
+                        if (known != points[i][p].end()) own = known->second.noise;
+                    }
+                    noise = std::hypot(noise, weights[i] * part.factor(cos_theta) * own);
+                }
+            }
+            noise /= brightest;
+            if (!(noise > worst.largest)) return;
+            worst = {noise, directions.mu_in[k / azimuths / outs],
+                     directions.mu_out[k / azimuths % outs], directions.azimuth_deg[k % azimuths]};
+        });
+    return worst;
+}
+
+}  // namespace
+
+PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection) {
+    const std::vector<PhaseLayer> list = layers_of(layers);
+    if (!any_noisy(list)) return {};
+    return noise_left(list, layers.directions, reflection, {});
+}
+
+bool has_noisy_phase(const rte::Stack& stack) {
+    const auto is_noisy = [](const rte::Optics& optics) {
+        return !parts_of(optics).empty();
+    };
+    return (stack.base_kind == rte::BaseKind::half_space && is_noisy(stack.base)) ||
+           std::any_of(stack.coats.begin(), stack.coats.end(),
+                       [&](const rte::Coat& coat) { return is_noisy(coat.optics); });
+}
+
+double moment_sensitivity(const SolvedLayers& solved, const std::vector<double>& reflection) {
+    double largest = 1.0;
+    const std::vector<PhaseLayer> layers = layers_of(solved);
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t, double, const std::vector<double>& weights, double brightest) {
+            double sum = 0.0;
+            for (std::size_t i = 0; i < layers.size(); ++i)
+                if (!layers[i].parts.empty()) sum += weights[i];
+            if (sum > largest * brightest && brightest > 0.0) largest = sum / brightest;
+        });
+    return largest;
+}
+
+double phase_error_estimate(const PhaseNoise& noise) { return kDeviations * noise.largest; }
+
+PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
+                        const SolvedLayers& solved, double allowed, std::vector<double>& reflection,
+                        const mie::Executor& run) {
+    const std::vector<PhaseLayer> layers = layers_of(solved);
+    if (!any_noisy(layers)) return {};
+    Points points(layers.size());
+    std::size_t parts = 0;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        points[i].resize(layers[i].parts.size());
+        parts += layers[i].parts.size();
+    }
+    // An rms; parts err independently of each other.
+    const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(parts)));
+    std::size_t count = 0;
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t, double cos_theta, const std::vector<double>& weights, double brightest) {
+            for (std::size_t i = 0; i < layers.size(); ++i) {
+                for (std::size_t p = 0; p < layers[i].parts.size() && count <= kMostAngles; ++p) {
+                    const PhasePart& part = layers[i].parts[p];
+                    const double weight = weights[i] * part.factor(cos_theta);
+                    if (!(weight > 0.0)) continue;
+                    const double enough = share * std::max(brightest, 0.0) / weight;
+                    if (part.table->noise(cos_theta) <= enough) continue;
+                    const auto [point, is_new] = points[i][p].try_emplace(angle_of(cos_theta));
+                    point->second.allowed = std::min(point->second.allowed, enough);
+                    count += is_new ? 1 : 0;
+                }
+            }
+        });
+    if (count > kMostAngles) return noise_left(layers, solved.directions, reflection, {});
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        // The layers that show are the scene's topmost.
+        const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - i];
+        for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
+            const PhasePart& part = layers[i].parts[p];
+            if (!points[i][p].empty())
+                find_points(medium.species[part.species], w, demand, part, run, points[i][p]);
+        }
+    }
+    for_each_direction(
+        layers, solved.directions, reflection,
+        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double) {
+            for (std::size_t i = 0; i < layers.size(); ++i) {
+                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
+                    if (points[i][p].empty()) continue;
+                    const auto point = points[i][p].find(angle_of(cos_theta));
+                    if (point == points[i][p].end()) continue;
+                    reflection[k] += weights[i] * layers[i].parts[p].factor(cos_theta) *
+                                     point->second.change;
+                }
+            }
+        });
+    return noise_left(layers, solved.directions, reflection, points);
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,55 @@
+// What errors of the phase function do to R at single directions, and the cure for a few of them.
+#pragma once
+
+#include <miebrdf/brdf.h>
+
+#include <vector>
+
+#include <miebrdf/ensemble.h>
+#include <miebrdf/optics.h>
+#include "pipeline/solve/single_scattering.h"
+
+namespace miebrdf {
+
+/// A scene's layers at one wavelength, solved.
+struct SolvedLayers {
+    const rte::Stack& stack;
+    const Directions& directions;
+    int moments = 0;  ///< kept by delta-M (rte::SolverReport)
+    bool delta_m = true;
+};
+
+/// Transparent spheres ripple in size and angle: points of their averaged phase function err by a
+/// few parts in a thousand (mie::PhaseTable::noise), independently of each other, and light
+/// scattered once brings that into R. Moments, albedos and means over directions average it out.
+///
+/// Single scattering with the noise for P, weakened by what lies above; layers err independently.
+/// Where the moments come from the same table, its errors are in both, and light that is diffracted
+/// before or after counts by what degree they belong to (rte/first_order/narrow_features.h).
+///
+/// @param reflection  R laid out as BrdfValues::Slice
+/// @return the largest rms relative to the largest value at its incidence
+PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection);
+
+/// Whether a layer has a phase function that errs at single angles.
+bool has_noisy_phase(const rte::Stack& stack);
+
+/// Phase noise as an error estimate: twice the rms.
+double phase_error_estimate(const PhaseNoise& noise);
+
+/// What an error of P that is the same at all angles does to R, relative to the largest value at
+/// its incidence, where that is worst; at least 1. Errors of moments count by this: dark layers are
+/// made of small differences of them.
+double moment_sensitivity(const SolvedLayers& layers, const std::vector<double>& reflection);
+
+/// P anew, at the angles of directions whose noise is above `allowed`, from as many sizes as that
+/// takes, where it is few angles that are too noisy; R is linear in P there.
+/// @param w           the wavelength
+/// @param allowed     error estimate, relative to the largest value at an incidence
+/// @param reflection  corrected
+/// @return the noise that is left
+PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
+                        const SolvedLayers& layers, double allowed, std::vector<double>& reflection,
+                        const mie::Executor& run);
+
+}  // namespace miebrdf
