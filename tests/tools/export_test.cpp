@@ -160,6 +160,7 @@ TEST_CASE("check says which coupling is reciprocal where a file is not", "[progr
     CHECK_THAT(paper.err, Catch::Contains("--coupling reciprocal"));
     // The default of exports: readers differ in which direction they take for the light's.
     REQUIRE(support::run_program(scene).exit_code == 0);
+    CHECK_THAT(support::read_file(folder / "a.csv"), Catch::Contains("--coupling reciprocal"));
     const auto reciprocal = support::run_program("check " + (folder / "a.csv"));
     CAPTURE(reciprocal.out);
     CHECK_THAT(reciprocal.err, !Catch::Contains("not reciprocal"));

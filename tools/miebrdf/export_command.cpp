@@ -171,8 +171,10 @@ int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell
     const std::string& output = shell.common().output;
     const ExportOptions options = arguments.file();
     announce_size(arguments, brdf.wavelength_nm().size(), shell);
-    const BrdfTable table =
-        brdf.table({parse_brdf_part(arguments.component()), shell.command_line()});
+    std::string command = shell.command_line();
+    if (brdf.scene().surface && arguments.coupling_by_default())
+        command += " --coupling reciprocal";  // files say what they hold
+    const BrdfTable table = brdf.table({parse_brdf_part(arguments.component()), command});
     std::vector<ExportedFile> files;
     try {
         files = export_brdf(table, arguments.format(), output, options, shell.control());

@@ -20,6 +20,8 @@ class ExportArguments {
 
     const Format& format() const { return find_format(format_); }
     const std::string& component() const { return component_; }
+    /// Whether --coupling is as exports have it, not as somebody said.
+    bool coupling_by_default() const { return !scene_.given("coupling"); }
     /// Whether every direction of the file is one that was asked for.
     bool lists_all_directions() const {
         return !mu_in_.empty() && !mu_out_.empty() && !azimuth_.empty();

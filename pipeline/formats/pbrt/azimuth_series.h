@@ -29,8 +29,8 @@ struct AzimuthSeries {
 /// The series through equally spaced samples of half a turn (a DCT of the first kind, exact for
 /// series shorter than the number of samples). For each pair the number of orders is doubled from
 /// 64 (so that nothing wider than some degrees hides between samples) until the tail is below
-/// `tail_tolerance` or `most_orders` is reached: then `tail` says what is missing, and the series is
-/// tapered: its peaks are as wide as its orders can show them, with nothing ringing around them.
+/// `tail_tolerance` or `most_orders` is reached: then `tail` says what is missing, and the series
+/// is tapered: its peaks are as wide as its orders can show them, with nothing ringing around them.
 ///
 /// @param most_orders  16 to 4096
 /// @param take         gets each pair's series, in any order and from several threads
