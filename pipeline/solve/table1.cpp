@@ -49,7 +49,7 @@ const std::vector<Table1Convention>& table1_conventions() {
           .shadowing = v_cavity,
           .fresnel = schlick},
          {585, 512, 465},
-         0.0033},
+         0.0034},
     };
     return conventions;
 }

@@ -103,7 +103,8 @@ TEST_CASE("materials import, alias, default, export and remove go round", "[prog
     CHECK(bench.run("export MyOxide --format spd -o " + (bench.folder / "pair")).exit_code == 0);
     CHECK(std::filesystem::exists(bench.folder / "pair.k.spd"));
     check_error(bench.run("export MyOxide --format spd"), kUsage, "two files");
-    check_error(bench.run("export BaTiO3 --format tfcalc"), kBadInput, "k is unknown");
+    check_error(bench.run("export BaTiO3 --format tfcalc --wavelengths 400:700:100"), kBadInput,
+                "k is unknown");
     CHECK(bench.run("verify").exit_code == 0);
 }
 
@@ -183,7 +184,7 @@ TEST_CASE("mixtures are materials of every command", "[program][materials]") {
     const std::string name = "\"average(TiO2_rutile_o,TiO2_rutile_e)\"";
     const support::CsvOutput nk(bench.run("nk " + name + " --wavelengths 550").out);
     CHECK(nk.number(0, "n") == Approx((2 * 2.6479 + 2.9441) / 3).epsilon(2e-3));
-    CHECK_THAT(bench.run("show " + name).out, Catch::Contains("density (g/cm3),4.23"));
+    CHECK_THAT(bench.run("show " + name).out, Catch::Contains("of the parts, by volume"));
     const auto optics = support::run_program(
         "optics \"maxwell-garnett(soot:1%,water),radius=0.5\" --wavelengths 550");
     CAPTURE(optics.err);

@@ -132,7 +132,7 @@ TEST_CASE("an unknown material is answered with the nearest names", "[program][e
 
 TEST_CASE("a wavelength outside the table is answered with the valid range", "[program][errors]") {
     check_one_line(support::run_program("optics TiO2 --wavelengths 5000"), kBadInput,
-                   {"TiO2", "5000", "360", "840", "materials import"});
+                   {"TiO2", "5000", "180", "1500", "materials import"});
 }
 
 TEST_CASE("a moments file that is wrong or missing is named", "[program][errors]") {
