@@ -25,8 +25,10 @@ constexpr double kLeastTableTolerance = 1e-5;
 constexpr double kLeastSingleTolerance = 1e-7;  // single precision errs by 5e-9 (measured)
 // Where a medium reflects little, P is what it reflects: its tolerance is this times what is enough
 // where light scattered many times outshines P.
+// Where ripple of large spheres makes that dear, only what may err everywhere alike is asked for.
 constexpr double kDarkPhaseShare = 0.03;
-constexpr double kDark = 0.2;  // albedo of such a half-space
+constexpr double kFewWaves = 300;  // size parameter of the largest sphere
+constexpr double kDark = 0.2;      // albedo of such a half-space
 constexpr double kLeastDarkShare = 1e-3;
 constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
 
@@ -296,7 +298,10 @@ void EnsembleAverage::put_exact_extinction() {
 
 void EnsembleAverage::put_phase_table() {
     PhaseTabulationOptions options;
-    const double bright = request_.phase_floor > 0 ? half_space_albedo(optics_) : 1.0;
+    const double damping =
+        relative_index_.imag() * wave_number_per_um_ * effective_radius_of(request_.sizes);
+    const bool is_cheap = damping > 1 || wave_number_per_um_ * range_.largest_um < kFewWaves;
+    const double bright = request_.phase_floor > 0 && is_cheap ? half_space_albedo(optics_) : 1.0;
     const double relaxed = bright + (1 - bright) * kDarkPhaseShare;
     options.interpolation_tolerance = relaxed * request_.table_tolerance;
     options.size_tolerance = relaxed * request_.phase_tolerance;

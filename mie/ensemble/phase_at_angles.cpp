@@ -18,7 +18,6 @@ constexpr double kWidest = 0.5 * std::numbers::pi / 180;
 constexpr double kDeviations = 2;
 constexpr double kFewNodes = 1.5;  // three agree by chance more often than the eight of a panel
 constexpr double kFinest = 1e-6;
-constexpr double kSeveralLevels = 2;     // of which all before the last are as much as the last
 constexpr double kSpheresAsAngles = 16;  // the partial waves themselves cost as much as so many
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple (phase_panel.cpp).
 constexpr double kSlowestGain = 0.5;
@@ -100,15 +99,7 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
                                       : allowed[angle.index];
             const bool is_done =
                 sizes.resolves(level) && (level > 0 || !sizes.rippled()) && error <= enough;
-            // Of ripple, error to the power -1.4 is what sizes it takes: no use in starting what
-            // the bound would end.
-            const double sizes_wanted =
-                sizes.sizes_at(level + 1) * std::pow(error / std::max(enough, 1e-300), 1.4);
-            const bool in_reach =
-                level == 0 || sizes_wanted * (kNodes + kSpheresAsAngles) * terms <=
-                                  kSeveralLevels * options.most_work;
-            if (!is_done && in_reach && level < sizes.last_level())
-                left.push_back(std::move(angle));
+            if (!is_done && level < sizes.last_level()) left.push_back(std::move(angle));
         }
         active = std::move(left);
         const double work = (double(active.size()) * kNodes + kSpheresAsAngles) * terms;
