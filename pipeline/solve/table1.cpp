@@ -79,7 +79,7 @@ namespace {
 constexpr const char* kChannels[] = {"R", "G", "B"};
 
 /// One entry still to be computed.
-struct Cell {
+struct FactorCell {
     std::size_t medium;
     rte::SurfaceOptions surface;
     Table1Entry entry;
@@ -102,9 +102,9 @@ std::vector<std::string> materials_of(const Table1Request& request) {
     return names;
 }
 
-std::vector<Cell> list_cells(const std::vector<std::string>& materials,
+std::vector<FactorCell> list_cells(const std::vector<std::string>& materials,
                              const Table1Request& request) {
-    std::vector<Cell> cells;
+    std::vector<FactorCell> cells;
     for (const Table1Convention& convention : request.conventions) {
         rte::SurfaceOptions surface = convention.surface;
         if (request.beckmann_alpha) surface.beckmann_alpha = *request.beckmann_alpha;
@@ -130,9 +130,9 @@ std::vector<Cell> list_cells(const std::vector<std::string>& materials,
 Table1Result compute_table1(const Table1Request& request, const Control& control) {
     const std::vector<std::string> materials = materials_of(request);
     Table1Result result;
-    std::vector<Cell> cells = list_cells(materials, request);
+    std::vector<FactorCell> cells = list_cells(materials, request);
     std::vector<std::vector<double>> wavelengths(materials.size());
-    for (Cell& cell : cells) {
+    for (FactorCell& cell : cells) {
         cell.place = wavelengths[cell.medium].size();
         wavelengths[cell.medium].push_back(cell.entry.wavelength_nm);
     }
@@ -143,11 +143,11 @@ Table1Result compute_table1(const Table1Request& request, const Control& control
         result.sources.push_back(media.back().source);
     }
     run_parallel("diffuse reflectance", cells.size(), control, [&](std::size_t i) {
-        Cell& cell = cells[i];
+        FactorCell& cell = cells[i];
         cell.entry.factor = rte::SurfaceLobe(media[cell.medium].index[cell.place], cell.surface)
                                 .averaged_diffuse_reflectance_factor();
     });
-    for (Cell& cell : cells) result.entries.push_back(std::move(cell.entry));
+    for (FactorCell& cell : cells) result.entries.push_back(std::move(cell.entry));
     return result;
 }
 
