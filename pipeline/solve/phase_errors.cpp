@@ -21,7 +21,7 @@ constexpr double kMeanPeak = 0.25;
 /// What is not known of that, relative to the change of P.
 constexpr double kPeakDoubt = 0.05;
 /// More angles than this cost as much as all of P.
-constexpr std::size_t kMostAngles = 64;
+constexpr std::size_t kMostAngles = 300;
 
 struct PhaseLayer {
     const mie::PhaseTable* table = nullptr;
@@ -207,6 +207,10 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
             const bool in_moments = layers[i].table->parts().gave_moments;
             point.noise = std::hypot(values.error[at] / kDeviations,
                                      in_moments ? kPeakDoubt * point.change : 0.0);
+            // A bounded number of sizes may do worse than the table.
+            const double of_table =
+                layers[i].table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
+            if (!(point.noise < of_table)) point = {point.allowed, 0.0, of_table};
             ++at;
         }
     }
