@@ -22,7 +22,7 @@ constexpr double kMeanPeak = 0.25;
 /// What is not known of that, relative to the change of P.
 constexpr double kPeakDoubt = 0.05;
 /// More angles than this cost as much as all of P.
-constexpr std::size_t kMostAngles = 64;
+constexpr std::size_t kMostAngles = 300;
 
 /// The phase function of one species of a layer.
 struct PhasePart {
@@ -162,6 +162,10 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
                        (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
         point.noise = std::hypot(values.error[at] / kDeviations,
                                  in_moments ? kPeakDoubt * point.change : 0.0);
+        // A bounded number of sizes may do worse than the table.
+        const double of_table =
+            part.table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
+        if (!(point.noise < of_table)) point = {point.allowed, 0.0, of_table};
         ++at;
     }
 }

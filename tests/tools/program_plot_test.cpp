@@ -10,15 +10,15 @@ using namespace miebrdf::support;
 TEST_CASE("every kind of plot comes out as SVG that names the command", "[program][plot]") {
     const TemporaryFolder folder;
     const std::string scene =
-        " --base hg:0.9,0.5 --coat isotropic:0.5@0.2 --streams 8 --wavelengths 550";
+        " --base hg:0.9,0.5 --coat isotropic:0.5@0.2 --streams 16 --wavelengths 550";
     const auto [kind, options] = GENERATE_COPY(table<std::string, std::string>({
         {"lobe",
          scene +
              " --incidence 0,45 --component total,subsurface --roughness 0.3 --surface-index 1.5"},
         {"lobe", scene + " --log --decades 2 --cosine --compare isotropic:0.9"},
         {"hemisphere", scene + " --incidence 45 --log"},
-        {"hemisphere", " --base hg:0.9,0.5 --streams 8"},  // one wavelength by default
-        {"slice", " --base hg:0.9,0.5 --streams 8 --cells 20"},
+        {"hemisphere", " --base hg:0.9,0.5 --streams 16"},  // one wavelength by default
+        {"slice", " --base hg:0.9,0.5 --streams 16 --cells 20"},
         {"profile", " --base hg:0.9,0.5"},
         {"slice", scene + " --log --cells 30"},
         {"slice", scene + " --phi-d 0 --cells 20 --component subsurface"},
