@@ -70,8 +70,8 @@ std::vector<PhaseLayer> layers_of(const SolvedLayers& solved) {
     std::vector<PhaseLayer> layers;
     const auto add = [&](const rte::Optics& optics, double optical_depth) {
         const auto scaled = rte::scale_optics(optics, std::max(1, solved.moments), solved.delta_m);
-        layers.push_back({parts_of(optics), optics.single_scattering_albedo,
-                          scaled.depth_factor, optical_depth});
+        layers.push_back({parts_of(optics), optics.single_scattering_albedo, scaled.depth_factor,
+                          optical_depth});
     };
     const rte::Stack& stack = solved.stack;
     for (auto coat = stack.coats.rbegin(); coat != stack.coats.rend(); ++coat)
@@ -94,9 +94,8 @@ void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu
         const double as_scattered = above * layer.albedo * -std::expm1(-slant);
         const bool in_moments =
             !layer.parts.empty() &&
-            std::all_of(layer.parts.begin(), layer.parts.end(), [](const PhasePart& part) {
-                return part.table->parts().gave_moments;
-            });
+            std::all_of(layer.parts.begin(), layer.parts.end(),
+                        [](const PhasePart& part) { return part.table->parts().gave_moments; });
         weights[i] = in_moments ? as_scattered + kMeanPeak * (as_peak - as_scattered) : as_peak;
         above *= std::exp(-slant);
         above_scaled *= std::exp(-scaled);
@@ -158,8 +157,8 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     const bool in_moments = part.table->parts().gave_moments;
     std::size_t at = 0;
     for (auto& [angle, point] : points) {
-        point.change = values.phase[at] -
-                       (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
+        point.change =
+            values.phase[at] - (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
         point.noise = std::hypot(values.error[at] / kDeviations,
                                  in_moments ? kPeakDoubt * point.change : 0.0);
         // A bounded number of sizes may do worse than the table.
@@ -207,9 +206,7 @@ PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<dou
 }
 
 bool has_noisy_phase(const rte::Stack& stack) {
-    const auto is_noisy = [](const rte::Optics& optics) {
-        return !parts_of(optics).empty();
-    };
+    const auto is_noisy = [](const rte::Optics& optics) { return !parts_of(optics).empty(); };
     return (stack.base_kind == rte::BaseKind::half_space && is_noisy(stack.base)) ||
            std::any_of(stack.coats.begin(), stack.coats.end(),
                        [&](const rte::Coat& coat) { return is_noisy(coat.optics); });
@@ -279,8 +276,8 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                     if (points[i][p].empty()) continue;
                     const auto point = points[i][p].find(angle_of(cos_theta));
                     if (point == points[i][p].end()) continue;
-                    reflection[k] += weights[i] * layers[i].parts[p].factor(cos_theta) *
-                                     point->second.change;
+                    reflection[k] +=
+                        weights[i] * layers[i].parts[p].factor(cos_theta) * point->second.change;
                 }
             }
         });

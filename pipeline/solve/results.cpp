@@ -57,6 +57,15 @@ std::vector<std::string> ResultReport::shortfalls() const {
             "{} nm: error estimate {:.2e}", report.wavelength_nm, report.error_estimate));
         const rte::SolverReport& solver = report.solver;
         if (!(solver.worst_mu_out > 0.0)) continue;  // an albedo
+        const PhaseNoise& noise = report.phase_noise;
+        if (2.0 * noise.largest > 0.5 * report.error_estimate) {
+            line += fmt::format(
+                " at mu_in {}, mu_out {}, azimuth {}: points of the phase function (a glory or a "
+                "rainbow) that the number of sphere sizes does not settle; a larger tolerance "
+                "accepts it, other directions are better",
+                noise.mu_in, noise.mu_out, noise.azimuth_deg);
+            continue;
+        }
         line += fmt::format(
             " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within the tolerance",
             solver.worst_mu_in, solver.worst_mu_out, solver.worst_azimuth_deg,

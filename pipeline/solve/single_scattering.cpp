@@ -362,7 +362,8 @@ std::vector<std::vector<double>> optical_depths_of(const ResolvedScene& scene,
 
 std::vector<double> packed(const MediumOptics& optics) {
     // A species alone: the extinction of a medium is not its own.
-    const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged, per_um] = optics;
+    const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged, per_um] =
+        optics;
     static_cast<void>(per_um);
     const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
     NumberPacker packer;

@@ -103,7 +103,7 @@ std::vector<std::string> materials_of(const Table1Request& request) {
 }
 
 std::vector<FactorCell> list_cells(const std::vector<std::string>& materials,
-                             const Table1Request& request) {
+                                   const Table1Request& request) {
     std::vector<FactorCell> cells;
     for (const Table1Convention& convention : request.conventions) {
         rte::SurfaceOptions surface = convention.surface;

@@ -73,6 +73,7 @@ WavelengthReport full_report() {
                      .worst_azimuth_deg = 30,
                      .converged = true,
                      .method = "doubling, \"exponential\" \xc3\xbc"};
+    report.optical_depths = {0.1, 2.5};
     report.mie_error_estimate = 2e-4;
     report.phase_noise = {.largest = 0.01, .mu_in = 0.3, .mu_out = 0.4, .azimuth_deg = 170};
     report.error_estimate = std::nextafter(3e-4, 1.0);

@@ -80,10 +80,10 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
 TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
           "[pipeline][medium]") {
     Species glass{.kind = "table",
-                 .name = "glass of mine",
-                 .wavelength_nm = {500, 600},
-                 .index = {{1.6, 0.01}, {1.5, 0.02}},
-                 .sizes = {.effective_radius_um = 1}};
+                  .name = "glass of mine",
+                  .wavelength_nm = {500, 600},
+                  .index = {{1.6, 0.01}, {1.5, 0.02}},
+                  .sizes = {.effective_radius_um = 1}};
     CHECK(needs_mie(glass));
     CHECK(describe(glass) == "table:glass of mine,radius=1");
     const ResolvedIndex index = resolve_index(glass, {500, 550, 600}, {}, 0.015);
@@ -198,8 +198,8 @@ TEST_CASE("layers without, with negative or with senseless optical depth are ref
 
 TEST_CASE("sizes after a layer's optical depth are put right", "[pipeline][sizes][errors]") {
     CHECK_THROWS_AS(layer("TiO2@1,radius=0.1"), UsageError);
-    CHECK_THROWS_WITH(layer("TiO2@1,radius=0.1"), Catch::Contains("before the depth") &&
-                                                      Catch::Contains("TiO2,radius=0.1@1"));
+    CHECK_THROWS_WITH(layer("TiO2@1,radius=0.1"),
+                      Catch::Contains("before the depth") && Catch::Contains("TiO2,radius=0.1@1"));
 }
 
 TEST_CASE("sizes follow a medium in any order", "[pipeline][sizes]") {

@@ -61,8 +61,10 @@ LayerOptics optics_of(const Species& species, double wavelength_nm) {
 
 double relative(double value, double truth) { return std::abs(value / truth - 1.0); }
 
-double plane_albedo(const Scene& scene, double nm, double mu_in, double tolerance = 1e-4) {
-    const auto values = solve(scene, {nm}, {.tolerance = tolerance}).albedo({mu_in});
+/// Large clear spheres ripple: a smaller tolerance of the average over sizes takes minutes.
+double plane_albedo(Scene scene, double nm, double mu_in) {
+    scene.particles.tolerance = 1e-4;
+    const auto values = solve(scene, {nm}, {.tolerance = 5e-4}).albedo({mu_in});
     CHECK(values.converged());
     return values.at(0, 0);
 }
@@ -137,13 +139,14 @@ TEST_CASE("a given thickness of snow on soil has the depth and albedo of exact t
     Scene scene;
     scene.substrate = substrate("lambert:0.25");
     scene.particles.layer_density_kg_m3 = 250;
+    scene.particles.tolerance = 1e-4;
     Medium snow = ice(0.505, 100);
     snow.species[0].amount = {Amount::Kind::mass_fraction, 1.0};
     for (std::size_t r = 0; r < table.size(); ++r) {
         const double mm = table.number(r, "thickness_mm");
         CAPTURE(mm);
         scene.layers = {{snow, depth(std::to_string(mm) + "mm")}};
-        const auto values = solve(scene, {505}, {.tolerance = 1e-4}).albedo({0.65});
+        const auto values = solve(scene, {505}, {.tolerance = 5e-4}).albedo({0.65});
         CHECK(values.converged());
         CHECK(std::abs(values.at(0, 0) - table.number(r, "plane_albedo")) <= 1e-4);
         // Four digits after the point; the mass extinction within what SNICAR's check allows.
@@ -153,7 +156,7 @@ TEST_CASE("a given thickness of snow on soil has the depth and albedo of exact t
         Scene by_mass = scene;
         by_mass.particles.layer_density_kg_m3.reset();
         by_mass.layers = {{ice(0.505, 100), {Depth::Kind::mass_kg_per_m2, 0.25 * mm}}};
-        const auto same = solve(by_mass, {505}, {.tolerance = 1e-4}).albedo({0.65});
+        const auto same = solve(by_mass, {505}, {.tolerance = 5e-4}).albedo({0.65});
         CHECK(relative(same.wavelengths[0].optical_depths.at(0), tau) <= 1e-14);
     }
 }

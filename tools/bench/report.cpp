@@ -170,8 +170,7 @@ std::string choice_table_markdown(const Results& results, const std::string& sui
         if (s != suite) continue;
         const auto points = of_case(results, s, name);
         text += "| " + name + " |";
-        for (const double e : wanted_errors())
-            text += fmt::format(" {} |", choice_text(points, e));
+        for (const double e : wanted_errors()) text += fmt::format(" {} |", choice_text(points, e));
         text += "\n";
     }
     return text;

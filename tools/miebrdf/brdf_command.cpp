@@ -81,14 +81,14 @@ void add_facts(Table& table, const ResultReport& result, const Scene& scene,
     const WavelengthReport& noisiest = result.noisiest();
     const PhaseNoise& noise = noisiest.phase_noise;
     if (noise.largest > 0.1 * result.tolerance) {
-        table.facts.emplace_back(
-            "phase_noise",
-            fmt::format(
-                "{:.2e} at most, of single directions (rms, relative like error_estimate, which has "
-                "twice this in it), at {} nm, mu_in {}, mu_out {}, azimuth {}; from the number of sphere "
-                "sizes; a smaller --tolerance lowers it",
-                noise.largest, noisiest.wavelength_nm, noise.mu_in, noise.mu_out,
-                noise.azimuth_deg));
+        table.facts.emplace_back("phase_noise",
+                                 fmt::format("{:.2e} at most, of single directions (rms, relative "
+                                             "like error_estimate, which has "
+                                             "twice this in it), at {} nm, mu_in {}, mu_out {}, "
+                                             "azimuth {}; from the number of sphere "
+                                             "sizes; a smaller --tolerance lowers it",
+                                             noise.largest, noisiest.wavelength_nm, noise.mu_in,
+                                             noise.mu_out, noise.azimuth_deg));
     }
     table.facts.emplace_back("method", result.wavelengths.front().solver.method);
     for (const std::string& line : result.shortfalls())
