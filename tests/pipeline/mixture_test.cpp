@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/solve/packing.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/scenes.h"
@@ -187,10 +188,17 @@ TEST_CASE("layers of 1 mm and 4 mm are one of 5 mm", "[pipeline][mixture]") {
     one.substrate = two.substrate = substrate("lambert:0.3");
     one.layers = {layer(paint + "@5mm")};
     two.layers = {layer(paint + "@4mm"), layer(paint + "@1mm")};
-    // The same nodes for both; the first order of two layers is a sum of two integrals.
-    CHECK(largest_difference(total(two), total(one)) <= 1e-12);
-    const auto thick = solve(one, {550}).albedo({0.3, 1.0});
-    const auto thin = solve(two, {550}).albedo({0.3, 1.0});
+    // Points of P are computed anew where the noise of a scene's layers together asks for it, so
+    // values agree within the tolerance; what is smooth agrees to rounding.
+    CHECK(largest_difference(total(two), total(one)) <= 1e-3);
+    Scene smooth_one = one, smooth_two = two;
+    smooth_one.layers = {layer("hg:0.99,0.7@5")};
+    smooth_two.layers = {layer("hg:0.99,0.7@4"), layer("hg:0.99,0.7@1")};
+    // Refined eigenmodes of the higher orders stop at a share of the tolerance.
+    CHECK(largest_difference(total(smooth_two), total(smooth_one)) <= 1e-11);
+    const auto thick = solve(one, {550}, {.streams = 24}).albedo({0.3, 1.0});
+    const auto thin = solve(two, {550}, {.streams = 24}).albedo({0.3, 1.0});
+    CHECK(relative(thin.at(0, 0), thick.at(0, 0)) <= 1e-12);
     CHECK(relative(thin.plane_transmittance[0][1], thick.plane_transmittance[0][1]) <= 1e-11);
 }
 
@@ -217,7 +225,7 @@ TEST_CASE("an optical depth follows the extinction from where it is given",
     // Both averages have the Mie share of the tolerance.
     CHECK(relative(at_550[2] / at_550[1], extinction(2) / extinction(1)) <= 4e-4);
     CHECK(relative(at_450[1] / at_450[0], extinction(1) / extinction(0)) <= 4e-4);
-    CHECK(at_550[2] < 0.5 * at_550[1]);
+    CHECK(at_550[2] < 0.6 * at_550[1]);  // far from grey: the plasmon is at 540 nm
 }
 
 TEST_CASE("a purely absorbing film lets through what Beer says", "[pipeline][ground]") {
@@ -357,4 +365,48 @@ TEST_CASE("words of mixtures, depths and grounds read back to what they were",
     CHECK(depth("30g/m2") == Depth(Depth::Kind::mass_kg_per_m2, 0.03));
     for (const char* text : {"black", "none", "lambert:0.25"})
         CHECK(describe(substrate(text)) == text);
+}
+
+TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipeline][packing]") {
+    for (const double f : {0.01, 0.1, 0.3, 0.45}) {
+        // S(0) = (1 - f)^4 / (1 + 2 f)^2.
+        const double at_zero = std::pow(1 - f, 4) / ((1 + 2 * f) * (1 + 2 * f));
+        CHECK(relative(percus_yevick(f, 0.0), at_zero) <= 1e-12);
+        // Where the series ends and the closed form begins.
+        CHECK(relative(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
+        CHECK(std::abs(percus_yevick(f, 200.0) - 1) <= 0.01);
+    }
+    CHECK(relative(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
+}
+
+TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipeline][packing]") {
+    struct Case {
+        std::string species;
+        double volume, ratio, scattering, asymmetry;
+    };
+    // reference/mixture/dense.txt: mu_s' and Q_sca over independent scattering, g; 550 nm.
+    const std::string latex = "index:1.59,0,radius=0.05,distribution=mono";
+    const std::string silica = "index:1.6,0,radius=0.1,distribution=mono";
+    const auto c = GENERATE_COPY(
+        Case{latex, 0.01, 0.9587, 0.9478, 0.0899}, Case{latex, 0.1, 0.6154, 0.5622, 0.0151},
+        Case{latex, 0.3, 0.1560, 0.1340, -0.0479}, Case{silica, 0.05, 0.9554, 0.8522, 0.4351},
+        Case{silica, 0.2, 0.8141, 0.5161, 0.2052});
+    CAPTURE(c.species, c.volume);
+    const std::string host = c.species == latex ? " in index:1.33" : " in index:1.5";
+    Scene scene = scene_of(c.species + ",volume=" + std::to_string(c.volume) + host);
+    const auto layer_of = [&](Packing packing) {
+        scene.particles.packing = packing;
+        return solve(scene, {550}, {.tolerance = 1e-4}).layers().at(0);
+    };
+    const LayerOptics alone = layer_of(Packing::independent);
+    const LayerOptics crowded = layer_of(Packing::percus_yevick);
+    // Four digits after the point.
+    CHECK(std::abs(*crowded.reduced_scattering_per_um / *alone.reduced_scattering_per_um -
+                   c.ratio) <= 2e-4);
+    CHECK(std::abs(*crowded.scattering_per_um / *alone.scattering_per_um - c.scattering) <= 2e-4);
+    CHECK(std::abs(crowded.asymmetry - c.asymmetry) <= 2e-4);
+    // The note of independent scattering says the same.
+    scene.particles.packing = Packing::independent;
+    const auto notes = solve(scene, {550}).albedo({1.0}).notes;
+    REQUIRE(notes.size() == (c.volume > 0.05 ? 1 : 0));
 }

@@ -21,7 +21,8 @@ const SolverOptions kOptions = {.streams = 16};
 /// Spheres under one paint or another.
 std::vector<Scene> painted_spheres() {
     std::vector<Scene> scenes;
-    for (const char* coat : {"hg:0.5,0.5@0.3", "index:2.2,0.001,radius=1@0.1", "isotropic:0.9@1"})
+    for (const char* coat :
+         {"hg:0.5,0.5@0.3", "index:2.2,0.001,radius=1@0.1[grey]", "isotropic:0.9@1"})
         scenes.push_back(scene_of("index:1.5,0.01,radius=1", {coat}));
     return scenes;
 }

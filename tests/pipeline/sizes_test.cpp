@@ -113,10 +113,10 @@ TEST_CASE("every layer scatters as its own spheres do alone", "[pipeline][sizes]
         double base_radius_um, coat_radius_um;
     };
     const Case c =
-        GENERATE(Case{"index:1.5,0.01,radius=3", "index:2.2,0.001,radius=0.2@0.5", 3, 0.2},
-                 Case{"index:1.5,0.01,radius=3", "index:2.2,0.001@0.5", 3, 1},
-                 Case{"index:1.5,0.01", "index:2.2,0.001,radius=0.2@0.5", 1, 0.2},
-                 Case{"index:1.5,0.01,radius=3", "index:1.5,0.01,radius=0.2@0.5", 3, 0.2});
+        GENERATE(Case{"index:1.5,0.01,radius=3", "index:2.2,0.001,radius=0.2@0.5[grey]", 3, 0.2},
+                 Case{"index:1.5,0.01,radius=3", "index:2.2,0.001@0.5[grey]", 3, 1},
+                 Case{"index:1.5,0.01", "index:2.2,0.001,radius=0.2@0.5[grey]", 1, 0.2},
+                 Case{"index:1.5,0.01,radius=3", "index:1.5,0.01,radius=0.2@0.5[grey]", 3, 0.2});
     CAPTURE(c.base, c.coat);
     const Scene scene = scene_of(c.base, c.coat);
     // By the moments alone: points of the phase function are made better where they matter.
@@ -155,12 +155,13 @@ TEST_CASE("a plan counts a Mie run for each medium and size, as the run does",
         const char* coat;
         std::size_t jobs;
     };
-    const Case c = GENERATE(Case{"TiO2", "TiO2@0.5", 2}, Case{"TiO2,radius=2", "TiO2@0.5", 4},
-                            Case{"TiO2,radius=2", "TiO2,radius=2@0.5", 2},
-                            Case{"TiO2,radius=1", "TiO2@0.5", 2},  // that of the scene
-                            Case{"TiO2", "TiO2,variance=0.1@0.5", 4},
-                            Case{"TiO2", "TiO2,distribution=gamma@0.5", 4},
-                            Case{"TiO2,radius=2", "hg:0.9,0.5@0.5", 2});
+    const Case c =
+        GENERATE(Case{"TiO2", "TiO2@0.5[grey]", 2}, Case{"TiO2,radius=2", "TiO2@0.5[grey]", 4},
+                 Case{"TiO2,radius=2", "TiO2,radius=2@0.5[grey]", 2},
+                 Case{"TiO2,radius=1", "TiO2@0.5[grey]", 2},  // that of the scene
+                 Case{"TiO2", "TiO2,variance=0.1@0.5[grey]", 4},
+                 Case{"TiO2", "TiO2,distribution=gamma@0.5[grey]", 4},
+                 Case{"TiO2,radius=2", "hg:0.9,0.5@0.5[grey]", 2});
     CAPTURE(c.base, c.coat);
     const support::TemporaryFolder folder;
     const auto cache = std::make_shared<ResultCache>(folder / "results.sqlite");
@@ -173,7 +174,8 @@ TEST_CASE("a plan counts a Mie run for each medium and size, as the run does",
 
 TEST_CASE("larger spheres of one layer make its plan longer", "[pipeline][sizes][plan]") {
     const auto seconds = [](const char* base) {
-        return plan_evaluate(solved(scene_of(base, "hg:0.9,0.5@0.5")), support::few_directions())
+        return plan_evaluate(solved(scene_of(base, "hg:0.9,0.5@0.5[grey]")),
+                             support::few_directions())
             .seconds();
     };
     CHECK(seconds("TiO2,radius=100") > seconds("TiO2"));
@@ -188,8 +190,8 @@ TEST_CASE("two sizes of one material have two places in the cache", "[pipeline][
     };
     std::vector<std::vector<double>> all;
     for (const char* coat :
-         {"index:1.5,0.01@0.5", "index:1.5,0.01,radius=0.2@0.5", "index:1.5,0.01,variance=0.1@0.5",
-          "index:1.5,0.01,distribution=gamma@0.5"}) {
+         {"index:1.5,0.01@0.5[grey]", "index:1.5,0.01,radius=0.2@0.5[grey]",
+          "index:1.5,0.01,variance=0.1@0.5[grey]", "index:1.5,0.01,distribution=gamma@0.5[grey]"}) {
         CAPTURE(coat);
         const Scene scene = scene_of("hg:0.9,0.5", coat);
         const auto fresh = total(scene, {.threads = 1});
@@ -206,8 +208,9 @@ TEST_CASE("sizes that are those of the scene are found under its entry of the ca
         return list_layer_jobs({resolve(scene, kWavelengths), support::few_directions(), kOptions})
             .jobs;
     };
-    const auto plain = jobs(scene_of("index:1.5,0.01", "index:2.2,0.001@0.5"));
-    const auto own = jobs(scene_of("index:1.5,0.01,radius=1", "index:2.2,0.001,radius=1@0.5", 9));
+    const auto plain = jobs(scene_of("index:1.5,0.01", "index:2.2,0.001@0.5[grey]"));
+    const auto own =
+        jobs(scene_of("index:1.5,0.01,radius=1", "index:2.2,0.001,radius=1@0.5[grey]", 9));
     REQUIRE(plain.size() == 2);
     for (std::size_t j = 0; j < 2; ++j) CHECK(own[j].hash == plain[j].hash);
     CHECK(plain[0].hash != plain[1].hash);

@@ -76,10 +76,12 @@ TEST_CASE("the glory of spheres is as narrow and high as the solver says", "[ren
     // What the narrow features leave in the table changes within some degrees of azimuth. With the
     // usual table its 33 azimuths are the largest error, 8e-4; with twice as many it is 1.3e-4, the
     // scattering angles' table (the number of cosines does not matter). The solver's tolerance
-    // comes on top, because the two solutions choose their streams at different directions.
+    // comes on top, because the two solutions choose their streams at different directions; and
+    // points of P, which the solver computes anew where they are too noisy and a table does not
+    // (pipeline/solve/phase_errors.h): 4e-4 in all at 1e-4.
     const auto [tolerance, azimuths, bound] =
         GENERATE(std::tuple{1e-3, 33, 1e-3 + 1e-3}, std::tuple{1e-4, 33, 1e-3 + 1e-4},
-                 std::tuple{1e-4, 65, 1.5e-4 + 1e-4});
+                 std::tuple{1e-4, 65, 1.5e-4 + 1e-4 + 2.5e-4});
     const Brdf brdf = brdf_of(scene, {.tolerance = tolerance});
     const RayTable table({brdf.table({.part = BrdfPart::subsurface})}, {49, azimuths});
     const Directions directions = {

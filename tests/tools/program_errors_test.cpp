@@ -32,7 +32,7 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
         {"brdf --base hg:1.5,0.5 --mu-in 0.5 --mu-out 1", {"1.5", "[0, 1]"}},
         {"brdf --base isotropic:nan --mu-in 0.5 --mu-out 1", {"nan"}},
         {"brdf --base hg:0.9,0.5 --coat hg:0.9,0.1@-0.1 --mu-in 1 --mu-out 1", {"-0.1", ">= 0"}},
-        {"brdf --base hg:0.9,0.5 --coat hg:0.9,0.1 --mu-in 1 --mu-out 1", {"MEDIUM@OPTICAL_DEPTH"}},
+        {"brdf --base hg:0.9,0.5 --coat hg:0.9,0.1 --mu-in 1 --mu-out 1", {"MEDIUM@DEPTH"}},
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --azimuth 400", {"400", "360"}},
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --tolerance 0", {"tolerance", "(0, 1)"}},
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --streams 1", {"1", "2 to 256"}},
@@ -60,7 +60,8 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
 }
 
 TEST_CASE("a command line that cannot be read ends with exit code 2", "[program][errors]") {
-    check_one_line(support::run_program("brdf"), kUsage, {"--base"});
+    check_one_line(support::run_program("brdf"), kUsage, {"--mu-in"});
+    check_one_line(support::run_program("albedo"), kUsage, {"--base", "--substrate"});
     check_one_line(support::run_program("paint"), kUsage, {"--help"});
     check_one_line(support::run_program("brdf --bsae TiO2"), kUsage, {"--help"});
 }

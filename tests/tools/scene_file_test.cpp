@@ -76,7 +76,7 @@ TEST_CASE("values that no scene can have are refused with their place in the fil
         {"roughness = inf", kUsage, {"line 4", "roughness", "inf", "finite"}},
         {"streams = 2.5", kUsage, {"line 4, column 11", "streams", "2.5"}},
         {"grid = \"square\"", kUsage, {"line 4, column 8", "square", "gauss"}},
-        {"coat = [\"hg:0.9,0.5\"]", kUsage, {"line 4, column 8", "MEDIUM@OPTICAL_DEPTH"}},
+        {"coat = [\"hg:0.9,0.5\"]", kUsage, {"line 4, column 8", "MEDIUM@DEPTH"}},
         {"coat = \"moments:/no/such.csv@1\"", kBadInput, {"line 4", "/no/such.csv"}},
         {"wavelengths = [550, -1]", kUsage, {"line 4, column 15", "-1", "> 0"}},
         {"wavelengths = \"400:500\"", kUsage, {"line 4", "400:500"}},
