@@ -93,7 +93,7 @@ TEST_CASE("ice has SNICAR's mass extinction, albedo and asymmetry", "[pipeline][
         if (radius > 100) continue;  // minutes
         CAPTURE(um, radius);
         const LayerOptics ours = optics_of(ice(um, radius), 1e3 * um);
-        // What both programs' averages over sizes leave (MIXTURES: 1.3e-4 and 2e-4 were measured).
+        // What both programs' averages over sizes leave (1.3e-4 and 2e-4 were measured).
         CHECK(relative(*ours.mass_extinction_m2_per_kg, table.number(r, "ext_m2_per_kg")) <= 3e-4);
         CHECK(std::abs(ours.asymmetry - table.number(r, "g")) <= 3e-4);
     }
@@ -409,4 +409,20 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
     scene.particles.packing = Packing::independent;
     const auto notes = solve(scene, {550}).albedo({1.0}).notes;
     REQUIRE(notes.size() == (c.volume > 0.05 ? 1 : 0));
+}
+
+TEST_CASE("white films in diffuse light are Kubelka and Munk's", "[pipeline][mixture][ground]") {
+    // Thick films that absorb nothing: R = ((1 - G) S h + G) / ((1 - G) S h + 1) over a ground G.
+    const double ground = GENERATE(0.0, 0.8);
+    const double thickness_um = GENERATE(20.0, 60.0, 200.0);
+    CAPTURE(ground, thickness_um);
+    Scene film;
+    film.substrate = substrate("lambert:" + std::to_string(ground));
+    film.layers = {{medium("index:2.75,0,radius=0.13,distribution=gamma,volume=15% in index:1.5"),
+                    {Depth::Kind::thickness_um, thickness_um}}};
+    const Brdf brdf = solve(film, {550}, {.tolerance = 1e-4});
+    const double scattered = (1 - ground) * *brdf.layers().at(0).s_km * thickness_um;
+    const double kubelka_munk = (scattered + ground) / (scattered + 1);
+    // What is left of the boundary layers, in which light is not diffuse (7e-4 measured at 20 um).
+    CHECK(std::abs(brdf.albedo({1.0}).spherical_albedo[0] - kubelka_munk) <= 1e-3);
 }

@@ -117,6 +117,7 @@ void add_rows(Table& table, const BrdfValues& values, const BrdfQuestion& questi
 
 int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
     const BrdfValues values = brdf.evaluate(question.directions, question.parts);
+    for (const std::string& note : values.notes) shell.note("note: " + note);
     Table table;
     add_facts(table, values, brdf.scene(),
               std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: "
@@ -190,6 +191,7 @@ void add_spectra(Table& table, const AlbedoValues& values) {
 
 int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
     const AlbedoValues values = brdf.albedo(question.mu_in);
+    for (const std::string& note : values.notes) shell.note("note: " + note);
     Table table;
     if (question.illuminant) {
         add_facts(table, values, brdf.scene(),

@@ -1,6 +1,5 @@
 // miebrdf layers: the coefficients of every layer of a scene.
-#include <algorithm>
-
+#include "pipeline/solve/brdf_state.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -16,6 +15,10 @@ int write_layers(const Brdf& brdf, const Shell& shell) {
     for (const std::string& source : brdf.sources()) table.facts.emplace_back("source", source);
     const std::string particles = describe_particles(brdf.scene());
     if (!particles.empty()) table.facts.emplace_back("particles", particles);
+    for (const std::string& note : brdf.state().resolved.notes) {
+        table.facts.emplace_back("note", note);
+        shell.note("note: " + note);
+    }
     table.columns = {"wavelength_nm",
                      "layer",
                      "optical_depth",
