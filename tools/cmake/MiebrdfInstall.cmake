@@ -21,10 +21,12 @@ list(REMOVE_DUPLICATES outside)
 
 if(BUILD_SHARED_LIBS)
     set(objects "")
-    foreach(library IN LISTS libraries)
+    get_property(object_libraries GLOBAL PROPERTY miebrdf_object_libraries)  # of areas made of them
+    foreach(library IN LISTS libraries object_libraries)
         list(APPEND objects $<TARGET_OBJECTS:${library}>)
     endforeach()
     add_library(miebrdf_everything SHARED ${objects})
+    target_link_options(miebrdf_everything PRIVATE LINKER:--no-undefined)
     set_target_properties(miebrdf_everything PROPERTIES OUTPUT_NAME miebrdf LINKER_LANGUAGE CXX
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     target_link_libraries(miebrdf_everything PRIVATE ${outside} $<BUILD_INTERFACE:miebrdf_flags>)
