@@ -230,6 +230,13 @@ std::vector<SceneWord> surface_words() {
          }}};
 }
 
+std::string list_of_laws() {
+    std::string text;
+    for (const auto& form : mie::size_distribution_forms())
+        text += (text.empty() ? "" : ", ") + form.name;
+    return text;
+}
+
 std::vector<SceneWord> particle_words() {
     const std::string group = "Particles (of media that go through Mie theory)";
     const ParticleOptions defaults;
@@ -256,7 +263,7 @@ std::vector<SceneWord> particle_words() {
                  }},
             {.name = "size-distribution",
              .placeholder = "NAME",
-             .help = "power-law, gamma, log-normal or mono",
+             .help = "law of the radii, of media that do not say their own: " + list_of_laws(),
              .group = group,
              .default_text = name_of(defaults.sizes.kind),
              .field = "size_distribution",

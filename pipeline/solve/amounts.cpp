@@ -85,7 +85,7 @@ void require_possible(const ResolvedMedium& medium) {
             "packing of equal spheres (look at amounts, densities and layer_density_kg_m3)",
             text, describe(species.species), species.volume_fraction, kDensestPacking));
     }
-    const double sum = packing(medium);
+    const double sum = filled_volume(medium);
     if (sum <= 1.0 + kRounding) return;
     throw UsageError(fmt::format(
         "medium '{}': its species would fill {:.4g} of the volume; allowed: up to 1", text, sum));
@@ -139,7 +139,7 @@ double column_um(const Depth& depth, const ResolvedMedium& medium) {
     return depth.value / mass_per_um;
 }
 
-double packing(const ResolvedMedium& medium) {
+double filled_volume(const ResolvedMedium& medium) {
     double sum = 0.0;
     for (const ResolvedSpecies& species : medium.species) sum += species.volume_fraction;
     return sum;

@@ -19,6 +19,6 @@ void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_
 double column_um(const Depth& depth, const ResolvedMedium& medium);
 
 /// The particles' share of the volume. @pre has_amounts
-double packing(const ResolvedMedium& medium);
+double filled_volume(const ResolvedMedium& medium);
 
 }  // namespace miebrdf

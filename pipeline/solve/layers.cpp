@@ -108,7 +108,6 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
                        (reflects && has_noisy_phase(stack) ? kPhaseShare * tolerance : 0.0));
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
-    double mie_error = optics.mie_error_estimate;
     if (reflects) {
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
@@ -129,7 +128,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.transmittance.resize(slice.values.size(), 0.0);
         slice.report.solver = table.report;
     }
-    judge(slice.report, mie_error, optics.converged, tolerance);
+    judge(slice.report, optics.mie_error_estimate, optics.converged, tolerance);
     return slice;
 }
 

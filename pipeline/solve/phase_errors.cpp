@@ -212,20 +212,6 @@ bool has_noisy_phase(const rte::Stack& stack) {
                        [&](const rte::Coat& coat) { return is_noisy(coat.optics); });
 }
 
-double moment_sensitivity(const SolvedLayers& solved, const std::vector<double>& reflection) {
-    double largest = 1.0;
-    const std::vector<PhaseLayer> layers = layers_of(solved);
-    for_each_direction(
-        layers, solved.directions, reflection,
-        [&](std::size_t, double, const std::vector<double>& weights, double brightest) {
-            double sum = 0.0;
-            for (std::size_t i = 0; i < layers.size(); ++i)
-                if (!layers[i].parts.empty()) sum += weights[i];
-            if (sum > largest * brightest && brightest > 0.0) largest = sum / brightest;
-        });
-    return largest;
-}
-
 double phase_error_estimate(const PhaseNoise& noise) { return kDeviations * noise.largest; }
 
 PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,

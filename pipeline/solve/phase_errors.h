@@ -37,11 +37,6 @@ bool has_noisy_phase(const rte::Stack& stack);
 /// Phase noise as an error estimate: twice the rms.
 double phase_error_estimate(const PhaseNoise& noise);
 
-/// What an error of P that is the same at all angles does to R, relative to the largest value at
-/// its incidence, where that is worst; at least 1. Errors of moments count by this: dark layers are
-/// made of small differences of them.
-double moment_sensitivity(const SolvedLayers& layers, const std::vector<double>& reflection);
-
 /// P anew, at the angles of directions whose noise is above `allowed`, from as many sizes as that
 /// takes, where it is few angles that are too noisy; R is linear in P there.
 /// @param w           the wavelength

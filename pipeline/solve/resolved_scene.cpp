@@ -247,7 +247,7 @@ class Resolver {
                     describe(medium.medium), host.name, k, wavelength_nm[w], host.index[w].real()));
             }
             const double per_um = 4.0e3 * std::numbers::pi * k / wavelength_nm[w];
-            medium.host_absorption[w] = per_um * std::max(0.0, 1.0 - packing(medium));
+            medium.host_absorption[w] = per_um * std::max(0.0, 1.0 - filled_volume(medium));
             note_strong_host(host, k, wavelength_nm[w], medium);
         }
     }

@@ -209,7 +209,8 @@ std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const Opt
     const auto& [highest_moment, whole, angles_deg, tolerance] = demand;
     JobKey key("single scattering");
     key.add(std::string_view(species.key[w]));
-    return key.add(highest_moment).add(whole).add(angles_deg).add(tolerance).hash();
+    // With the whole phase function come all moments, however few were asked for.
+    return key.add(whole ? -1 : highest_moment).add(whole).add(angles_deg).add(tolerance).hash();
 }
 
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
