@@ -1,0 +1,118 @@
+#include "rte/grid/refraction_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rte/math/quadrature.h"
+
+namespace miebrdf::rte {
+namespace {
+
+// Two indices so close together leave a narrow panel, which needs fewer nodes; what lies between
+// them and the next one ends so close to grazing that it is mapped too.
+constexpr double kNarrow = 1.05;
+
+double root_of_difference(double larger, double smaller) {
+    return std::sqrt((larger - smaller) * (larger + smaller));
+}
+
+// Nodes of each panel, at least one each.
+std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count) {
+    std::vector<double> wanted;
+    double sum = 0.0;
+    for (const RefractionPanel& panel : panels) {
+        wanted.push_back(panel.high < kNarrow * panel.low ? 1.0 : 2.0);
+        sum += wanted.back();
+    }
+    std::vector<int> counts;
+    int left = count;
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        const auto panels_left = int(panels.size() - p);
+        const int share = int(std::lround(left * wanted[p] / sum));
+        counts.push_back(std::max(1, p + 1 == panels.size()
+                                         ? left
+                                         : std::min(share, left - panels_left + 1)));
+        left -= counts.back();
+        sum -= wanted[p];
+    }
+    return counts;
+}
+
+}  // namespace
+
+RefractionGrid::RefractionGrid(std::vector<double> indices, int count) {
+    const std::vector<double> scattering = indices;
+    indices.push_back(1.0);
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    for (std::size_t k = indices.size(); k-- > 0;) {
+        RefractionPanel panel;
+        panel.low = k == 0 ? 0.0 : indices[k - 1];
+        panel.high = indices[k];
+        panel.widest = root_of_difference(panel.high, panel.low) / panel.high;
+        const bool has_medium =
+            std::find(scattering.begin(), scattering.end(), panel.high) != scattering.end();
+        const bool is_close = k + 1 < indices.size() && indices[k + 1] < kNarrow * panel.high;
+        panel.mapped = has_medium || is_close;
+        panels_.push_back(panel);
+    }
+    const std::vector<int> counts = share_out(panels_, count);
+    Eigen::Index size = 0;
+    for (std::size_t p = 0; p < panels_.size(); ++p) {
+        panels_[p].first = size;
+        panels_[p].count = counts[p];
+        size += counts[p];
+    }
+    t_.resize(size);
+    weight_.resize(size);
+    for (const RefractionPanel& panel : panels_) {
+        const auto rule = math::gauss_legendre(int(panel.count), 0.0, 1.0);
+        for (Eigen::Index i = 0; i < panel.count; ++i) {
+            t_[panel.first + i] = rule.nodes[std::size_t(i)];
+            weight_[panel.first + i] = rule.weights[std::size_t(i)];
+        }
+    }
+}
+
+Eigen::Index RefractionGrid::nodes_below(double index) const {
+    Eigen::Index count = 0;
+    for (const RefractionPanel& panel : panels_) {
+        if (panel.high <= index) count += panel.count;
+    }
+    return count;
+}
+
+ZenithGrid RefractionGrid::in_medium(double index) const {
+    const Eigen::Index count = nodes_below(index);
+    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+    const Eigen::Index above = size() - count;
+    for (const RefractionPanel& panel : panels_) {
+        if (panel.high > index) continue;
+        const double beyond = (index - panel.high) * (index + panel.high);  // n^2 - high^2
+        for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
+            const double t = t_[p];
+            const double c = panel.widest * (panel.mapped ? t * t * (2.0 - t) : t);
+            const double dc = panel.widest * (panel.mapped ? t * (4.0 - 3.0 * t) : 1.0);
+            const double high2 = panel.high * panel.high;
+            const double mu = std::sqrt(beyond + high2 * c * c) / index;
+            grid.mu[p - above] = beyond == 0.0 ? c : mu;
+            // n^2 mu dmu = high^2 c dc.
+            grid.weights[p - above] =
+                weight_[p] * high2 * c * dc / (index * index * grid.mu[p - above]);
+        }
+    }
+    return grid;
+}
+
+double refracted_cosine(double index, double mu_air) {
+    if (index == 1.0) return mu_air;
+    return std::sqrt((index - 1.0) * (index + 1.0) + mu_air * mu_air) / index;
+}
+
+RequestedDirections refracted(const RequestedDirections& in_air, double index) {
+    RequestedDirections inside = in_air;
+    for (double& mu : inside.mu) mu = refracted_cosine(index, mu);
+    return inside;
+}
+
+}  // namespace miebrdf::rte
