@@ -54,6 +54,7 @@ std::string describe(const Scene& scene) {
         scene.substrate ? "substrate " + describe(*scene.substrate) : describe(scene.base);
     for (const Layer& layer : scene.layers)
         text = fmt::format("{} ({}) on {}", describe(layer.medium), depth_text(layer.depth), text);
+    if (scene.boundary) text += ", boundary " + describe(*scene.boundary);
     if (scene.surface) text += fmt::format(", surface roughness {}", scene.surface->beckmann_alpha);
     return text;
 }
@@ -67,12 +68,25 @@ const Medium& top_medium(const Scene& scene) {
     return scene.base;
 }
 
+const Host& host_of(const Scene& scene, const Medium& medium) {
+    return medium.host ? *medium.host : scene.particles.host;
+}
+
 void validate(const Scene& scene) {
     validate(scene.particles);
     if (scene.surface) rte::validate(*scene.surface);
+    if (scene.boundary) {
+        rte::validate(*scene.boundary);
+        if (scene.surface) {
+            throw UsageError(
+                "a scene has a refracting boundary or the paper's opaque lobe (roughness), not "
+                "both: a rough boundary has a lobe of its own");
+        }
+    }
     if (scene.substrate) {
         validate(*scene.substrate);
-        top_medium(scene);
+        // A varnish without particles is a boundary on a ground.
+        if (!scene.boundary) top_medium(scene);
     } else {
         validate(scene.base, scene.particles);
     }

@@ -130,8 +130,8 @@ std::vector<SceneWord> layer_words() {
         {.name = "substrate",
          .placeholder = "GROUND",
          .help = "in place of the base: black, none (a free film), lambert:ALBEDO (a ground that "
-                 "reflects alike in all directions; isotropic:ALBEDO is a medium of scatterers) or "
-                 "lambert:FILE.csv (wavelength_nm,albedo)",
+                 "reflects alike in all directions; isotropic:ALBEDO is a medium of scatterers), "
+                 "lambert:FILE.csv (wavelength_nm,albedo), mirror:MATERIAL or mirror:index:N,K",
          .field = "substrate",
          .set =
              [](const SceneWord& word, Values values, Request& request) {
@@ -202,9 +202,23 @@ std::vector<SceneWord> layer_words() {
 std::vector<SceneWord> surface_words() {
     const std::string group = "Surface";
     return {
+        {.name = "boundary",
+         .placeholder = "NAME",
+         .help = "refracting boundary between air and the host of the top layer (paint, varnish, "
+                 "ice): smooth, or rough:ALPHA[,beckmann or ggx], ALPHA 0.02 to 1",
+         .group = group,
+         .field = "boundary",
+         .set =
+             [](const SceneWord&, Values values, Request& request) {
+                 std::string text;
+                 for (const WordValue& value : values)
+                     text += (text.empty() ? "" : ",") + text_of(value);
+                 request.scene.boundary = boundary(text);
+             }},
         {.name = "roughness",
          .placeholder = "ALPHA",
-         .help = "rough surface on top, with this Beckmann slope parameter; 0: no surface",
+         .help = "opaque rough surface on top (the paper's), with this Beckmann slope parameter; "
+                 "0: no surface",
          .group = group,
          .default_text = "0",
          .field = "roughness",
@@ -222,7 +236,8 @@ std::vector<SceneWord> surface_words() {
              }},
         {.name = "surface-index",
          .placeholder = "N,K",
-         .help = "refractive index of the surface; default: that of the top medium",
+         .help = "refractive index of the surface; default: that of the top layer's host if it has "
+                 "one, else of its particles",
          .group = group,
          .field = "surface_index",
          .set = [](const SceneWord&, Values values, Request& request) {

@@ -56,11 +56,13 @@ Substrate read_ground_file(const std::string& path) {
 Substrate substrate(const std::string& text) {
     if (text == "black") return {.kind = Substrate::Kind::black};
     if (text == "none") return {.kind = Substrate::Kind::none};
-    const std::string lambert = "lambert:";
+    const std::string lambert = "lambert:", mirror = "mirror:";
+    if (text.starts_with(mirror) && text.size() > mirror.size())
+        return {.kind = Substrate::Kind::mirror, .mirror = host(text.substr(mirror.size()))};
     if (!text.starts_with(lambert)) {
         throw UsageError(fmt::format(
-            "substrate '{}': allowed: black, none (a free film), lambert:ALBEDO, lambert:FILE.csv; "
-            "a medium without end is a --base",
+            "substrate '{}': allowed: black, none (a free film), lambert:ALBEDO, lambert:FILE.csv, "
+            "mirror:MATERIAL, mirror:index:N,K; a medium without end is a base",
             text));
     }
     const std::string value = text.substr(lambert.size());
@@ -78,6 +80,7 @@ Substrate substrate(const std::string& text) {
 }
 
 void validate(const Substrate& substrate) {
+    if (substrate.kind == Substrate::Kind::mirror) validate(substrate.mirror);
     if (substrate.kind != Substrate::Kind::lambertian) return;
     const std::size_t count = substrate.albedo.size();
     const bool fits =
@@ -97,6 +100,8 @@ std::string describe(const Substrate& substrate) {
             return "black";
         case Substrate::Kind::none:
             return "none";
+        case Substrate::Kind::mirror:
+            return "mirror:" + describe(substrate.mirror);
         case Substrate::Kind::lambertian:
             break;
     }

@@ -100,6 +100,7 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
                            const Control& control) {
     BrdfValues::Slice slice;
     slice.subsurface = std::move(layer.values);
+    slice.mirror_reflectance = std::move(layer.mirror_reflectance);
     for (double& value : slice.subsurface) value /= std::numbers::pi;
     std::optional<SurfacePart> surface;
     if (wants_lobe(scene, parts)) {
@@ -177,6 +178,8 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
         values.spherical_albedo.push_back(layer.values.back());
         layer.values.pop_back();
         values.plane_albedo.push_back(std::move(layer.values));
+        if (!layer.mirror_reflectance.empty())
+            values.mirror_reflectance.push_back(std::move(layer.mirror_reflectance));
         if (!scene.substrate || scene.surface) continue;
         values.spherical_transmittance.push_back(layer.transmittance.back());
         layer.transmittance.pop_back();

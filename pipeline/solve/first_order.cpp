@@ -94,4 +94,25 @@ void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> c
     }
 }
 
+void FirstOrder::evaluate_paths(std::span<const rte::FirstOrderPaths> layers,
+                                std::span<const double> cos_azimuth,
+                                std::span<double> reflection) const {
+    std::fill(reflection.begin(), reflection.end(), 0.0);
+    Eigen::VectorXd phases(depth_.size());
+    for (std::size_t a = 0; a < cos_azimuth.size() && phases_; ++a) {
+        for (std::size_t i = 0; i < layers.size(); ++i) {
+            const auto& [mu_in, mu_out, back, forward] = layers[i];
+            const auto add = [&](double weight, double cos_angle) {
+                if (!(weight > 0.0)) return;
+                phases_->evaluate(std::acos(cos_angle), phases);
+                // Functions are listed from the top down.
+                reflection[a] +=
+                    weight * phases[Eigen::Index((layers.size() - 1 - i) * wavelengths_)];
+            };
+            add(back, rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a]));
+            add(forward, rte::cos_forward_angle(mu_in, mu_out, cos_azimuth[a]));
+        }
+    }
+}
+
 }  // namespace miebrdf

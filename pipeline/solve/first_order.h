@@ -9,6 +9,7 @@
 #include "rte/first_order/first_order.h"
 #include "rte/first_order/narrow_features.h"
 #include "rte/math/chebyshev.h"
+#include "rte/stack/refracted_first_order.h"
 
 namespace miebrdf {
 
@@ -29,6 +30,12 @@ class FirstOrder {
                double tolerance);
 
     std::size_t wavelengths() const { return wavelengths_; }
+
+    /// What the layers of the first wavelength scatter once on all their paths, without the
+    /// correction for narrow features: reflection[a].
+    /// @param layers  of each, from the bottom up (rte::first_order_paths)
+    void evaluate_paths(std::span<const rte::FirstOrderPaths> layers,
+                        std::span<const double> cos_azimuth, std::span<double> reflection) const;
 
     /// R at directions that share their cosines: reflection[a * wavelengths() + w].
     void evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,

@@ -30,7 +30,7 @@ bool has_closed_form(const LayerRequest& request, std::size_t w) {
     const bool counts_all = request.quantity == LayerQuantity::albedo ||
                             (request.quantity == LayerQuantity::albedo_through_surface &&
                              request.scene.coupling == rte::SurfaceCoupling::paper);
-    return counts_all && absorbs_nothing(request.scene, w);
+    return counts_all && absorbs_nothing(request.scene, w) && !request.scene.has_optical_steps();
 }
 
 std::string layer_hash(const LayerRequest& request, std::size_t w) {
@@ -99,7 +99,8 @@ void remove_rounding(std::vector<double>& albedos) {
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                  const OpticsDemand& demand, const mie::Executor& run, rte::StackMemory& memory) {
     const rte::Stack& stack = optics.stack;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return black(request);
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary)
+        return black(request);
     const double tolerance = request.solver.tolerance;
     SolverOptions solver = request.solver;
     const bool reflects = request.quantity == LayerQuantity::reflection;
@@ -117,6 +118,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
                          {stack, request.directions, table.report.moments, solver.delta_m},
                          kPhaseShare * tolerance, slice.values, run);
         slice.plane_albedo = std::move(table.plane_albedo);
+        slice.mirror_reflectance = std::move(table.mirror_reflectance);
         remove_rounding(slice.plane_albedo);
     } else {
         rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
@@ -124,6 +126,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
         slice.transmittance = std::move(table.transmittance);
+        slice.mirror_reflectance = std::move(table.mirror_reflectance);
         // Nothing comes through a half-space.
         slice.transmittance.resize(slice.values.size(), 0.0);
         slice.report.solver = table.report;
@@ -145,21 +148,30 @@ LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
         all.transmittance = distinct.spread_incident(slice.transmittance);
         all.transmittance.push_back(slice.transmittance.back());
     }
+    if (!slice.mirror_reflectance.empty())
+        all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);
     return all;
 }
 
 std::vector<double> packed(const LayerSlice& slice) {
-    const auto& [values, plane_albedo, transmittance, report] = slice;
-    return NumberPacker().add(values).add(plane_albedo).add(transmittance).add(report).numbers();
+    const auto& [values, plane_albedo, transmittance, mirror_reflectance, report] = slice;
+    return NumberPacker()
+        .add(values)
+        .add(plane_albedo)
+        .add(transmittance)
+        .add(mirror_reflectance)
+        .add(report)
+        .numbers();
 }
 
 LayerSlice unpacked(const std::vector<double>& numbers) {
     NumberUnpacker unpacker(numbers);
     LayerSlice slice;
-    auto& [values, plane_albedo, transmittance, report] = slice;
+    auto& [values, plane_albedo, transmittance, mirror_reflectance, report] = slice;
     unpacker.read(values);
     unpacker.read(plane_albedo);
     unpacker.read(transmittance);
+    unpacker.read(mirror_reflectance);
     unpacker.read(report);
     return slice;
 }

@@ -51,6 +51,7 @@ struct LayerSlice {
     std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` too
     /// With `albedo` over a substrate: net flux into it, at mu_in and of uniform light.
     std::vector<double> transmittance;
+    std::vector<double> mirror_reflectance;  ///< at mu_in; empty: none
     WavelengthReport report;
 };
 

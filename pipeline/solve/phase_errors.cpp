@@ -8,7 +8,9 @@
 
 #include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
+#include "rte/grid/refraction_grid.h"
 #include "rte/phase/scaled_medium.h"
+#include "rte/stack/refracted_first_order.h"
 
 namespace miebrdf {
 namespace {
@@ -103,9 +105,11 @@ void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu
 }
 
 /// Calls visit(index, cos Theta, weights of the layers, largest value at that incidence).
+/// @param index  under a smooth boundary, else 1
 template <typename Visit>
-void for_each_direction(const std::vector<PhaseLayer>& layers, const Directions& directions,
-                        const std::vector<double>& reflection, const Visit& visit) {
+void for_each_direction(const std::vector<PhaseLayer>& layers, double index,
+                        const Directions& directions, const std::vector<double>& reflection,
+                        const Visit& visit) {
     const auto& [mu_in, mu_out, azimuths] = directions;
     const std::size_t block = mu_out.size() * azimuths.size();
     std::vector<double> cosines, weights(layers.size());
@@ -116,12 +120,33 @@ void for_each_direction(const std::vector<PhaseLayer>& layers, const Directions&
         const auto first = reflection.begin() + static_cast<std::ptrdiff_t>(k);
         const double brightest =
             *std::max_element(first, first + static_cast<std::ptrdiff_t>(block));
+        const double inner_in = rte::refracted_cosine(index, in);
         for (const double out : mu_out) {
-            find_weights(layers, in, out, weights);
-            for (const double cosine : cosines)
-                visit(k++, rte::cos_scattering_angle(in, out, cosine), weights, brightest);
+            const double inner_out = rte::refracted_cosine(index, out);
+            find_weights(layers, inner_in, inner_out, weights);
+            for (double& weight : weights) weight *= rte::straight_paths_factor(index, in, out);
+            for (const double cosine : cosines) {
+                visit(k++, rte::cos_scattering_angle(inner_in, inner_out, cosine), weights,
+                      brightest);
+            }
         }
     }
+}
+
+// A rough boundary averages over angles.
+bool is_rough(const rte::Stack& stack) { return stack.boundary && stack.boundary->is_rough(); }
+
+// As boundaries see the topmost layer. Layers of other hosts and beams that mirrors send back see
+// other angles; their noise is taken as that of the topmost one's.
+double index_of(const rte::Stack& stack) { return stack.boundary ? rte::top_index(stack) : 1.0; }
+
+bool has_one_index(const rte::Stack& stack) {
+    if (stack.base_kind == rte::BaseKind::mirror) return false;
+    if (!stack.boundary) return true;
+    const double index = rte::top_index(stack);
+    return (stack.base_kind != rte::BaseKind::half_space || stack.base_index == index) &&
+           std::all_of(stack.coats.begin(), stack.coats.end(),
+                       [=](const rte::Coat& coat) { return coat.index == index; });
 }
 
 bool any_noisy(const std::vector<PhaseLayer>& layers) {
@@ -169,12 +194,13 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
 }
 
-PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, const Directions& directions,
-                      const std::vector<double>& reflection, const Points& points) {
+PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, double index,
+                      const Directions& directions, const std::vector<double>& reflection,
+                      const Points& points) {
     PhaseNoise worst;
     const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
     for_each_direction(
-        layers, directions, reflection,
+        layers, index, directions, reflection,
         [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double brightest) {
             if (!(brightest > 0.0)) return;
             double noise = 0.0;
@@ -202,7 +228,7 @@ PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, const Directions& d
 PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection) {
     const std::vector<PhaseLayer> list = layers_of(layers);
     if (!any_noisy(list)) return {};
-    return noise_left(list, layers.directions, reflection, {});
+    return noise_left(list, index_of(layers.stack), layers.directions, reflection, {});
 }
 
 bool has_noisy_phase(const rte::Stack& stack) {
@@ -218,7 +244,10 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                         const SolvedLayers& solved, double allowed, std::vector<double>& reflection,
                         const mie::Executor& run) {
     const std::vector<PhaseLayer> layers = layers_of(solved);
-    if (!any_noisy(layers)) return {};
+    if (!any_noisy(layers) || is_rough(solved.stack)) return {};
+    const double index = index_of(solved.stack);
+    if (!has_one_index(solved.stack))
+        return noise_left(layers, index, solved.directions, reflection, {});
     Points points(layers.size());
     std::size_t parts = 0;
     for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -229,7 +258,7 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
     const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(parts)));
     std::size_t count = 0;
     for_each_direction(
-        layers, solved.directions, reflection,
+        layers, index, solved.directions, reflection,
         [&](std::size_t, double cos_theta, const std::vector<double>& weights, double brightest) {
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size() && count <= kMostAngles; ++p) {
@@ -244,7 +273,7 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                 }
             }
         });
-    if (count > kMostAngles) return noise_left(layers, solved.directions, reflection, {});
+    if (count > kMostAngles) return noise_left(layers, index, solved.directions, reflection, {});
     for (std::size_t i = 0; i < layers.size(); ++i) {
         // The layers that show are the scene's topmost.
         const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - i];
@@ -255,7 +284,7 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
         }
     }
     for_each_direction(
-        layers, solved.directions, reflection,
+        layers, index, solved.directions, reflection,
         [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double) {
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
@@ -267,7 +296,7 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                 }
             }
         });
-    return noise_left(layers, solved.directions, reflection, points);
+    return noise_left(layers, index, solved.directions, reflection, points);
 }
 
 }  // namespace miebrdf

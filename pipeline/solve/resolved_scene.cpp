@@ -131,6 +131,10 @@ std::string key_of(const ResolvedMedium& medium, std::size_t w) {
 /// Notes beyond this: absorption of the host within a particle's size is no longer small.
 constexpr double kWeakHost = 0.01;
 
+bool has_mirror(const Scene& scene) {
+    return scene.substrate && scene.substrate->kind == Substrate::Kind::mirror;
+}
+
 /// Looks up the parts of one scene.
 class Resolver {
   public:
@@ -140,14 +144,15 @@ class Resolver {
 
     ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm) {
         ResolvedMedium resolved{.medium = medium};
-        const bool has_particles = needs_mie(medium);
-        const HostAt host =
-            has_particles ? look_up(medium.host.value_or(scene_.particles.host), wavelength_nm)
-                          : HostAt{};
+        const bool needs_host = needs_mie(medium) || scene_.boundary || has_mirror(scene_);
+        const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
         for (const Species& species : medium.species)
             resolved.species.push_back(this->species(species, wavelength_nm, host));
         set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
-        set_host_absorption(host, wavelength_nm, resolved);
+        if (needs_mie(medium)) set_host_absorption(host, wavelength_nm, resolved);
+        resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
+        for (const std::complex<double> index : host.index)
+            resolved.host_index.push_back(index.real());
         set_packing(resolved);
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
             resolved.key.push_back(key_of(resolved, w));
@@ -170,6 +175,20 @@ class Resolver {
         return index_of(species, wavelength_nm, scene_.particles.k_floor, materials_);
     }
 
+    ResolvedIndex mirror(const Host& of, const std::vector<double>& wavelength_nm) {
+        if (of.name.empty()) return {std::vector(wavelength_nm.size(), of.index), ""};
+        const Species material{.kind = "material", .name = of.name};
+        return index_of(material, wavelength_nm, 0.0, materials_);
+    }
+
+    std::vector<double> real_index(const Host& host, const std::vector<double>& wavelength_nm) {
+        std::vector<double> real;
+        for (const std::complex<double> index : look_up(host, wavelength_nm).index)
+            real.push_back(index.real());
+        return real;
+    }
+
+    void add_note(std::string note) { add_once(notes_, std::move(note)); }
     void add_source(std::string source) { add_once(sources_, std::move(source)); }
     std::vector<std::string> take_sources() { return std::move(sources_); }
     std::vector<std::string> take_notes() { return std::move(notes_); }
@@ -331,15 +350,31 @@ double ground_albedo_at(const Substrate& ground, double nm) {
     return (1.0 - t) * ground.albedo[i - 1] + t * ground.albedo[i];
 }
 
+/// A surface is that of what lies between the particles, where there is anything but air.
+bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0; }
+
+void name_surface_index(const ResolvedScene& resolved, const std::string& whose,
+                        Resolver& resolver) {
+    const std::complex<double> first = resolved.surface_index.front();
+    resolver.add_source(fmt::format("surface of {}: n {:.4g}, k {:.4g} at {} nm", whose,
+                                    first.real(), first.imag(), resolved.wavelength_nm.front()));
+}
+
 void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.surface = scene.surface;
     resolved.coupling = scene.coupling;
     if (!scene.surface) return;
     if (scene.surface_index) {
         resolved.surface_index.assign(resolved.wavelength_nm.size(), *scene.surface_index);
+        name_surface_index(resolved, "the index given", resolver);
         return;
     }
     const Medium& top = top_medium(scene);
+    if (needs_mie(top) && has_host(host_of(scene, top))) {
+        resolved.surface_index = resolver.mirror(host_of(scene, top), resolved.wavelength_nm).index;
+        name_surface_index(resolved, "the host " + describe(host_of(scene, top)), resolver);
+        return;
+    }
     if (!needs_mie(top) || top.species.size() > 1) {
         throw UsageError(fmt::format(
             "the surface of '{}' has no refractive index of its own; give surface_index, or leave "
@@ -349,6 +384,33 @@ void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& reso
     ResolvedIndex index = resolver.index(top.species.front(), resolved.wavelength_nm);
     resolved.surface_index = std::move(index.index);
     resolver.add_source(std::move(index.source));
+    name_surface_index(resolved, "the particles, " + describe(top), resolver);
+}
+
+void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
+    resolved.boundary = scene.boundary;
+    if (!resolved.has_optical_steps()) return;
+    resolved.scene_host_index = resolver.real_index(scene.particles.host, resolved.wavelength_nm);
+    if (has_mirror(scene)) {
+        ResolvedIndex mirror = resolver.mirror(scene.substrate->mirror, resolved.wavelength_nm);
+        resolved.mirror_index = std::move(mirror.index);
+        if (!mirror.source.empty()) resolver.add_source("mirror " + std::move(mirror.source));
+    }
+    if (!scene.boundary) return;
+    for (std::size_t w = 0; w < resolved.wavelength_nm.size(); ++w) {
+        for (std::size_t m = resolved.first_medium(); m < resolved.media.size(); ++m) {
+            const double index = resolved.media[m].host_index[w];
+            if (index >= rte::kLeastIndex && index <= rte::kLargestIndex) continue;
+            throw UsageError(fmt::format(
+                "boundary: the host of '{}' has the index {:.4g} at {} nm; allowed: 1 to 3",
+                describe(resolved.media[m].medium), index, resolved.wavelength_nm[w]));
+        }
+    }
+    if (std::abs(resolved.top_index(0) - 1.0) < rte::kLeastIndexStep) {
+        resolver.add_note(
+            "the boundary changes nothing: what lies between the particles of the top layer has "
+            "the index of air; give its host (in PMMA, host_index 1.5)");
+    }
 }
 
 }  // namespace
@@ -374,6 +436,7 @@ ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_
         resolved.depths.push_back(resolver.depth(layer, resolved.media.back()));
     }
     resolve_surface(scene, resolver, resolved);
+    resolve_boundary(scene, resolver, resolved);
     resolved.sources = resolver.take_sources();
     resolved.notes = resolver.take_notes();
     return resolved;
@@ -385,8 +448,22 @@ ResolvedIndex resolve_index(const Species& species, const std::vector<double>& w
     return index_of(species, wavelength_nm, k_floor, materials);
 }
 
+double ResolvedScene::top_index(std::size_t wavelength) const {
+    if (!boundary) return 1.0;
+    if (media.size() == first_medium()) return scene_host_index[wavelength];
+    return media.back().host_index[wavelength];
+}
+
 void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
     key.add(substrate);
+    key.add(boundary.has_value());
+    if (boundary) key.add(boundary->roughness).add(boundary->distribution);
+    if (has_optical_steps()) {
+        key.add(scene_host_index[wavelength]);
+        for (std::size_t i = first_medium(); i < media.size(); ++i)
+            key.add(media[i].host_index[wavelength]);
+    }
+    if (!mirror_index.empty()) key.add(mirror_index[wavelength]);
     if (substrate) key.add(ground_albedo[wavelength]);
     for (std::size_t i = first_medium(); i < media.size(); ++i) {
         key.add(std::string_view(media[i].key[wavelength]));

@@ -44,6 +44,8 @@ struct ResolvedMedium {
     bool has_amounts = false;
     /// 1/um of layer, at every wavelength: what the host absorbs between the particles.
     std::vector<double> host_absorption = {};
+    /// Refractive index between the particles as boundaries see it, at every wavelength.
+    std::vector<double> host_index = {};
     std::vector<std::string> key = {};  ///< as of species
 
     bool needs_mie() const { return species.front().needs_mie(); }
@@ -68,7 +70,10 @@ struct ResolvedScene {
     std::vector<ResolvedMedium> media = {};
     std::vector<ResolvedDepth> depths = {};  ///< of media[1], media[2], ...
     std::optional<Substrate::Kind> substrate = {};
-    std::vector<double> ground_albedo = {};  ///< of the substrate, at every wavelength
+    std::vector<double> ground_albedo = {};               ///< of the substrate, at every wavelength
+    std::vector<std::complex<double>> mirror_index = {};  ///< of a mirror, at every wavelength
+    std::vector<double> scene_host_index = {};  ///< of the scene's host, where it has a boundary
+    std::optional<rte::Boundary> boundary = {};
     ParticleOptions particles = {};
     std::optional<rte::SurfaceOptions> surface = {};
     rte::SurfaceCoupling coupling = rte::SurfaceCoupling::paper;
@@ -82,6 +87,10 @@ struct ResolvedScene {
     std::size_t layers() const { return depths.size(); }
     /// The lowest medium that there is: 0, or 1 on a substrate.
     std::size_t first_medium() const { return substrate ? 1 : 0; }
+    /// Whether indices of hosts matter to transfer.
+    bool has_optical_steps() const { return boundary || substrate == Substrate::Kind::mirror; }
+    /// Index under the air, as the boundary sees it; 1 without one.
+    double top_index(std::size_t wavelength) const;
 
     /// Everything that the reflection of the layers at a wavelength depends on.
     void add_to(JobKey& key, std::size_t wavelength) const;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "pipeline/solve/parallel.h"
+#include "rte/grid/refraction_grid.h"
 #include "rte/stack/hidden_layers.h"
 
 namespace miebrdf {
@@ -39,7 +40,7 @@ class StackBuilder {
         std::vector<char> hidden(stacks.size());
         run_parallel("hidden layers", stacks.size(), control_, [&](std::size_t i) {
             hidden[i] = rte::hides_what_is_below(stacks[i].stack.base, depth(layer, places[i]),
-                                                 directions_, tolerance_);
+                                                 directions_at(places[i]), tolerance());
         });
         std::vector<std::size_t> seen;
         std::vector<Place> seen_places;
@@ -71,13 +72,16 @@ class StackBuilder {
         std::vector<SceneOptics> scenes;
         for (std::size_t p = 0; p < places.size(); ++p) {
             SceneOptics& whole = scenes.emplace_back();
+            whole.stack.boundary = scene_.boundary;
             if (on_ground) put_on_ground(places[p].wavelength, whole.stack);
             for (std::size_t i = 0; i < media.size(); ++i) {
                 const MediumOptics& of = optics[p][i];
                 if (i == 0 && !on_ground) {
                     whole.stack.base = of.optics;
+                    whole.stack.base_index = index_of(media[i], places[p].wavelength);
                 } else {
-                    whole.stack.coats.push_back({of.optics, depth(media[i], places[p])});
+                    whole.stack.coats.push_back({of.optics, depth(media[i], places[p]),
+                                                 index_of(media[i], places[p].wavelength)});
                 }
                 whole.mie_error_estimate = std::max(whole.mie_error_estimate, of.error_estimate);
                 whole.converged = whole.converged && of.converged;
@@ -90,13 +94,39 @@ class StackBuilder {
         stack.ground_albedo = scene_.ground_albedo[wavelength];
         stack.base_kind =
             stack.ground_albedo > 0.0 ? rte::BaseKind::lambertian : rte::BaseKind::none;
+        if (!scene_.scene_host_index.empty())
+            stack.base_index = scene_.scene_host_index[wavelength];
+        const bool is_free = scene_.substrate == Substrate::Kind::none && scene_.boundary;
+        if (!is_free && scene_.mirror_index.empty()) return;
+        stack.base_kind = rte::BaseKind::mirror;
+        stack.mirror_index = is_free ? 1.0 : scene_.mirror_index[wavelength];
     }
+
+    /// 1 where nothing looks at it.
+    double index_of(std::size_t medium, std::size_t wavelength) const {
+        const auto& index = scene_.media[medium].host_index;
+        return scene_.has_optical_steps() ? index[wavelength] : 1.0;
+    }
+
+    /// Directions as a layer under a boundary sees them.
+    Directions directions_at(Place at) const {
+        Directions inside = directions_;
+        const double index = scene_.top_index(at.wavelength);
+        for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
+            for (double& mu : *cosines) mu = rte::refracted_cosine(index, mu);
+        }
+        return inside;
+    }
+
+    /// Boundaries send light back to where it may be hidden again: what is left of the light
+    /// outside, and how often it returns, twice (index 3).
+    double tolerance() const { return scene_.boundary ? 0.01 * tolerance_ : tolerance_; }
 
     /// Puts `upper`, whose base is a layer of that depth, on `lower`.
     static SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper,
                               double optical_depth) {
         SceneOptics whole = lower;
-        whole.stack.coats.push_back({upper.stack.base, optical_depth});
+        whole.stack.coats.push_back({upper.stack.base, optical_depth, upper.stack.base_index});
         whole.stack.coats.insert(whole.stack.coats.end(), upper.stack.coats.begin(),
                                  upper.stack.coats.end());
         whole.mie_error_estimate = std::max(lower.mie_error_estimate, upper.mie_error_estimate);
@@ -108,7 +138,7 @@ class StackBuilder {
     std::size_t highest_candidate(std::size_t last, const std::vector<Place>& places) const {
         for (std::size_t medium = last; medium-- > 1;) {
             for (const Place at : places) {
-                if (rte::may_hide(depth(medium, at), directions_, tolerance_)) return medium;
+                if (rte::may_hide(depth(medium, at), directions_at(at), tolerance())) return medium;
             }
         }
         return 0;

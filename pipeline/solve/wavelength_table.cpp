@@ -49,10 +49,22 @@ SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples
     return {std::move(modes), orders};
 }
 
-FirstOrder first_order_of(std::span<const WavelengthTable> tables, const SolverOptions& solver) {
-    std::vector<std::vector<rte::ScaledMedium>> stacks;
-    for (const WavelengthTable& table : tables) stacks.push_back(table.media());
-    return {stacks, solver.single_scattering_correction, solver.tolerance};
+bool any_optical_steps(std::span<const WavelengthTable> tables) {
+    return std::any_of(tables.begin(), tables.end(),
+                       [](const WavelengthTable& table) { return table.has_optical_steps(); });
+}
+
+std::vector<FirstOrder> first_order_of(std::span<const WavelengthTable> tables,
+                                       const SolverOptions& solver) {
+    std::vector<FirstOrder> first_order;
+    const std::size_t together = any_optical_steps(tables) ? 1 : tables.size();
+    for (std::size_t first = 0; first < tables.size(); first += together) {
+        std::vector<std::vector<rte::ScaledMedium>> stacks;
+        for (const WavelengthTable& table : tables.subspan(first, together))
+            stacks.push_back(table.media());
+        first_order.emplace_back(stacks, solver.single_scattering_correction, solver.tolerance);
+    }
+    return first_order;
 }
 
 }  // namespace
@@ -82,7 +94,8 @@ WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
 
 void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solver) {
     const rte::Stack& stack = optics.stack;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return;  // black
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty())
+        return;  // black, but for mirrors
     const std::vector<double>& nodes = SmoothPart::nodes();
     SolverOptions options = solver;
     options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
@@ -91,8 +104,8 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
     options.streams = report_.solver.streams;
     const rte::ScaledStack scaled =
         rte::scale_stack(stack, report_.solver.moments, options.delta_m);
-    const rte::ZenithGrid grid = rte::make_zenith_grid(
-        rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
+    const rte::StackGrids grids(
+        scaled, rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
     rte::RequestedDirections requested;
     requested.mu =
         Eigen::Map<const Eigen::VectorXd>(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
@@ -107,8 +120,8 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
         azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
     }
     const rte::MultipleScattering multiple = rte::sum_fourier_orders(
-        scaled, grid, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
-    media_ = scaled.media;
+        scaled, grids, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
+    stack_ = scaled;
     smooth_ = tabulate(multiple, samples);
     report_.solver.fourier_orders = multiple.fourier_orders;
     report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
@@ -133,7 +146,15 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
     cos_azimuth.reserve(directions.size());
     for (const Direction& d : directions)
         cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
-    first_order_.evaluate(mu_in, mu_out, cos_azimuth, values);
+    if (first_order_.size() == 1 && !tables_.front().has_optical_steps()) {
+        first_order_.front().evaluate(mu_in, mu_out, cos_azimuth, values);
+    } else {
+        std::vector<double> own(directions.size());
+        for (std::size_t w = 0; w < count; ++w) {
+            evaluate_steps(w, mu_in, mu_out, cos_azimuth, own);
+            for (std::size_t d = 0; d < directions.size(); ++d) values[d * count + w] = own[d];
+        }
+    }
     for (std::size_t w = 0; w < count; ++w) {
         const WavelengthTable& table = tables_[w];
         const double transmitted = table.transmitted(mu_in, mu_out) / std::numbers::pi;
@@ -143,6 +164,29 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
             if (table.has_surface()) value += table.lobe(directions[d]);
         }
     }
+}
+
+void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
+                               std::span<const double> cos_azimuth,
+                               std::span<double> reflection) const {
+    const rte::ScaledStack& stack = tables_[w].stack();
+    if (stack.boundary && stack.boundary->is_rough()) {
+        std::fill(reflection.begin(), reflection.end(), 0.0);
+        return;
+    }
+    if (!rte::has_straight_paths(stack)) {
+        const auto in = rte::beams_of(stack, mu_in), out = rte::beams_of(stack, mu_out);
+        std::vector<rte::FirstOrderPaths> paths;
+        for (std::size_t i = 0; i < in.size(); ++i)
+            paths.push_back(rte::first_order_paths(stack.media[i], in[i], out[i]));
+        first_order_[w].evaluate_paths(paths, cos_azimuth, reflection);
+        return;
+    }
+    first_order_[w].evaluate(rte::refracted_cosine(stack.top_index, mu_in),
+                             rte::refracted_cosine(stack.top_index, mu_out), cos_azimuth,
+                             reflection);
+    const double factor = rte::straight_paths_factor(stack.top_index, mu_in, mu_out);
+    for (double& value : reflection) value *= factor;
 }
 
 void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,

@@ -11,7 +11,7 @@
 #include "pipeline/solve/first_order.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/smooth_part.h"
-#include "rte/first_order/first_order.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 
@@ -33,7 +33,10 @@ class WavelengthTable {
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
     /// What scatters light once, without the surface; empty for the surface alone.
-    const std::vector<rte::ScaledMedium>& media() const { return media_; }
+    const std::vector<rte::ScaledMedium>& media() const { return stack_.media; }
+    const rte::ScaledStack& stack() const { return stack_; }
+    /// Whether light scattered once needs more than the media: boundaries, mirrors.
+    bool has_optical_steps() const { return stack_.refracts() || stack_.has_mirrors(); }
 
     /// The surface lobe's BRDF; 0 without one.
     double lobe(const Direction& direction) const;
@@ -46,7 +49,7 @@ class WavelengthTable {
   private:
     void solve(const SceneOptics& optics, const SolverOptions& solver);
 
-    std::vector<rte::ScaledMedium> media_;
+    rte::ScaledStack stack_;
     SmoothPart smooth_;
     std::optional<rte::SurfaceLobe> lobe_;
     std::vector<double> factor_in_, factor_out_;  ///< of the surface, at the nodes
@@ -69,8 +72,13 @@ class SharpPart {
     void evaluate(std::span<const Direction> directions, std::span<double> values) const;
 
   private:
+    /// Light scattered once at one wavelength with boundaries or mirrors.
+    void evaluate_steps(std::size_t w, double mu_in, double mu_out,
+                        std::span<const double> cos_azimuth, std::span<double> reflection) const;
+
     std::span<const WavelengthTable> tables_;
-    FirstOrder first_order_;
+    /// Of all wavelengths together, or one for each where boundaries bend light by wavelength.
+    std::vector<FirstOrder> first_order_;
 };
 
 /// Adds a smooth part to values of the BRDF at directions that share their cosines.

@@ -100,7 +100,7 @@ struct FourierWork {
     Eigen::VectorXd flux_weights, mu_over_flux_weights;
     Eigen::VectorXd near, far, tanh_rates, sinh_rates;
     Eigen::MatrixXd square, other_square, below, joint;  ///< n x n
-    Eigen::MatrixXd rows, seen;                          ///< cosines x n
+    Eigen::MatrixXd rows, seen, mirrored;                ///< cosines x n
     Eigen::PartialPivLU<Eigen::MatrixXd> bounces;
 };
 

@@ -89,6 +89,23 @@ RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<
     return requested;
 }
 
+RequestedDirections with_cosines_beside(RequestedDirections requested) {
+    const Eigen::Index own =
+        requested.beside.empty() ? requested.mu.size() : Eigen::Index(requested.beside.size());
+    requested.beside.assign(std::size_t(own), -1);
+    std::vector<double> cosines(requested.mu.data(), requested.mu.data() + own);
+    for (const int out : requested.out) {
+        const bool is_incident =
+            std::find(requested.in.begin(), requested.in.end(), out) != requested.in.end();
+        if (!is_incident || requested.beside[std::size_t(out)] >= 0) continue;
+        requested.beside[std::size_t(out)] = int(cosines.size());
+        cosines.push_back(requested.mu[out] * (1.0 - kBeside));
+        cosines.push_back(requested.mu[out] * (1.0 - 2.0 * kBeside));
+    }
+    requested.mu = Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size()));
+    return requested;
+}
+
 bool only_fourier_order_zero(const RequestedDirections& requested) {
     return all_at_zenith(requested, requested.in) || all_at_zenith(requested, requested.out);
 }

@@ -46,6 +46,10 @@ struct RequestedDirections {
     /// The last ones of both lists, this many, were not asked for: two solutions are compared
     /// there.
     std::size_t probes = 0;
+    /// For each cosine that is both incident and outgoing the first of two of its own at the end of
+    /// mu, a little below it, where transmission into the incident direction itself is found by
+    /// extrapolation; -1 for the others. Empty where nothing asks for transmission.
+    std::vector<int> beside = {};
 
     std::size_t asked_out() const { return out.size() - probes; }
     std::size_t asked_in() const { return in.size() - probes; }
@@ -53,6 +57,10 @@ struct RequestedDirections {
 
 /// Each cosine once, ascending, with the positions of both lists.
 RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out);
+
+/// The same with `beside`: mu (1 - kBeside) and mu (1 - 2 kBeside).
+inline constexpr double kBeside = 3e-5;
+RequestedDirections with_cosines_beside(RequestedDirections requested);
 
 /// Whether all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0: Fourier order 0
 /// is all there is.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rte/math/quadrature.h"
 
@@ -29,9 +30,8 @@ std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const auto panels_left = int(panels.size() - p);
         const int share = int(std::lround(left * wanted[p] / sum));
-        counts.push_back(std::max(1, p + 1 == panels.size()
-                                         ? left
-                                         : std::min(share, left - panels_left + 1)));
+        counts.push_back(
+            std::max(1, p + 1 == panels.size() ? left : std::min(share, left - panels_left + 1)));
         left -= counts.back();
         sum -= wanted[p];
     }
@@ -112,7 +112,7 @@ double refracted_cosine(double index, double mu_air) {
 RequestedDirections refracted(const RequestedDirections& in_air, double index) {
     RequestedDirections inside = in_air;
     for (double& mu : inside.mu) mu = refracted_cosine(index, mu);
-    return inside;
+    return inside.beside.empty() ? inside : with_cosines_beside(std::move(inside));
 }
 
 }  // namespace miebrdf::rte

@@ -38,9 +38,21 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
     none.nodes.setZero(grid.size(), grid.size());
     none.rows.setZero(requested.mu.size(), grid.size());
     none.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    none.specular.resize(0);
     none.iterations = 0;
     none.residual = 0.0;
     none.converged = none.physical = true;
+}
+
+void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_requested,
+                   const RequestedDirections& requested, Reflector& mirror) {
+    mirror.nodes = at_nodes.asDiagonal();
+    mirror.rows.setZero(at_requested.size(), at_nodes.size());
+    mirror.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    mirror.specular = at_requested;
+    mirror.iterations = 0;
+    mirror.residual = 0.0;
+    mirror.converged = mirror.physical = true;
 }
 
 void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
@@ -152,6 +164,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
     work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
     work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
     alternating(medium.strengths, work.alternating);
+    result.specular.resize(0);
     if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
         result.residual = 0.0;

@@ -39,6 +39,10 @@ struct Reflector {
     /// counted as often as it does.
     Eigen::VectorXd glow_at_requested;
     Eigen::VectorXd glow_at_nodes;
+    /// What comes back of a beam at each requested cosine into the mirror direction, without being
+    /// scattered; `rows` and `multiple` are without it, `nodes` has it on the diagonal. Empty:
+    /// none.
+    Eigen::VectorXd specular;
     int iterations = 0;     ///< of an iterative method, else 0
     double residual = 0.0;  ///< largest (mu + mu') |change of R| in the last step, relative
     bool converged = true;  ///< of the iteration
@@ -61,6 +65,11 @@ math::ScratchMatrix reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& m
 /// order 0 only, zero for any other.
 void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
                        const RequestedDirections& requested, Reflector& ground);
+
+/// Reflection by a smooth mirror of reflectance s: sent to where it came from and nowhere else.
+/// @param at_nodes, at_requested  s, in [0, 1]
+void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_requested,
+                   const RequestedDirections& requested, Reflector& mirror);
 
 /// Nothing below: black.
 void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested, Reflector& none);

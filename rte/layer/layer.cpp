@@ -98,6 +98,40 @@ void fill_multiple(const FourierMode& mode, const RequestedDirections& requested
     divide_by_cosines(requested, layer.multiple);
 }
 
+// T = sum_l a_l (psi phi' - phi psi') / (4 (mu - mu')), the same without the first order. Towards
+// the incident direction itself numerator and denominator vanish: extrapolated from two incident
+// cosines beside it.
+void fill_transmitted(const FourierMedium& medium, const FourierMode& mode,
+                      const RequestedDirections& requested, LayerOperator& layer) {
+    const auto& Y = mode.at_requested;
+    const auto p = reflected_moments(requested.mu, layer.reflection_rows, mode);
+    Eigen::MatrixXd s = layer.transmission_rows * mode.scaled_nodes;
+    s = requested.mu.asDiagonal() * s;
+    const auto numerator = [&](int o, int i) {
+        double sum = 0.0;
+        for (Eigen::Index c = 0; c < Y.cols(); ++c) {
+            const double top_o = Y(o, c) + p(o, c), top_i = Y(i, c) + p(i, c);
+            // Without Y Y of the direct beams.
+            sum += medium.strengths[c] * (layer.direct[o] * Y(o, c) * p(i, c) + s(o, c) * top_i -
+                                          (p(o, c) * layer.direct[i] * Y(i, c) + top_o * s(i, c)));
+        }
+        return sum;
+    };
+    const auto at = [&](int o, int i) {
+        return numerator(o, i) / (4.0 * (requested.mu[o] - requested.mu[i]));
+    };
+    layer.transmitted_multiple.resize(Eigen::Index(requested.out.size()),
+                                      Eigen::Index(requested.in.size()));
+    for (std::size_t i = 0; i < requested.in.size(); ++i) {
+        for (std::size_t o = 0; o < requested.out.size(); ++o) {
+            const int out = requested.out[o], in = requested.in[i];
+            const int beside = out == in ? requested.beside[std::size_t(in)] : -1;
+            layer.transmitted_multiple(Eigen::Index(o), Eigen::Index(i)) =
+                beside < 0 ? at(out, in) : 2.0 * at(out, beside) - at(out, beside + 1);
+        }
+    }
+}
+
 }  // namespace
 
 Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) const {
@@ -118,6 +152,7 @@ void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const
     layer.direct = (-tau / requested.mu.array()).exp();
     fill_rows(tau, medium, mode, requested, work, layer);
     fill_multiple(mode, requested, work, layer);
+    if (!requested.beside.empty()) fill_transmitted(medium, mode, requested, layer);
     layer.physical = true;
 }
 
@@ -176,18 +211,34 @@ void gather_columns(const MatrixXd& rows, const std::vector<int>& which,
     }
 }
 
+// Light that the base's mirror sends into the layer or receives from it.
+void add_mirrored(const LayerOperator& layer, const Eigen::VectorXd& specular,
+                  const RequestedDirections& requested, MatrixXd& multiple) {
+    for (Eigen::Index i = 0; i < multiple.cols(); ++i) {
+        const int in = requested.in[std::size_t(i)];
+        const double back_in = layer.direct[in] * specular[in];
+        for (Eigen::Index o = 0; o < multiple.rows(); ++o) {
+            const int out = requested.out[std::size_t(o)];
+            const double back_out = layer.direct[out] * specular[out];
+            multiple(o, i) += layer.transmitted_multiple(o, i) * (back_in + back_out) +
+                              layer.multiple(o, i) * back_in * back_out;
+        }
+    }
+}
+
 // R between requested cosines: of the layer, of the base seen through it, and of light that
 // passes the interface. Reciprocity: the side with fewer cosines is the one that is lit.
 void fill_pairs(const LayerOperator& layer, const Reflector& base,
                 const RequestedDirections& requested, FourierWork& work, Reflector& result) {
+    const MatrixXd& through = base.specular.size() > 0 ? work.mirrored : layer.transmission_rows;
     const bool out_is_lit = requested.out.size() < requested.in.size();
     const std::vector<int>& lit = out_is_lit ? requested.out : requested.in;
     const std::vector<int>& other = out_is_lit ? requested.in : requested.out;
     gather_columns(work.seen, lit, work.beam);
-    gather_columns(layer.transmission_rows, lit, work.through);
+    gather_columns(through, lit, work.through);
     fill_interface(layer, base, work);
     gather_columns(work.seen, other, work.beam);
-    gather_columns(layer.transmission_rows, other, work.through);
+    gather_columns(through, other, work.through);
     work.pairs.resize(Eigen::Index(other.size()), Eigen::Index(lit.size()));
     work.pairs.noalias() = 0.5 * work.beam.transpose() * work.down;
     work.pairs.noalias() += 0.5 * work.through.transpose() * work.up;
@@ -205,6 +256,7 @@ void fill_pairs(const LayerOperator& layer, const Reflector& base,
                 layer.direct[requested.out[std::size_t(o)]] * base.multiple(o, i) * direct_in;
         }
     }
+    if (base.specular.size() > 0) add_mirrored(layer, base.specular, requested, result.multiple);
 }
 
 // The answer to a sky: down = T sky + X_c up, up = X_base down.
@@ -212,8 +264,13 @@ void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::Ve
               const FourierWork& work, Reflector& result) {
     const Eigen::VectorXd down = work.bounces.solve(layer.transmitted(sky));
     const Eigen::VectorXd up = base.nodes * down;
-    result.sky_at_requested =
-        layer.reflection_rows * sky + layer.transmission_rows * up + work.seen * down;
+    const bool has_mirror = base.specular.size() > 0;
+    result.sky_at_requested = layer.reflection_rows * sky + work.seen * down;
+    result.sky_at_requested += (has_mirror ? work.mirrored : layer.transmission_rows) * up;
+    if (has_mirror) {
+        result.sky_at_requested +=
+            layer.direct.cwiseProduct(base.specular).asDiagonal() * (layer.transmission_rows * sky);
+    }
     result.sky_at_nodes = layer.reflection * sky + layer.transmitted(up);
 }
 
@@ -224,8 +281,9 @@ void fill_glow(const LayerOperator& layer, const Reflector& base, const FourierW
     const Eigen::VectorXd down = work.bounces.solve(layer.reflection * below);
     const Eigen::VectorXd up = below + base.nodes * down;
     result.glow_at_nodes = layer.transmitted(up);
-    result.glow_at_requested = layer.transmission_rows * up + work.seen * down +
-                               layer.direct.cwiseProduct(base.glow_at_requested);
+    result.glow_at_requested =
+        (base.specular.size() > 0 ? work.mirrored : layer.transmission_rows) * up +
+        work.seen * down + layer.direct.cwiseProduct(base.glow_at_requested);
 }
 
 }  // namespace
@@ -246,13 +304,28 @@ void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDi
     work.square.noalias() = -layer.reflection * base.nodes;
     work.square.diagonal().array() += 1.0;
     work.bounces.compute(work.square);
+    const bool has_mirror = base.specular.size() > 0;
+    const Eigen::VectorXd back =
+        has_mirror ? Eigen::VectorXd(layer.direct.cwiseProduct(base.specular)) : Eigen::VectorXd();
+    result.specular.resize(0);
+    if (has_mirror) {
+        // What arrives below of light from a requested cosine, with what the mirror sends back up.
+        work.mirrored = layer.transmission_rows;
+        work.mirrored.noalias() += back.asDiagonal() * layer.reflection_rows;
+        result.specular = back.cwiseProduct(layer.direct);
+    }
     if (parts == ReflectorParts::sky) fill_sky(layer, base, sky, work, result);
     if (base.glow_at_nodes.size() > 0) fill_glow(layer, base, work, result);
     if (parts == ReflectorParts::nodes) {
         work.beam = work.seen.transpose();
-        work.through = layer.transmission_rows.transpose();
+        if (has_mirror) {
+            work.through = work.mirrored.transpose();
+        } else {
+            work.through = layer.transmission_rows.transpose();
+        }
         fill_interface(layer, base, work);
         result.rows = layer.reflection_rows;
+        if (has_mirror) result.rows.noalias() += back.asDiagonal() * layer.transmission_rows;
         result.rows.noalias() += work.up.transpose() * layer.transmission;  // T = T^T
     }
     fill_pairs(layer, base, requested, work, result);

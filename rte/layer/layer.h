@@ -18,9 +18,12 @@ struct LayerOperator {
     Eigen::MatrixXd reflection_rows;    ///< requested x n
     Eigen::MatrixXd transmission_rows;  ///< requested x n, scattered light only
     Eigen::MatrixXd multiple;           ///< R of light scattered more than once, out x in
-    Eigen::VectorXd direct;             ///< exp(-tau / mu) at the requested cosines
-    Eigen::MatrixXd thin_impedance;     ///< Z_p = F k tanh(k tau / 2) F^T
-    Eigen::MatrixXd coupling;           ///< B = F k / sinh(k tau) F^T
+    /// The same that leaves on the other side, out x in, where RequestedDirections::beside says
+    /// that it is wanted.
+    Eigen::MatrixXd transmitted_multiple;
+    Eigen::VectorXd direct;          ///< exp(-tau / mu) at the requested cosines
+    Eigen::MatrixXd thin_impedance;  ///< Z_p = F k tanh(k tau / 2) F^T
+    Eigen::MatrixXd coupling;        ///< B = F k / sinh(k tau) F^T
     Eigen::MatrixXd alike;     ///< (I + Z_p)^-1: light from both sides alike, (I + X_c + T_c) / 2
     Eigen::MatrixXd opposite;  ///< (I + Z_m)^-1: with opposite signs, (I + X_c - T_c) / 2
     bool physical = false;
@@ -49,7 +52,9 @@ LayerOperator solve_layer(double scaled_optical_depth, const FourierMedium& medi
 /// Reflection of a layer on something: `base` seen through it.
 /// Nodes by impedances, Z = Z_p + B (B + Y)^-1 Y with Y = Z_p + Z_base; requested cosines by the
 /// radiance at the interface. Nothing cancels, whatever the optical depth.
-/// `base` must have its nodes; the result has what `parts` says.
+/// `base` must have its nodes; the result has what `parts` says. A base with a specular part needs
+/// requested cosines with `beside`. Light that the layer scatters only once is left out, also what
+/// the base's mirror sends into it or out of it.
 /// @param sky     for ReflectorParts::sky: downward radiance at the nodes
 /// @param result  overwritten; must not be `base`
 void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDirections& requested,

@@ -141,7 +141,43 @@ Optics mix(const std::vector<MixtureComponent>& components) {
     return mixture;
 }
 
+void validate(const Boundary& boundary) {
+    const double alpha = boundary.roughness;
+    if (!(alpha == 0.0 || (alpha >= 0.02 && alpha <= 1.0)))
+        throw UsageError("boundary", alpha, "0.02 to 1, or 0: smooth");
+}
+
+double top_index(const Stack& stack) {
+    return stack.coats.empty() ? stack.base_index : stack.coats.back().index;
+}
+
+namespace {
+
+void require_index(double index) {
+    if (!(index >= kLeastIndex && index <= kLargestIndex)) {
+        throw UsageError("host_index", index, "1 to 3 behind a boundary or over a mirror");
+    }
+}
+
+// Indices matter for boundaries and mirrors only.
+void validate_indices(const Stack& stack) {
+    const std::complex<double> mirror = stack.mirror_index;
+    if (stack.base_kind == BaseKind::mirror) {
+        if (!(mirror.real() > 0.0 && mirror.imag() >= 0.0 && std::isfinite(std::abs(mirror))))
+            throw UsageError("mirror_index", mirror.real(), "n > 0, k >= 0, finite");
+    } else if (!stack.boundary) {
+        return;
+    }
+    if (stack.boundary) validate(*stack.boundary);
+    if (stack.base_kind == BaseKind::half_space || stack.coats.empty())
+        require_index(stack.base_index);
+    for (const Coat& coat : stack.coats) require_index(coat.index);
+}
+
+}  // namespace
+
 void validate(const Stack& stack) {
+    validate_indices(stack);
     if (stack.base_kind == BaseKind::half_space) validate(stack.base);
     if (!(stack.ground_albedo >= 0.0 && stack.ground_albedo <= 1.0)) {
         throw UsageError("ground_albedo", stack.ground_albedo, "[0, 1]");

@@ -68,6 +68,7 @@ struct ScaledMedium {
     double scaled_optical_depth = 0.0;  ///< tau', by delta-M; infinite for a half-space
     /// Degrees beyond delta-M; without a rest where there is nothing to correct.
     ForwardPeak narrow = {};
+    double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
 };
 
 }  // namespace miebrdf::rte

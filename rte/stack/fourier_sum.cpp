@@ -133,7 +133,9 @@ void note(const Reflector& reflector, int fourier_order, const RequestedDirectio
     if (fourier_order > 0) return;
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
     for (std::size_t i = 0; i < requested.asked_in(); ++i) {
-        sum.plane_albedo.push_back(reflector.sky_at_requested[requested.in[i]]);
+        const int in = requested.in[i];
+        const double mirrored = reflector.specular.size() > 0 ? reflector.specular[in] : 0.0;
+        sum.plane_albedo.push_back(mirrored + reflector.sky_at_requested[in]);
     }
 }
 
@@ -145,7 +147,7 @@ auto asked_part(const Eigen::MatrixXd& multiple, const RequestedDirections& requ
 
 }  // namespace
 
-MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid& grid,
+MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids& grids,
                                       const RequestedDirections& requested,
                                       std::span<const double> azimuth_deg, double tail_tolerance,
                                       const SolverOptions& options, StackMemory* memory,
@@ -157,7 +159,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid
     const int highest = only_fourier_order_zero(requested) ? 1 : stack.moments;
     const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostPairs;
 
-    StackSolver solver(stack, grid, requested, options, memory != nullptr ? *memory : own);
+    StackSolver solver(stack, grids, requested, options, memory != nullptr ? *memory : own);
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
@@ -168,7 +170,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid
         const Eigen::MatrixXd* multiple = coarser.settled(m);
         if (multiple == nullptr) {
             const Reflector& reflector =
-                m == 0 ? solver.solve(m, ReflectorParts::sky, flux_weights(grid))
+                m == 0 ? solver.solve(m, ReflectorParts::sky, flux_weights(grids.top()))
                        : solver.solve(m, ReflectorParts::pairs);
             if (!reflector.physical) {
                 sum.physical = false;

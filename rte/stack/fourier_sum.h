@@ -85,6 +85,7 @@ class CoarserFourierOrders {
 };
 
 struct ScaledStack;
+class StackGrids;
 struct StackMemory;
 
 /// Reflection without the first order of scattering, and how it was found.
@@ -111,7 +112,7 @@ struct MultipleScattering {
 /// at every azimuth (the odd ones across the plane of incidence) are left out.
 /// @param memory   for its matrices (stack_solver.h); null: of its own
 /// @param coarser  by_fourier_order of a solution with fewer nodes, or empty
-MultipleScattering sum_fourier_orders(const ScaledStack& stack, const ZenithGrid& grid,
+MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids& grids,
                                       const RequestedDirections& requested,
                                       std::span<const double> azimuth_deg, double tail_tolerance,
                                       const SolverOptions& options, StackMemory* memory = nullptr,

@@ -143,8 +143,15 @@ double bounded_depth(double scaled_optical_depth) {
 Stack with_black_ground(Stack stack) {
     if (stack.base_kind != BaseKind::half_space) return stack;
     if (stack.base.single_scattering_albedo != 0.0) return stack;
+    // A step of the index is seen in the dark too.
+    const auto is_seen = [&] {
+        return stack.boundary && !stack.coats.empty() &&
+               stack.coats.front().index != stack.base_index;
+    };
+    if (is_seen()) return stack;
     stack.base_kind = BaseKind::none;
-    while (!stack.coats.empty() && stack.coats.front().optics.single_scattering_albedo == 0.0) {
+    while (!stack.coats.empty() && stack.coats.front().optics.single_scattering_albedo == 0.0 &&
+           !is_seen()) {
         stack.coats.erase(stack.coats.begin());
     }
     return stack;

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include <miebrdf/error.h>
-#include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/hidden_layers.h"
+#include "rte/stack/refracted_first_order.h"
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
@@ -40,16 +40,29 @@ void require_options(const SolverOptions& options) {
     }
 }
 
+// A lower bound of the largest reflection at every incidence, of what lies under a boundary inside
+// it: what comes out is less by no more than this factor, and returns to where layers may hide
+// others as often (index 3).
+double brightness_of(const ScaledStack& stack, const Directions& directions) {
+    if (!stack.refracts()) return least_brightness(stack.media, directions);
+    constexpr double boundary_returns = 0.01;
+    Directions inside = directions;
+    for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
+        for (double& mu : *cosines) mu = refracted_cosine(stack.top_index, mu);
+    }
+    return boundary_returns * least_brightness(stack.media, inside);
+}
+
 Attempt reflect_with(const Stack& stack, const Directions& directions,
                      const RequestedDirections& requested, const SolverOptions& options,
                      const Discretisation& discretisation, StackMemory& memory,
-                     FourierOrders& orders, FirstOrderSum& first_order) {
+                     FourierOrders& orders, StackFirstOrder& first_order) {
     ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
-        scaled.brightness = least_brightness(scaled.media, directions);
-    const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
+        scaled.brightness = brightness_of(scaled, directions);
+    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
     MultipleScattering multiple =
-        sum_fourier_orders(scaled, grid, requested, directions.azimuth_deg,
+        sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,
                            kFourierTailShare * options.tolerance, options, &memory, orders);
     orders = std::move(multiple.by_fourier_order);
     Attempt attempt;
@@ -60,7 +73,7 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
-    if (attempt.physical) first_order.add_to(attempt.values, scaled.media);
+    if (attempt.physical) first_order.add_to(attempt.values, scaled);
     return attempt;
 }
 
@@ -76,7 +89,8 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     StackMemory& memory, const std::function<SurfaceWeights(double mu)>& surface) {
     ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     scaled.transmits = has_transmittance(scaled, options, bool(surface));
-    const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
+    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    const ZenithGrid& grid = grids.top();
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     const Eigen::VectorXd D = flux_weights(grid);
     Eigen::VectorXd let_in = D;
@@ -86,12 +100,16 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    StackSolver solver(scaled, grid, requested, options, memory);
+    StackSolver solver(scaled, grids, requested, options, memory);
     const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
     Attempt attempt;
     attempt.physical = reflector.physical;
     if (!attempt.physical) return attempt;
-    for (const int i : requested.in) attempt.values.push_back(reflector.sky_at_requested[i]);
+    const bool has_mirror = reflector.specular.size() > 0;
+    for (const int i : requested.in) {
+        const double mirrored = has_mirror ? reflector.specular[i] : 0.0;
+        attempt.values.push_back(mirrored + reflector.sky_at_requested[i]);
+    }
     const double entering = let_in.dot(D);  // 0: the surface is a mirror
     attempt.values.push_back(entering > 0.0 ? let_in.dot(reflector.sky_at_nodes) / entering : 0.0);
     if (scaled.transmits) {
@@ -105,6 +123,16 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     attempt.report.converged = reflector.converged;
     attempt.report.error_estimate = reflector.residual;
     return attempt;
+}
+
+// Nothing scattered is taken for a beam here: with the optical depths as they are.
+std::vector<double> mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in) {
+    const ScaledStack exact = scale_stack(stack, 1, false);
+    std::vector<double> reflectances;
+    if (exact.top_index == 1.0 && !exact.has_mirrors()) return reflectances;
+    if (exact.boundary && exact.boundary->is_rough()) return reflectances;
+    for (const double mu : mu_in) reflectances.push_back(mirror_reflectance(exact, mu));
+    return reflectances;
 }
 
 void name_worst_direction(const Directions& directions, SolverReport& report) {
@@ -136,7 +164,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
     StackMemory own;
     FourierOrders orders;  // of the solution before, with fewer nodes
-    FirstOrderSum first_order(judged, options);
+    StackFirstOrder first_order(judged, options);
     Attempt attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
         [&](const Discretisation& discretisation) {
@@ -150,7 +178,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                                     std::numeric_limits<double>::quiet_NaN());
     }
     return {probes.without(std::move(attempt.values)), std::move(attempt.plane_albedo),
-            std::move(attempt.report)};
+            mirror_reflectances(stack, directions.mu_in), std::move(attempt.report)};
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
@@ -174,6 +202,7 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     return {{values.begin(), end_of_plane},
             *end_of_plane,
             {end_of_plane + 1, values.end()},
+            mirror_reflectances(stack, mu_in),
             std::move(attempt.report)};
 }
 

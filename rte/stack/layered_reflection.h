@@ -17,17 +17,23 @@ struct StackMemory;
 /// azimuth_deg[a]); BRDF = R / pi.
 struct ReflectionTable {
     std::vector<double> reflection;
-    /// At each mu_in, from the same solution; NaN if it is not physical.
+    /// At each mu_in, from the same solution, the mirror's part included; NaN if it is not
+    /// physical.
     std::vector<double> plane_albedo;
+    /// At each mu_in, what is reflected into the mirror direction and nowhere else, by boundaries
+    /// and mirrors: a delta that `reflection` is without. Empty where there is none.
+    std::vector<double> mirror_reflectance;
     SolverReport report;
 };
 
 struct AlbedoTable {
-    std::vector<double> plane_albedo;  ///< one for each mu_in
+    std::vector<double> plane_albedo;  ///< one for each mu_in, with the mirror's part
     double spherical_albedo = 0.0;     ///< of uniform light from everywhere
     /// Net flux into what lies below the layers, where that is a ground or nothing: one for each
     /// mu_in, then that of uniform light. Empty for half-spaces.
     std::vector<double> transmittance;
+    /// Into the mirror direction and nowhere else, at each mu_in; empty where there is none.
+    std::vector<double> mirror_reflectance;
     SolverReport report;
 };
 

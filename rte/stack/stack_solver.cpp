@@ -1,31 +1,79 @@
 #include "rte/stack/stack_solver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "rte/boundary/smooth_boundary.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 
 namespace miebrdf::rte {
+
+namespace {
+
+// Indices as boundaries see them: steps too small for one are none.
+void find_indices(const Stack& stack, ScaledStack& scaled) {
+    double lowest = stack.base_index;
+    if (stack.base_kind != BaseKind::half_space) {
+        const auto coat = std::find_if(stack.coats.begin(), stack.coats.end(),
+                                       [](const Coat& c) { return c.optical_depth > 0.0; });
+        if (coat != stack.coats.end()) lowest = coat->index;
+    }
+    scaled.mirror_index = stack.mirror_index;
+    scaled.boundary = stack.boundary;
+    scaled.ground_index = lowest;
+    if (!stack.boundary) {
+        // A mirror is what it is to the medium above, boundaries or not.
+        scaled.mirror_index /= lowest;
+        scaled.ground_index = scaled.top_index = 1.0;
+        for (ScaledMedium& medium : scaled.media) medium.index = 1.0;
+        return;
+    }
+    double above = 1.0;
+    const auto snap = [&above](double& index) {
+        if (std::abs(index - above) < kLeastIndexStep * above) index = above;
+        above = index;
+    };
+    for (std::size_t i = scaled.media.size(); i-- > 0;) snap(scaled.media[i].index);
+    if (!scaled.media.empty()) scaled.ground_index = scaled.media.front().index;
+    snap(scaled.ground_index);
+    scaled.top_index = scaled.media.empty() ? scaled.ground_index : scaled.media.back().index;
+    if (scaled.top_index == 1.0) scaled.boundary.reset();
+}
+
+}  // namespace
+
+bool ScaledStack::refracts() const {
+    return top_index != 1.0 || ground_index != 1.0 ||
+           std::any_of(media.begin(), media.end(),
+                       [](const ScaledMedium& medium) { return medium.index != 1.0; });
+}
+
+bool ScaledStack::has_mirrors() const {
+    return base == BaseKind::mirror ||
+           std::any_of(media.begin(), media.end(),
+                       [this](const ScaledMedium& medium) { return medium.index != top_index; });
+}
 
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
     ScaledStack scaled;
     scaled.moments = moments;
     scaled.base = stack.base_kind;
     scaled.ground_albedo = stack.ground_albedo;
-    const auto add = [&](const Optics& optics, double optical_depth) {
+    const auto add = [&](const Optics& optics, double optical_depth, double index) {
         ScaledOptics medium = scale_optics(optics, moments, delta_m);
         const double scaled_depth = bounded_depth(optical_depth * medium.depth_factor);
         ForwardPeak narrow;
         if (medium.truncated > 0.0) {
             narrow = split_forward_peak(optics.chi, medium.first_cutoff);
         }
-        scaled.media.push_back({optics, std::move(medium), scaled_depth, std::move(narrow)});
+        scaled.media.push_back({optics, std::move(medium), scaled_depth, std::move(narrow), index});
     };
     if (stack.base_kind == BaseKind::half_space) {
-        add(stack.base, std::numeric_limits<double>::infinity());
+        add(stack.base, std::numeric_limits<double>::infinity(), stack.base_index);
     }
     for (const Coat& coat : stack.coats) {
         if (coat.optical_depth == 0.0) continue;
@@ -33,31 +81,77 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
             scaled.media.clear();
             scaled.base = BaseKind::half_space;
         }
-        add(coat.optics, coat.optical_depth);
+        add(coat.optics, coat.optical_depth, coat.index);
     }
+    find_indices(stack, scaled);
     return scaled;
 }
 
-StackSolver::StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
+StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}
+
+StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count) : indices_{1.0} {
+    if (!stack.refracts()) {
+        grids_.push_back(make_zenith_grid(kind, count));
+        return;
+    }
+    std::vector<double> scattering;
+    for (const ScaledMedium& medium : stack.media) scattering.push_back(medium.index);
+    if (scattering.empty()) scattering.push_back(stack.ground_index);
+    refraction_.emplace(scattering, count);
+    scattering.push_back(1.0);
+    std::sort(scattering.begin(), scattering.end());
+    scattering.erase(std::unique(scattering.begin(), scattering.end()), scattering.end());
+    indices_ = std::move(scattering);
+    for (const double index : indices_) grids_.push_back(refraction_->in_medium(index));
+}
+
+const ZenithGrid& StackGrids::of(double index) const {
+    const auto at = std::find(indices_.begin(), indices_.end(), index);
+    return grids_[std::size_t(at - indices_.begin())];
+}
+
+StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
                          const RequestedDirections& requested, const SolverOptions& options,
                          StackMemory& memory)
     : stack_(stack),
-      grid_(grid),
-      requested_(requested),
+      grids_(grids),
       options_(options),
       tolerance_(kEquationShare * options.tolerance),
-      memory_(memory) {}
+      memory_(memory) {
+    const bool has_mirrors = stack.has_mirrors();
+    for (const double index : grids.indices()) {
+        requested_.push_back(refracted(requested, index));
+        if (has_mirrors) requested_.back() = with_cosines_beside(requested_.back());
+    }
+    memory_.modes.resize(requested_.size());
+}
+
+std::size_t StackSolver::place_of(double index) const {
+    const auto& indices = grids_.indices();
+    return std::size_t(std::find(indices.begin(), indices.end(), index) - indices.begin());
+}
 
 const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
-    make_fourier_mode(fourier_order, stack_.moments, grid_, requested_, memory_.mode);
-    const std::size_t first_coat = solve_lowest();
-    bool has_sky = false;
-    for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
-        const bool is_top = c + 1 == stack_.media.size();
-        put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
-        has_sky = is_top && options_.coat_method == CoatMethod::automatic;
+    const std::vector<double>& indices = grids_.indices();
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+        make_fourier_mode(fourier_order, stack_.moments, grids_.of(indices[k]), requested_[k],
+                          memory_.modes[k]);
     }
+    const bool has_boundary = stack_.top_index != 1.0;
+    const std::size_t first_coat = solve_lowest();
+    bool has_sky = has_boundary;
+    double index = first_coat > 0 ? stack_.media[first_coat - 1].index : stack_.ground_index;
+    for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
+        const bool is_top = c + 1 == stack_.media.size() && !has_boundary;
+        const double next = stack_.media[c].index;
+        if (next != index) put_on_boundary(index, next, ReflectorParts::nodes, sky);
+        index = next;
+        if (!memory_.reflector.physical) break;
+        put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
+        has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
+    }
+    if (has_boundary && memory_.reflector.physical) put_on_boundary(index, 1.0, parts, sky);
     if (parts == ReflectorParts::sky && !has_sky && memory_.reflector.physical) {
         memory_.reflector.sky_at_requested.noalias() = memory_.reflector.rows * sky;
         memory_.reflector.sky_at_nodes.noalias() = memory_.reflector.nodes * sky;
@@ -65,13 +159,22 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
     return memory_.reflector;
 }
 
+void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
+                                  const Eigen::VectorXd& sky) {
+    const SmoothBoundary boundary(below, above, grids_.refraction(), requested_in(below));
+    std::swap(memory_.below, memory_.reflector);
+    put_boundary_on(boundary, memory_.below, requested_in(below), parts, sky, memory_.work,
+                    memory_.reflector);
+}
+
 void StackSolver::set_medium(const ScaledMedium& medium) {
     const ScaledOptics& scaled = medium.scaled;
+    const FourierMode& mode = memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
-    memory_.medium.lowest_degree = memory_.mode.fourier_order;
-    memory_.medium.strengths.resize(memory_.mode.at_nodes.cols());
+    memory_.medium.lowest_degree = mode.fourier_order;
+    memory_.medium.strengths.resize(mode.at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
-        const Eigen::Index l = memory_.mode.fourier_order + c;
+        const Eigen::Index l = mode.fourier_order + c;
         memory_.medium.strengths[c] =
             l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
     }
@@ -90,8 +193,10 @@ std::size_t StackSolver::solve_lowest() {
                                     tolerance_ * std::min(stack_.brightness, 1.0))) {
             continue;
         }
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_,
-                         requested_, tolerance_, memory_.work, memory_.reflector);
+        const double index = stack_.media[c].index;
+        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, mode_of(index),
+                         grids_.of(index), requested_in(index), tolerance_, memory_.work,
+                         memory_.reflector);
         return c + 1;
     }
     solve_base();
@@ -99,47 +204,63 @@ std::size_t StackSolver::solve_lowest() {
 }
 
 void StackSolver::solve_base() {
+    const double index =
+        stack_.base == BaseKind::half_space ? stack_.media.front().index : stack_.ground_index;
+    const FourierMode& mode = mode_of(index);
+    const ZenithGrid& grid = grids_.of(index);
+    const RequestedDirections& requested = requested_in(index);
     memory_.reflector.glow_at_nodes.resize(0);
-    if (stack_.transmits) {
-        memory_.reflector.glow_at_nodes = flux_weights(grid_);
-        memory_.reflector.glow_at_requested.setOnes(requested_.mu.size());
-    }
     switch (stack_.base) {
         case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, memory_.mode, grid_, requested_,
-                              memory_.reflector);
-            return;
-        case BaseKind::none:
-            no_reflection(grid_, requested_, memory_.reflector);
-            return;
-        case BaseKind::half_space:
+            lambertian_ground(stack_.ground_albedo, mode, grid, requested, memory_.reflector);
             break;
+        case BaseKind::none:
+            no_reflection(grid, requested, memory_.reflector);
+            break;
+        case BaseKind::mirror:
+            mirror_ground(boundary_reflectance(index, stack_.mirror_index, grid.mu),
+                          boundary_reflectance(index, stack_.mirror_index, requested.mu), requested,
+                          memory_.reflector);
+            break;
+        case BaseKind::half_space:
+            set_medium(stack_.media.front());
+            solve_half_space(options_.half_space_method, memory_.medium, mode, grid, requested,
+                             tolerance_, memory_.work, memory_.reflector);
+            return;
     }
-    set_medium(stack_.media.front());
-    solve_half_space(options_.half_space_method, memory_.medium, memory_.mode, grid_, requested_,
-                     tolerance_, memory_.work, memory_.reflector);
+    if (!stack_.transmits) return;
+    Reflector& ground = memory_.reflector;
+    ground.glow_at_nodes = flux_weights(grid);
+    ground.glow_at_requested.setOnes(requested.mu.size());
+    if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
+        ground.glow_at_nodes -= ground.nodes * ground.glow_at_nodes;
+        ground.glow_at_requested -= ground.specular;
+    }
 }
 
 void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky) {
     const ScaledMedium& coat = stack_.media[index];
     set_medium(coat);
+    const FourierMode& mode = mode_of(coat.index);
+    const ZenithGrid& grid = grids_.of(coat.index);
+    const RequestedDirections& requested = requested_in(coat.index);
     if (options_.coat_method != CoatMethod::automatic) {
         const std::vector<ScaledMedium> below(stack_.media.begin(),
                                               stack_.media.begin() + std::ptrdiff_t(index));
-        memory_.reflector = step_through_coat(
-            options_.coat_method, options_.coat_substeps, coat.scaled_optical_depth, memory_.medium,
-            first_order_of(below, memory_.mode, requested_), memory_.mode, grid_, requested_,
-            std::move(memory_.reflector));
+        memory_.reflector = step_through_coat(options_.coat_method, options_.coat_substeps,
+                                              coat.scaled_optical_depth, memory_.medium,
+                                              first_order_of(below, mode, requested), mode, grid,
+                                              requested, std::move(memory_.reflector));
         return;
     }
-    solve_layer(coat.scaled_optical_depth, memory_.medium, memory_.mode, grid_, requested_, parts,
-                tolerance_, memory_.work, memory_.layer);
+    solve_layer(coat.scaled_optical_depth, memory_.medium, mode, grid, requested, parts, tolerance_,
+                memory_.work, memory_.layer);
     if (!memory_.layer.physical) {
         memory_.reflector.physical = false;
         return;
     }
     std::swap(memory_.below, memory_.reflector);
-    put_on(memory_.layer, memory_.below, requested_, parts, sky, memory_.work, memory_.reflector);
+    put_on(memory_.layer, memory_.below, requested, parts, sky, memory_.work, memory_.reflector);
 }
 
 }  // namespace miebrdf::rte

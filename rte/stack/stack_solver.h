@@ -3,12 +3,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 #include "rte/fourier/eigenmodes.h"
+#include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
 #include "rte/phase/scaled_medium.h"
 
@@ -18,12 +21,22 @@ struct ScaledStack {
     std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
     BaseKind base = BaseKind::half_space;
     double ground_albedo = 0.0;
-    int moments = 1;  ///< Legendre moments of the medium that has most
+    std::complex<double> mirror_index = 1.0;
+    /// Of what lies on the ground or mirror, and of the topmost medium. Both as far as boundaries
+    /// see them: without a boundary the topmost is 1, media have their neighbours' index.
+    double ground_index = 1.0, top_index = 1.0;
+    std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
+    int moments = 1;                        ///< Legendre moments of the medium that has most
     /// The flux into what lies below is wanted (Reflector::glow_at_requested): nothing is left out.
     bool transmits = false;
     /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
     /// coat is left out what does not show beside that. 0: nothing is.
     double brightness = 0.0;
+
+    /// Any index but one: nodes and requested cosines differ from medium to medium.
+    bool refracts() const;
+    /// Beams come back from mirrors or boundaries below a medium.
+    bool has_mirrors() const;
 };
 
 /// delta-M for every medium; layers without depth are left out, and so is everything below a coat
@@ -31,13 +44,33 @@ struct ScaledStack {
 /// @param moments  as of scale_optics
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
 
+/// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
+class StackGrids {
+  public:
+    /// One for all.
+    StackGrids(ZenithGrid grid);
+    StackGrids(const ScaledStack& stack, GridKind kind, int count);
+
+    /// Of light that enters and leaves.
+    const ZenithGrid& top() const { return grids_.front(); }
+    const ZenithGrid& of(double index) const;
+    /// Index 1 first, where there are several.
+    const std::vector<double>& indices() const { return indices_; }
+    const RefractionGrid& refraction() const { return *refraction_; }
+
+  private:
+    std::vector<double> indices_;
+    std::vector<ZenithGrid> grids_;
+    std::optional<RefractionGrid> refraction_;
+};
+
 /// All matrices that a stack takes, for one Fourier order, one number of nodes and one stack after
 /// the other. Wavelengths solved in the same memory save 0 to 5 % of the time at 16 and 24 nodes
 /// and 9 to 19 % at 48, where every new memory is fresh pages of the system (31 coated half-spaces,
 /// 1 to 1024 pairs of directions). Results are the same to the last bit. Not thread-safe.
 struct StackMemory {
-    FourierMode mode = {};      ///< of the order that is being solved
-    FourierMedium medium = {};  ///< of the base or coat that is being solved
+    std::vector<FourierMode> modes = {};  ///< of the order that is being solved, by index
+    FourierMedium medium = {};            ///< of the base or coat that is being solved
     FourierWork work = {};
     LayerOperator layer = {};
     Reflector reflector = {}, below = {};
@@ -48,11 +81,14 @@ struct StackMemory {
 class StackSolver {
   public:
     /// The arguments must outlive this.
-    StackSolver(const ScaledStack& stack, const ZenithGrid& grid,
+    /// @param requested  in air
+    StackSolver(const ScaledStack& stack, const StackGrids& grids,
                 const RequestedDirections& requested, const SolverOptions& options,
                 StackMemory& memory);
 
-    /// @param sky  for ReflectorParts::sky: downward radiance at the nodes
+    /// Of the whole stack, boundary included. Where there is one, `specular` is the reflection into
+    /// the mirror direction, the same in all orders.
+    /// @param sky  for ReflectorParts::sky: downward radiance at the nodes of StackGrids::top
     /// @return valid until the next call
     const Reflector& solve(int fourier_order, ReflectorParts parts,
                            const Eigen::VectorXd& sky = {});
@@ -62,15 +98,23 @@ class StackSolver {
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
+    void put_on_boundary(double below, double above, ReflectorParts parts,
+                         const Eigen::VectorXd& sky);
     void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
     /// Degrees that a medium has no moments for scatter nothing.
     void set_medium(const ScaledMedium& medium);
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
 
+    std::size_t place_of(double index) const;
+    const FourierMode& mode_of(double index) const { return memory_.modes[place_of(index)]; }
+    const RequestedDirections& requested_in(double index) const {
+        return requested_[place_of(index)];
+    }
+
     const ScaledStack& stack_;
-    const ZenithGrid& grid_;
-    const RequestedDirections& requested_;
+    const StackGrids& grids_;
+    std::vector<RequestedDirections> requested_;  ///< by index
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order
     StackMemory& memory_;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,6 +97,27 @@ void add_facts(Table& table, const ResultReport& result, const Scene& scene,
     add_report(table, result);
 }
 
+/// What a smooth boundary sends into the mirror direction is no value of the BRDF: it is said.
+void add_mirror(Table& table, const BrdfValues& values) {
+    const std::vector<double>& mu_in = values.directions.mu_in;
+    for (std::size_t i = 0; i < mu_in.size(); ++i) {
+        std::vector<double> shares;
+        for (const BrdfValues::Slice& slice : values.slices) {
+            if (!slice.mirror_reflectance.empty()) shares.push_back(slice.mirror_reflectance[i]);
+        }
+        if (shares.empty()) return;
+        const auto [least, largest] = std::minmax_element(shares.begin(), shares.end());
+        const std::string range = *least == *largest
+                                      ? fmt::format("{:.6g}", *least)
+                                      : fmt::format("{:.6g} to {:.6g}", *least, *largest);
+        table.facts.emplace_back(
+            "mirror_reflectance",
+            fmt::format("mu_in {}: {} of the light goes into the mirror direction alone; not in "
+                        "the values",
+                        mu_in[i], range));
+    }
+}
+
 void add_rows(Table& table, const BrdfValues& values, const BrdfQuestion& question) {
     const double factor = question.as_reflection ? std::numbers::pi : 1.0;
     const auto& [mu_in, mu_out, azimuth_deg] = question.directions;
@@ -125,6 +147,7 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
                   (question.as_reflection ? "reflection: pi times the BRDF, 1 for white Lambertian"
                                           : "brdf: 1/sr, cosine not included"));
     add_physics(table, values);
+    add_mirror(table, values);
     const std::string quantity = question.as_reflection ? "reflection" : "brdf";
     table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg"};
     for (const BrdfPart part : question.columns) {
@@ -177,14 +200,18 @@ void add_spectra(Table& table, const AlbedoValues& values) {
         table.columns.insert(table.columns.end(),
                              {"plane_transmittance", "spherical_transmittance"});
     }
+    const bool mirrors = !values.mirror_reflectance.empty();
+    if (mirrors) table.columns.emplace_back("mirror_reflectance");
     for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
         for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
             auto& row = table.rows.emplace_back(
                 std::vector<Cell>{values.wavelengths[w].wavelength_nm, values.mu_in[i],
                                   values.at(w, i), values.spherical_albedo[w]});
-            if (!transmits) continue;
-            row.emplace_back(values.plane_transmittance[w][i]);
-            row.emplace_back(values.spherical_transmittance[w]);
+            if (transmits) {
+                row.emplace_back(values.plane_transmittance[w][i]);
+                row.emplace_back(values.spherical_transmittance[w]);
+            }
+            if (mirrors) row.emplace_back(values.mirror_reflectance[w][i]);
         }
     }
 }
@@ -202,7 +229,8 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
         add_facts(
             table, values, brdf.scene(),
             "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless; "
-            "transmittances: net flux into what lies below the layers");
+            "transmittances: net flux into what lies below the layers; mirror_reflectance: the "
+            "part of plane_albedo that goes into the mirror direction alone");
         add_spectra(table, values);
     }
     shell.write(std::move(table));

@@ -96,6 +96,9 @@ class BrdfValues : public ResultReport {
     /// were not asked for are empty.
     struct Slice {
         std::vector<double> subsurface, surface, total;
+        /// At each mu_in, what a smooth boundary or a mirror below sends into the mirror direction
+        /// and nowhere else: a delta that the values are without. Empty: there is none.
+        std::vector<double> mirror_reflectance;
         PhysicsReport layers_physics;  ///< of subsurface
         PhysicsReport physics;         ///< of total, or of the one part that was asked for
 
@@ -114,6 +117,9 @@ class AlbedoValues : public ResultReport {
     std::vector<double> mu_in;
     std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
     std::vector<double> spherical_albedo;           ///< [wavelength]
+    /// What of them goes into the mirror direction and nowhere else, [wavelength][mu_in]; empty
+    /// without boundary and mirror.
+    std::vector<std::vector<double>> mirror_reflectance;
     /// Of scenes on a substrate without a surface: net flux into what lies below the layers.
     std::vector<std::vector<double>> plane_transmittance;  ///< [wavelength][mu_in]
     std::vector<double> spherical_transmittance;           ///< [wavelength]

@@ -158,22 +158,31 @@ struct Substrate {
     enum class Kind {
         black,       ///< nothing comes back
         lambertian,  ///< a share of the flux, alike in all directions
-        none,        ///< a free film: what passes it is gone
+        none,        ///< a free film: what passes it is gone; a Boundary is on both its sides
+        mirror,      ///< a smooth surface of a metal or another refractive index
     };
     Kind kind = Kind::black;
     /// Of a Lambertian ground, in [0, 1]: one for all wavelengths, or a table over `wavelength_nm`.
     std::vector<double> albedo = {};
     std::vector<double> wavelength_nm = {};  ///< ascending; linear between them
     std::string file = {};                   ///< where the table comes from, for messages
+    Host mirror = {};                        ///< what a mirror is made of
 
     bool operator==(const Substrate&) const = default;
 };
 
-/// Reads `black`, `none`, `lambert:ALBEDO` or `lambert:FILE` (CSV wavelength_nm,albedo).
+/// Reads `black`, `none`, `lambert:ALBEDO`, `lambert:FILE` (CSV wavelength_nm,albedo),
+/// `mirror:NAME` or `mirror:index:N,K`.
 /// @throws UsageError, InputError
 Substrate substrate(const std::string& text);
 /// In the notation of substrate().
 std::string describe(const Substrate& substrate);
+
+/// Reads `smooth`, `rough:ALPHA` or `rough:ALPHA,beckmann` (or ggx, which is the default).
+/// @throws UsageError
+rte::Boundary boundary(const std::string& text);
+/// In the notation of boundary().
+std::string describe(const rte::Boundary& boundary);
 
 /// Whether crowded particles see each other.
 enum class Packing {
@@ -201,6 +210,10 @@ struct Scene {
     std::vector<Layer> layers = {};
     ParticleOptions particles = {};
     std::optional<rte::SurfaceOptions> surface = {};  ///< empty: no lobe, all light enters
+    /// Where light is refracted between air and what lies between the particles of the top layer;
+    /// layers of different hosts are separated by smooth boundaries then. Not together with
+    /// `surface`. Empty: hosts matter to the particles alone.
+    std::optional<rte::Boundary> boundary = {};
     rte::SurfaceCoupling coupling = rte::SurfaceCoupling::paper;
     /// Index of the surface where the top medium has none of its own (hg:, isotropic:, ...), or
     /// where it should differ.
@@ -215,6 +228,10 @@ std::string describe(const Scene& scene);
 /// The medium on top of a scene: that of the last layer, or the base.
 /// @throws UsageError  for a substrate without layers
 const Medium& top_medium(const Scene& scene);
+
+/// What lies between the particles of a layer, or on a substrate without layers: its own host, else
+/// that of the scene.
+const Host& host_of(const Scene& scene, const Medium& medium);
 
 /// Refuses numbers that no scene can have.
 /// @throws UsageError  with field, value and allowed range

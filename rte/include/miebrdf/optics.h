@@ -3,8 +3,12 @@
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <complex>
 #include <functional>
+#include <optional>
 #include <vector>
+
+#include <miebrdf/surface.h>
 
 #pragma GCC visibility push(default)
 namespace miebrdf::rte {
@@ -71,12 +75,16 @@ Optics mix(const std::vector<MixtureComponent>& components);
 struct Coat {
     Optics optics;
     double optical_depth = 0.0;  ///< of extinction, vertical, >= 0; may be infinite
+    /// Refractive index of what lies between the particles, in [1, 3]. It matters where there is a
+    /// Boundary, or a mirror below.
+    double index = 1.0;
 };
 
 enum class BaseKind {
     half_space,  ///< a medium without end
     lambertian,  ///< a ground that reflects `ground_albedo` of the flux alike in all directions
     none,        ///< nothing: black
+    mirror,      ///< a smooth surface of `mirror_index`; what passes it is gone
 };
 
 /// A base and its coats in painting order: the last one is on top.
@@ -85,7 +93,17 @@ struct Stack {
     std::vector<Coat> coats = {};
     BaseKind base_kind = BaseKind::half_space;
     double ground_albedo = 0.0;  ///< in [0, 1], of the Lambertian ground
+    /// n + ik of the mirror: of a metal, or 1 for the lower side of a free film.
+    std::complex<double> mirror_index = 1.0;
+    /// As Coat::index: of the half-space, or of what lies on the ground where there is no coat.
+    double base_index = 1.0;
+    /// Between air and the topmost medium. Media of different indices below it are separated by
+    /// smooth boundaries. Empty: indices are not looked at, light enters as if there were none.
+    std::optional<Boundary> boundary = {};
 };
+
+/// The index of what lies directly under the air.
+double top_index(const Stack& stack);
 
 /// Checks every medium, optical depth and the ground's albedo.
 /// @throws UsageError  naming what is out of range

@@ -41,6 +41,25 @@ struct SurfaceOptions {
 /// @throws UsageError  for a slope parameter out of range
 void validate(const SurfaceOptions& options);
 
+/// Refractive indices of media behind a boundary to air.
+inline constexpr double kLeastIndex = 1.0;
+inline constexpr double kLargestIndex = 3.0;
+/// A relative step of the index below this is no boundary.
+inline constexpr double kLeastIndexStep = 1e-3;
+
+/// A refracting boundary between air and the medium below it.
+struct Boundary {
+    /// Slope parameter of the microfacets, in [0.02, 1]; 0: smooth.
+    double roughness = 0.0;
+    MicrofacetDistribution distribution = MicrofacetDistribution::ggx;
+
+    bool is_rough() const { return roughness > 0.0; }
+    bool operator==(const Boundary&) const = default;
+};
+
+/// @throws UsageError  for a roughness out of range
+void validate(const Boundary& boundary);
+
 /// An integral and how it came about.
 struct IntegralResult {
     double value = 0.0;

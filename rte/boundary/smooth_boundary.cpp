@@ -1,0 +1,126 @@
+#include "rte/boundary/smooth_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rte/boundary/fresnel.h"
+#include "rte/fourier/eigenmodes.h"
+#include "rte/math/matrices.h"
+
+namespace miebrdf::rte {
+namespace {
+
+// From the side of the smaller index, where every angle is refracted.
+double dielectric_reflectance(double here, double beyond, double mu) {
+    if (here <= beyond) return fresnel_reflectance(beyond / here, mu);
+    const double ratio = here / beyond;
+    const double mu2 = 1.0 - ratio * ratio * (1.0 - mu) * (1.0 + mu);
+    return mu2 > 0.0 ? fresnel_reflectance(ratio, std::sqrt(mu2)) : 1.0;
+}
+
+// Rows of a table, from the left.
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& table, const std::vector<int>& which) {
+    Eigen::MatrixXd rows(Eigen::Index(which.size()), table.cols());
+    for (std::size_t k = 0; k < which.size(); ++k) rows.row(Eigen::Index(k)) = table.row(which[k]);
+    return rows;
+}
+
+// G = Gamma^(1/2) (I - Gamma^(1/2) X Gamma^(1/2))^-1 Gamma^(1/2). False if it has no physical
+// solution.
+bool find_returns(const Eigen::VectorXd& reflectance, const Eigen::MatrixXd& X, FourierWork& work,
+                  Eigen::MatrixXd& returns) {
+    const Eigen::VectorXd root = reflectance.cwiseSqrt();
+    work.square = -(root.asDiagonal() * X * root.asDiagonal());
+    work.square.diagonal().array() += 1.0;
+    if (!math::invert_positive_definite(work.square, returns)) return false;
+    returns = root.asDiagonal() * returns * root.asDiagonal();
+    return true;
+}
+
+}  // namespace
+
+Eigen::VectorXd boundary_reflectance(double here, std::complex<double> beyond,
+                                     const Eigen::VectorXd& mu) {
+    return mu.unaryExpr([=](double cosine) {
+        return beyond.imag() == 0.0 ? dielectric_reflectance(here, beyond.real(), cosine)
+                                    : fresnel_reflectance(beyond / here, cosine);
+    });
+}
+
+SmoothBoundary::SmoothBoundary(double below, double above, const RefractionGrid& grid,
+                               const RequestedDirections& requested)
+    : index_below(below),
+      index_above(above),
+      at_requested(boundary_reflectance(below, above, requested.mu)),
+      nodes_above(grid.nodes_below(above)) {
+    at_nodes = boundary_reflectance(below, above, grid.in_medium(below).mu);
+    // Rounding must not let a node through that belongs to total reflection.
+    const Eigen::Index trapped = at_nodes.size() - nodes_above;
+    if (trapped > 0) at_nodes.head(trapped).setOnes();
+}
+
+void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
+                     const RequestedDirections& requested, ReflectorParts parts,
+                     const Eigen::VectorXd& sky, FourierWork& work, Reflector& result) {
+    const Eigen::MatrixXd& X = below.nodes;
+    result.iterations = below.iterations;
+    result.residual = below.residual;
+    result.converged = below.converged;
+    Eigen::MatrixXd& G = work.joint;
+    result.physical = find_returns(boundary.at_nodes, X, work, G);
+    if (!result.physical) return;
+
+    const double n = boundary.index_above / boundary.index_below;
+    // A beam that a mirror below sends back is reflected down again and again.
+    const Eigen::ArrayXd r = boundary.at_requested.array();
+    const bool has_mirror = below.specular.size() > 0;
+    const Eigen::ArrayXd mirror =
+        has_mirror ? Eigen::ArrayXd(below.specular.array()) : Eigen::ArrayXd::Zero(r.size());
+    const Eigen::VectorXd passed = (1.0 - r) / (1.0 - r * mirror);
+    result.specular = r + (1.0 - r) * mirror * passed.array();
+
+    const Eigen::MatrixXd out = rows_of(below.rows, requested.out);
+    const Eigen::MatrixXd in = rows_of(below.rows, requested.in);
+    result.multiple = below.multiple;
+    result.multiple.noalias() += 0.5 * (out * G) * in.transpose();
+    for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
+        for (Eigen::Index o = 0; o < result.multiple.rows(); ++o) {
+            result.multiple(o, i) *= n * n * passed[requested.in[std::size_t(i)]] *
+                                     passed[requested.out[std::size_t(o)]];
+        }
+    }
+
+    const Eigen::Index common = std::min(X.rows(), boundary.nodes_above);
+    const Eigen::VectorXd enters = 1.0 - boundary.at_nodes.tail(common).array();
+    if (parts != ReflectorParts::pairs) {
+        work.other_square.noalias() = G * X;
+        Eigen::MatrixXd down = work.other_square;  // (I - Gamma X)^-1
+        down.diagonal().array() += 1.0;
+        result.rows.setZero(below.rows.rows(), boundary.nodes_above);
+        result.rows.rightCols(common).noalias() =
+            (n * passed).asDiagonal() * below.rows * down.rightCols(common) * enters.asDiagonal();
+        Eigen::MatrixXd seen = X;
+        seen.noalias() += X * work.other_square;
+        result.nodes.setIdentity(boundary.nodes_above, boundary.nodes_above);
+        result.nodes.bottomRightCorner(common, common) =
+            enters.asDiagonal() *
+            (0.5 * (seen + seen.transpose())).bottomRightCorner(common, common) *
+            enters.asDiagonal();
+        result.nodes.diagonal().tail(common) += boundary.at_nodes.tail(common);
+    }
+    if (parts == ReflectorParts::sky) {
+        result.sky_at_requested.noalias() = result.rows * sky;
+        result.sky_at_nodes.noalias() = result.nodes * sky;
+    }
+    result.glow_at_nodes.resize(0);
+    if (below.glow_at_nodes.size() > 0) {
+        const Eigen::VectorXd again = G * below.glow_at_nodes;
+        const Eigen::VectorXd up = below.glow_at_nodes + X * again;
+        result.glow_at_nodes.setZero(boundary.nodes_above);
+        result.glow_at_nodes.tail(common) = enters.cwiseProduct(up.tail(common)) / n;
+        result.glow_at_requested =
+            passed.cwiseProduct(below.glow_at_requested + below.rows * again);
+    }
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,183 @@
+#include "rte/stack/refracted_first_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "rte/boundary/smooth_boundary.h"
+#include "rte/grid/refraction_grid.h"
+
+namespace miebrdf::rte {
+namespace {
+
+double reflectance_at(double here, std::complex<double> beyond, double mu) {
+    return boundary_reflectance(here, beyond, Eigen::VectorXd::Constant(1, mu))[0];
+}
+
+// (exp(-tau / mu) - exp(-tau / mu')) / (mu - mu').
+double forward_quotient(double tau, double mu, double other) {
+    if (std::isinf(tau)) return 0.0;
+    const double a = tau / std::max(mu, other), b = tau / std::min(mu, other);
+    const double x = b - a;
+    const double mean = x > 0.0 ? -std::expm1(-x) / x : 1.0;
+    return std::exp(-a) * mean * tau / (mu * other);
+}
+
+}  // namespace
+
+namespace {
+
+// A beam's way through every medium, and what comes back of it, seen from above.
+struct BeamReturns {
+    std::vector<double> mu, attenuation;  ///< in each medium
+    std::vector<double> step;             ///< reflectance of the boundary at its bottom
+    std::vector<double> returned;         ///< by that and all below it
+    double top = 0.0;                     ///< at the top of the topmost medium
+};
+
+// r + (1 - r)^2 s / (1 - r s): a boundary over what returns s.
+double with_boundary(double r, double s) { return r + (1.0 - r) * (1.0 - r) * s / (1.0 - r * s); }
+
+BeamReturns returns_of(const ScaledStack& stack, double mu_air) {
+    BeamReturns beam;
+    double below_index = stack.ground_index;
+    double from_below = 0.0;
+    if (stack.base == BaseKind::mirror) {
+        from_below =
+            reflectance_at(below_index, stack.mirror_index, refracted_cosine(below_index, mu_air));
+    }
+    for (const ScaledMedium& medium : stack.media) {
+        const double mu = refracted_cosine(medium.index, mu_air);
+        const double r =
+            medium.index == below_index ? 0.0 : reflectance_at(medium.index, below_index, mu);
+        beam.mu.push_back(mu);
+        beam.attenuation.push_back(std::exp(-medium.scaled_optical_depth / mu));
+        beam.step.push_back(r);
+        beam.returned.push_back(with_boundary(r, from_below));
+        from_below = beam.attenuation.back() * beam.attenuation.back() * beam.returned.back();
+        below_index = medium.index;
+    }
+    beam.top = from_below;
+    return beam;
+}
+
+}  // namespace
+
+std::vector<Beam> beams_of(const ScaledStack& stack, double mu_air) {
+    const BeamReturns returns = returns_of(stack, mu_air);
+    std::vector<Beam> beams(stack.media.size());
+    const double r = reflectance_at(1.0, stack.top_index, mu_air);
+    double down = (1.0 - r) / (1.0 - r * returns.top);
+    for (std::size_t i = beams.size(); i-- > 0;) {
+        beams[i] = {returns.mu[i], down, down * returns.attenuation[i] * returns.returned[i]};
+        down *= returns.attenuation[i];
+        if (i == 0) break;
+        const double seen =
+            returns.attenuation[i - 1] * returns.attenuation[i - 1] * returns.returned[i - 1];
+        down *= (1.0 - returns.step[i]) / (1.0 - returns.step[i] * seen);
+    }
+    return beams;
+}
+
+double mirror_reflectance(const ScaledStack& stack, double mu_air) {
+    return with_boundary(reflectance_at(1.0, stack.top_index, mu_air),
+                         returns_of(stack, mu_air).top);
+}
+
+FirstOrderPaths first_order_paths(const ScaledMedium& medium, const Beam& in, const Beam& out) {
+    const double tau = medium.scaled_optical_depth;
+    const double n2 = medium.index * medium.index;
+    FirstOrderPaths paths{in.mu, out.mu, 0.0, 0.0};
+    paths.back = (in.down * out.down + in.up * out.up) *
+                 -std::expm1(-tau * (1.0 / in.mu + 1.0 / out.mu)) / (4.0 * n2 * (in.mu + out.mu));
+    const double turned = in.down * out.up + in.up * out.down;
+    if (turned > 0.0) paths.forward = turned * forward_quotient(tau, in.mu, out.mu) / (4.0 * n2);
+    return paths;
+}
+
+double cos_forward_angle(double mu_in, double mu_out, double cos_azimuth) {
+    const double sines = std::sqrt((1.0 - mu_in) * (1.0 + mu_in) * (1.0 - mu_out) * (1.0 + mu_out));
+    return std::clamp(mu_in * mu_out + sines * cos_azimuth, -1.0, 1.0);
+}
+
+bool has_straight_paths(const ScaledStack& stack) { return !stack.has_mirrors(); }
+
+double straight_paths_factor(double n, double mu_in_air, double mu_out_air) {
+    if (n == 1.0) return 1.0;
+    return (1.0 - reflectance_at(1.0, n, mu_in_air)) * (1.0 - reflectance_at(1.0, n, mu_out_air)) /
+           (n * n);
+}
+
+void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack& stack) {
+    if (stack.boundary && stack.boundary->is_rough()) return;
+    if (has_straight_paths(stack)) {
+        add_straight(reflection, stack);
+    } else {
+        add_all_paths(reflection, stack);
+    }
+}
+
+void StackFirstOrder::add_straight(std::vector<double>& reflection, const ScaledStack& stack) {
+    if (straight_ == nullptr) {
+        inside_ = directions_;
+        for (auto* cosines : {&inside_.mu_in, &inside_.mu_out}) {
+            for (double& mu : *cosines) mu = refracted_cosine(stack.top_index, mu);
+        }
+        straight_ = std::make_unique<FirstOrderSum>(inside_, options_);
+    }
+    if (stack.top_index == 1.0) {
+        straight_->add_to(reflection, stack.media);
+        return;
+    }
+    std::vector<double> inside(reflection.size(), 0.0);
+    straight_->add_to(inside, stack.media);
+    std::size_t next = 0;
+    for (const double mu_in : directions_.mu_in) {
+        for (const double mu_out : directions_.mu_out) {
+            const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
+            for (std::size_t a = 0; a < directions_.azimuth_deg.size(); ++a, ++next)
+                reflection[next] += factor * inside[next];
+        }
+    }
+}
+
+void StackFirstOrder::add_all_paths(std::vector<double>& reflection,
+                                    const ScaledStack& stack) const {
+    const bool exact = options_.single_scattering_correction;
+    const auto beams_at = [&](const std::vector<double>& cosines) {
+        std::vector<std::vector<Beam>> beams;
+        for (const double mu : cosines) beams.push_back(beams_of(stack, mu));
+        return beams;
+    };
+    const auto in = beams_at(directions_.mu_in), out = beams_at(directions_.mu_out);
+    std::size_t first = 0;
+    for (const auto& from : in) {
+        for (const auto& to : out) {
+            for (std::size_t k = 0; k < stack.media.size(); ++k) {
+                const ScaledMedium& medium = stack.media[k];
+                const FirstOrderPaths paths = first_order_paths(medium, from[k], to[k]);
+                for (std::size_t a = 0; a < directions_.azimuth_deg.size(); ++a) {
+                    const double cosine =
+                        std::cos(directions_.azimuth_deg[a] * (std::numbers::pi / 180.0));
+                    double& value = reflection[first + a];
+                    if (paths.back > 0.0) {
+                        value += paths.back *
+                                 first_order_strength(
+                                     medium, exact,
+                                     cos_scattering_angle(paths.mu_in, paths.mu_out, cosine));
+                    }
+                    if (paths.forward > 0.0) {
+                        value += paths.forward *
+                                 first_order_strength(
+                                     medium, exact,
+                                     cos_forward_angle(paths.mu_in, paths.mu_out, cosine));
+                    }
+                }
+            }
+            first += directions_.azimuth_deg.size();
+        }
+    }
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,248 @@
+// Layers under a smooth refracting boundary, over grounds and mirrors, against the tables of
+// tests/reference/interface and closed forms.
+#include <cmath>
+#include <limits>
+
+#include <miebrdf/error.h>
+
+#include "rte/boundary/smooth_boundary.h"
+#include "rte/math/quadrature.h"
+#include "rte/stack/layered_reflection.h"
+#include "tests/support/catch.h"
+#include "tests/support/reference_table.h"
+
+using namespace miebrdf;
+
+namespace {
+
+const std::complex<double> kAluminium{0.96, 6.69};
+
+rte::Stack film(const rte::Optics& optics, double depth, double index) {
+    rte::Stack stack;
+    stack.base_kind = rte::BaseKind::none;
+    stack.base_index = index;
+    stack.coats = {{optics, depth, index}};
+    stack.boundary = rte::Boundary{};
+    return stack;
+}
+
+rte::Stack half_space(const rte::Optics& optics, double index) {
+    rte::Stack stack;
+    stack.base = optics;
+    stack.base_index = index;
+    stack.boundary = rte::Boundary{};
+    return stack;
+}
+
+rte::Stack slab_of(const support::ReferenceTable& table, std::size_t row) {
+    const double index = table.number(row, "n");
+    const auto optics =
+        rte::henyey_greenstein_optics(table.number(row, "albedo"), table.number(row, "g"));
+    const bool is_infinite = table.text(row, "tau") == "inf";
+    if (is_infinite) return half_space(optics, index);
+    rte::Stack stack = film(optics, table.number(row, "tau"), index);
+    const std::string& base = table.text(row, "base");
+    if (base == "air") {
+        stack.base_kind = rte::BaseKind::mirror;
+        stack.mirror_index = 1.0;
+    } else if (base.starts_with("lambert")) {
+        stack.base_kind = rte::BaseKind::lambertian;
+        stack.ground_albedo = std::stod(base.substr(base.find_first_of("0123456789.")));
+    }
+    return stack;
+}
+
+// Largest deviation of a row from the table.
+double slab_error(const support::ReferenceTable& table, std::size_t row, int streams) {
+    const auto result = rte::albedo(slab_of(table, row), {1.0, 0.5, 0.05},
+                                    {.tolerance = 1e-12, .streams = streams});
+    double largest = 0.0;
+    const auto compare = [&](double value, const char* column) {
+        const double error = std::abs(value - table.number(row, column));
+        if (!(error <= largest)) largest = error;
+    };
+    compare(result.plane_albedo[0], "UR1");
+    compare(result.plane_albedo[1], "A_mu_0.5");
+    compare(result.plane_albedo[2], "A_mu_0.05");
+    compare(result.spherical_albedo, "URU");
+    const bool is_infinite = table.text(row, "tau") == "inf";
+    compare(is_infinite ? 0.0 : result.transmittance[0], "UT1");
+    compare(is_infinite ? 0.0 : result.transmittance[3], "UTU");
+    return largest;
+}
+
+}  // namespace
+
+TEST_CASE("slabs under a smooth boundary agree with the outside table", "[rte][boundary]") {
+    const support::ReferenceTable table("interface/slabs.csv");
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        CAPTURE(row, table.text(row, "n"), table.text(row, "albedo"), table.text(row, "g"),
+                table.text(row, "tau"), table.text(row, "base"));
+        // What the table's own comparison of 24 and 96 nodes leaves; 8 digits are given.
+        const bool peaked = table.number(row, "g") >= 0.875;
+        CHECK(slab_error(table, row, 24) <= (peaked ? 1e-3 : 5e-8));
+        CHECK(slab_error(table, row, 96) <= 1e-8);
+    }
+}
+
+TEST_CASE("the BRDF under a smooth boundary agrees with the outside table", "[rte][boundary]") {
+    const support::ReferenceTable table("interface/brdf.csv");
+    rte::Stack stack = half_space(rte::henyey_greenstein_optics(0.95, 0.5), 1.5);
+    std::string column = "half_space";
+    SECTION("half-space") {}
+    SECTION("film on a Lambertian ground") {
+        column = "film_on_lambert";
+        stack = film(rte::henyey_greenstein_optics(0.95, 0.5), 1.0, 1.5);
+        stack.base_kind = rte::BaseKind::lambertian;
+        stack.ground_albedo = 0.7;
+    }
+    SECTION("film on aluminium") {
+        column = "film_on_al";
+        stack = film(rte::henyey_greenstein_optics(0.98, 0.6), 0.5, 1.5);
+        stack.base_kind = rte::BaseKind::mirror;
+        stack.mirror_index = kAluminium;
+    }
+    for (const auto& [streams, bound] : {std::pair{16, 1e-4}, {24, 1e-6}, {48, 1e-8}}) {
+        double largest = 0.0;
+        for (std::size_t row = 0; row < table.size(); ++row) {
+            const auto result = rte::reflect(
+                stack, {{0.7}, {table.number(row, "mu_out")}, {table.number(row, "azimuth_deg")}},
+                {.tolerance = 1e-10, .streams = streams});
+            const double error = std::abs(result.reflection[0] - table.number(row, column));
+            if (!(error <= largest)) largest = error;
+        }
+        CAPTURE(column, streams);
+        CHECK(largest <= bound);
+    }
+}
+
+TEST_CASE("diffuse Fresnel reflectances have Duntley's values", "[rte][boundary]") {
+    const support::ReferenceTable table("interface/diffuse_fresnel.csv");
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        const double n = table.number(row, "n");
+        const rte::RefractionGrid grid({n}, 24);
+        const rte::SmoothBoundary boundary(n, 1.0, grid, {});
+        const Eigen::VectorXd flux = rte::flux_weights(grid.in_medium(n)).cwiseAbs2();
+        const double inside = 2.0 * flux.dot(boundary.at_nodes);
+        const rte::ZenithGrid air = grid.in_medium(1.0);
+        const double outside =
+            2.0 * rte::flux_weights(air).cwiseAbs2().dot(rte::boundary_reflectance(1.0, n, air.mu));
+        CAPTURE(n);
+        // Ten digits are given.
+        CHECK(std::abs(inside - table.number(row, "r_int")) <= 1e-9);
+        CHECK(std::abs(outside - table.number(row, "r_ext")) <= 1e-9);
+    }
+}
+
+TEST_CASE("a clear film on a Lambertian ground is Saunderson's", "[rte][boundary]") {
+    const support::ReferenceTable table("interface/saunderson.csv");
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        rte::Stack stack;
+        stack.base_kind = rte::BaseKind::lambertian;
+        stack.ground_albedo = table.number(row, "A");
+        stack.base_index = 1.5;
+        stack.boundary = rte::Boundary{};
+        const auto result = rte::albedo(stack, {1.0}, {.streams = 24});
+        CHECK(std::abs(result.plane_albedo[0] - table.number(row, "saunderson")) <= 1e-9);
+    }
+}
+
+TEST_CASE("boundaries conserve energy", "[rte][boundary]") {
+    const double n = GENERATE(1.01, 1.1, 1.33, 1.5, 2.0, 3.0);
+    const double tau = GENERATE(1e-6, 1e-3, 1.0, 1e3, 1e6);
+    const double g = GENERATE(0.0, 0.5, 0.8);
+    const auto optics = rte::henyey_greenstein_optics(1.0, g);
+    rte::Stack stack = film(optics, tau, n);
+    stack.base_kind = rte::BaseKind::mirror;
+    stack.mirror_index = 1.0;
+    const std::vector<double> cosines{0.05, 0.3, 1.0};
+    CAPTURE(n, tau, g);
+    for (const auto& [streams, bound] :
+         {std::pair{24, n < 1.1 ? 1e-8 : 6e-12}, {32, n < 1.1 ? 5e-12 : 3e-14}}) {
+        const auto slab = rte::albedo(stack, cosines, {.streams = streams});
+        for (std::size_t i = 0; i < cosines.size(); ++i)
+            CHECK(std::abs(slab.plane_albedo[i] + slab.transmittance[i] - 1.0) <= bound);
+        // Between nodes nothing is interpolated.
+        CHECK(std::abs(slab.spherical_albedo + slab.transmittance.back() - 1.0) <= 2e-13);
+    }
+    const auto whole = rte::albedo(half_space(optics, n), cosines, {.streams = 32});
+    for (const double albedo : whole.plane_albedo)
+        CHECK(std::abs(albedo - 1.0) <= (n < 1.1 ? 6e-12 : 3e-14));
+}
+
+TEST_CASE("a BRDF under a boundary is reciprocal and adds up to the albedo", "[rte][boundary]") {
+    rte::Stack stack = film(rte::henyey_greenstein_optics(0.9, 0.6), 0.7, 1.33);
+    SECTION("over a mirror") {
+        stack.base_kind = rte::BaseKind::mirror;
+        stack.mirror_index = kAluminium;
+    }
+    SECTION("free") {
+        stack.base_kind = rte::BaseKind::mirror;
+        stack.mirror_index = 1.0;
+    }
+    SECTION("two hosts over a half-space") {
+        stack.base_kind = rte::BaseKind::half_space;
+        stack.base = rte::henyey_greenstein_optics(0.99, 0.7);
+        stack.base_index = 1.6;
+    }
+    SECTION("a rarer host below") {
+        stack.base_kind = rte::BaseKind::half_space;
+        stack.base = rte::isotropic_optics(0.99);
+        stack.base_index = 1.0;
+    }
+    const std::vector<double> cosines{0.1, 0.5, 0.77, 1.0};
+    const auto table = rte::reflect(stack, {cosines, cosines, {0, 40, 180}}, {.streams = 32});
+    const auto at = [&](std::size_t i, std::size_t o, std::size_t a) {
+        return table.reflection[(i * cosines.size() + o) * 3 + a];
+    };
+    for (std::size_t i = 0; i < cosines.size(); ++i) {
+        for (std::size_t o = 0; o < cosines.size(); ++o) {
+            // Towards the incident direction the layer's transmission is extrapolated: both orders
+            // of the pair by the same formula.
+            for (std::size_t a = 0; a < 3; ++a)
+                CHECK(std::abs(at(i, o, a) - at(o, i, a)) <= 1e-12 * std::abs(at(i, o, a)));
+            CHECK(at(i, o, 0) > 0.0);
+        }
+    }
+    // 2 integral of R^0 mu dmu by other nodes than the solver's, plus the mirror's reflection.
+    const auto nodes = math::gauss_legendre(48, 0.0, 1.0);
+    std::vector<double> azimuths;
+    for (int k = 0; k < 64; ++k) azimuths.push_back(360.0 * (k + 0.5) / 64.0);
+    const auto fine = rte::reflect(stack, {{0.5}, nodes.nodes, azimuths}, {.streams = 48});
+    double sum = 0.0;
+    for (std::size_t o = 0; o < nodes.nodes.size(); ++o) {
+        for (std::size_t a = 0; a < azimuths.size(); ++a)
+            sum += 2.0 * nodes.weights[o] * nodes.nodes[o] / 64.0 *
+                   fine.reflection[o * azimuths.size() + a];
+    }
+    const auto albedo = rte::albedo(stack, {0.5}, {.streams = 48});
+    CHECK(std::abs(sum + fine.mirror_reflectance[0] - albedo.plane_albedo[0]) <= 2e-5);
+    CHECK(std::abs(fine.plane_albedo[0] - albedo.plane_albedo[0]) <= 1e-12);
+}
+
+TEST_CASE("a boundary without contrast is none", "[rte][boundary]") {
+    const rte::Directions directions{{0.2, 1.0}, {0.4, 0.9}, {0, 90}};
+    rte::Stack plain;
+    plain.base = rte::henyey_greenstein_optics(0.95, 0.7);
+    plain.coats = {{rte::isotropic_optics(0.8), 0.3}};
+    rte::Stack close = plain;
+    close.base_index = 1.0005;
+    close.coats[0].index = 1.0009;
+    close.boundary = rte::Boundary{};
+    CHECK(rte::reflect(close, directions).reflection == rte::reflect(plain, directions).reflection);
+}
+
+TEST_CASE("boundaries refuse indices that they cannot have", "[rte][boundary]") {
+    const auto optics = rte::isotropic_optics(0.9);
+    for (const double bad : {0.99, 3.01, std::numeric_limits<double>::quiet_NaN()}) {
+        CHECK_THROWS_AS(rte::albedo(half_space(optics, bad), {1.0}), UsageError);
+        CHECK_THROWS_AS(rte::albedo(film(optics, 1.0, bad), {1.0}), UsageError);
+    }
+    rte::Stack rough = half_space(optics, 1.5);
+    rough.boundary->roughness = 0.001;
+    CHECK_THROWS_AS(rte::albedo(rough, {1.0}), UsageError);
+    rte::Stack mirror = film(optics, 1.0, 1.5);
+    mirror.base_kind = rte::BaseKind::mirror;
+    mirror.mirror_index = {1.0, -1.0};
+    CHECK_THROWS_AS(rte::albedo(mirror, {1.0}), UsageError);
+}
