@@ -68,6 +68,7 @@ Plan Planner::plan() {
     hide_layers();
     single_scattering();
     radiative_transfer();
+    boundary();
     surface();
     return std::move(plan_);
 }
@@ -161,7 +162,10 @@ void Planner::hide_layers() {
         const ResolvedDepth& given = scene_.depths[m - 1];
         const double depth = given.optical_depth;
         const bool follows = !given.is_grey();  // known when the extinction is
-        if (!follows && !rte::may_hide(depth, request_.directions, solver_.tolerance)) continue;
+        const Directions directions =
+            below_boundary(scene_, jobs_.front().wavelength, request_.directions);
+        const double tolerance = hiding_tolerance(scene_, solver_.tolerance);
+        if (!follows && !rte::may_hide(depth, directions, tolerance)) continue;
         if (scene_.media[m].needs_mie() && !std::isinf(depth)) {
             leave_out(
                 "hidden layers",
@@ -170,8 +174,7 @@ void Planner::hide_layers() {
             return;
         }
         const auto optics = compute_optics(scene_, m, jobs_.front().wavelength, {});
-        if (!rte::hides_what_is_below(optics.optics, depth, request_.directions, solver_.tolerance))
-            continue;
+        if (!rte::hides_what_is_below(optics.optics, depth, directions, tolerance)) continue;
         double saved = jobs() * orders() * order_seconds(streams_, m, cosines());
         for (std::size_t below = 0; below < m; ++below) saved += mie_cost(below);
         leave_out(

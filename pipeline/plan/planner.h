@@ -33,6 +33,7 @@ class Planner {
     void radiative_transfer();  ///< plan_transfer.cpp
     void leave_out_orders();
     void leave_out_solutions();
+    void boundary();
     void surface();
 
     bool is_albedo() const { return request_.quantity != LayerQuantity::reflection; }

@@ -387,8 +387,20 @@ void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& reso
     name_surface_index(resolved, "the particles, " + describe(top), resolver);
 }
 
+/// Paint and varnish have a boundary that throws back more than half of the diffuse light inside.
+void note_missing_boundary(const Scene& scene, Resolver& resolver) {
+    if (scene.boundary || scene.surface || scene.layers.empty()) return;
+    const Host& host = host_of(scene, scene.layers.back().medium);
+    if (!scene.layers.back().medium.host || !has_host(host)) return;
+    resolver.add_note(fmt::format(
+        "light passes between air and the host {} as if there were no boundary; films of paint, "
+        "varnish or ice have one (boundary smooth)",
+        describe(host)));
+}
+
 void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.boundary = scene.boundary;
+    note_missing_boundary(scene, resolver);
     if (!resolved.has_optical_steps()) return;
     resolved.scene_host_index = resolver.real_index(scene.particles.host, resolved.wavelength_nm);
     if (has_mirror(scene)) {

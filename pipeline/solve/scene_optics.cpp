@@ -39,8 +39,10 @@ class StackBuilder {
         std::vector<SceneOptics> stacks = stacks_of(layer, last, places);
         std::vector<char> hidden(stacks.size());
         run_parallel("hidden layers", stacks.size(), control_, [&](std::size_t i) {
-            hidden[i] = rte::hides_what_is_below(stacks[i].stack.base, depth(layer, places[i]),
-                                                 directions_at(places[i]), tolerance());
+            hidden[i] =
+                rte::hides_what_is_below(stacks[i].stack.base, depth(layer, places[i]),
+                                         below_boundary(scene_, places[i].wavelength, directions_),
+                                         hiding_tolerance(scene_, tolerance_));
         });
         std::vector<std::size_t> seen;
         std::vector<Place> seen_places;
@@ -108,20 +110,6 @@ class StackBuilder {
         return scene_.has_optical_steps() ? index[wavelength] : 1.0;
     }
 
-    /// Directions as a layer under a boundary sees them.
-    Directions directions_at(Place at) const {
-        Directions inside = directions_;
-        const double index = scene_.top_index(at.wavelength);
-        for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
-            for (double& mu : *cosines) mu = rte::refracted_cosine(index, mu);
-        }
-        return inside;
-    }
-
-    /// Boundaries send light back to where it may be hidden again: what is left of the light
-    /// outside, and how often it returns, twice (index 3).
-    double tolerance() const { return scene_.boundary ? 0.01 * tolerance_ : tolerance_; }
-
     /// Puts `upper`, whose base is a layer of that depth, on `lower`.
     static SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper,
                               double optical_depth) {
@@ -138,7 +126,10 @@ class StackBuilder {
     std::size_t highest_candidate(std::size_t last, const std::vector<Place>& places) const {
         for (std::size_t medium = last; medium-- > 1;) {
             for (const Place at : places) {
-                if (rte::may_hide(depth(medium, at), directions_at(at), tolerance())) return medium;
+                if (rte::may_hide(depth(medium, at),
+                                  below_boundary(scene_, at.wavelength, directions_),
+                                  hiding_tolerance(scene_, tolerance_)))
+                    return medium;
             }
         }
         return 0;
@@ -167,6 +158,20 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
         stacks[p].optical_depths = builder.depths(p);
     }
     return stacks;
+}
+
+Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,
+                          const Directions& directions) {
+    Directions inside = directions;
+    const double index = scene.top_index(wavelength);
+    for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
+        for (double& mu : *cosines) mu = rte::refracted_cosine(index, mu);
+    }
+    return inside;
+}
+
+double hiding_tolerance(const ResolvedScene& scene, double tolerance) {
+    return scene.boundary ? 0.01 * tolerance : tolerance;
 }
 
 }  // namespace miebrdf

@@ -24,4 +24,12 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control);
 
+/// Directions as the layers under a scene's boundary see them.
+Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,
+                          const Directions& directions);
+
+/// The tolerance of what a layer may hide. Boundaries send light back to where it may be hidden
+/// again: less by what is left of the light outside, and by how often it returns (index 3).
+double hiding_tolerance(const ResolvedScene& scene, double tolerance);
+
 }  // namespace miebrdf
