@@ -10,37 +10,12 @@
 #include "rte/math/quadrature.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/surface/microfacet.h"
+#include "rte/surface/slopes.h"
 
 namespace miebrdf::rte {
 namespace {
 
-using std::numbers::inv_pi;
-using std::numbers::inv_sqrtpi;
 using std::numbers::pi;
-
-/// Gaussian slopes in units of alpha; beyond the cut their density is below 4e-17 of its peak.
-struct BeckmannSlopes {
-    static constexpr double kCut = 6.2;
-    double alpha;
-    double across_of(double y) const { return std::min(y / alpha, kCut); }
-    double y(double v) const { return alpha * v; }
-    double across_density(double v) const { return inv_sqrtpi * std::exp(-v * v); }
-    double along_of(double x, double) const { return std::clamp(x / alpha, -kCut, kCut); }
-    double x(double u, double) const { return alpha * u; }
-    double along_density(double u) const { return inv_sqrtpi * std::exp(-u * u); }
-};
-
-/// GGX slopes as two angles: y = alpha tan(v), x = alpha tan(u) / cos(v) makes
-/// P dx dy = cos(v) cos^2(u) / pi du dv, tails included.
-struct GgxSlopes {
-    double alpha;
-    double across_of(double y) const { return std::atan(y / alpha); }
-    double y(double v) const { return alpha * std::tan(v); }
-    double across_density(double v) const { return std::cos(v); }
-    double along_of(double x, double v) const { return std::atan(x * std::cos(v) / alpha); }
-    double x(double u, double v) const { return alpha * std::tan(u) / std::cos(v); }
-    double along_density(double u) const { return inv_pi * std::cos(u) * std::cos(u); }
-};
 
 constexpr int kFewestNodes = 8;
 constexpr std::size_t kDoublings = 6;

@@ -1,0 +1,105 @@
+#include "rte/boundary/panel_functions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace miebrdf::rte {
+namespace {
+
+/// t of t^2 (2 - t) = c: with t = (2 + 4 cos(angle)) / 3 a cubic in cos(angle), whose root in
+/// [0, 1] belongs to the second third of the circle.
+double unmapped(double c) {
+    const double third = 2.0 * std::asin(std::sqrt(27.0 / 32.0 * c)) / 3.0;
+    return 2.0 / 3.0 * (1.0 + 2.0 * std::cos(2.0 * std::numbers::pi / 3.0 - third));
+}
+
+double panel_variable(const RefractionPanel& panel, double cosine) {
+    const double c = std::clamp(cosine / panel.widest, 0.0, 1.0);
+    return panel.mapped ? unmapped(c) : c;
+}
+
+}  // namespace
+
+PanelFunctions::PanelFunctions(const RefractionGrid& grid, double index)
+    : grid_(grid), index_(index), scale_(grid.size()) {
+    for (const RefractionPanel& panel : grid.panels()) {
+        for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
+            double product = 1.0;
+            for (Eigen::Index k = panel.first; k < panel.first + panel.count; ++k) {
+                if (k != p) product *= grid.t()[p] - grid.t()[k];
+            }
+            scale_[p] = 1.0 / product;
+        }
+    }
+}
+
+PanelFunctions::Position PanelFunctions::inside_at(double mu) const {
+    const double mu_air2 = index_ * index_ * mu * mu - (index_ - 1.0) * (index_ + 1.0);
+    if (mu_air2 > 0.0) return in_air_at(std::sqrt(mu_air2));
+    return {0, panel_variable(grid_.panels().front(), mu)};
+}
+
+PanelFunctions::Position PanelFunctions::in_air_at(double mu_air) const {
+    return {grid_.panels().size() - 1, panel_variable(grid_.panels().back(), mu_air)};
+}
+
+// Products from the left times products from the right: no division, also at a node.
+void PanelFunctions::evaluate(const Position& at, double* values) const {
+    const RefractionPanel& panel = grid_.panels()[at.panel];
+    double product = 1.0;
+    for (Eigen::Index k = 0; k < panel.count; ++k) {
+        values[k] = product * scale_[panel.first + k];
+        product *= at.t - grid_.t()[panel.first + k];
+    }
+    product = 1.0;
+    for (Eigen::Index k = panel.count; k-- > 0;) {
+        values[k] *= product;
+        product *= at.t - grid_.t()[panel.first + k];
+    }
+}
+
+template <typename Locate>
+Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders,
+                                        const Locate& locate) const {
+    const auto count = Eigen::Index(rays.energy.size());
+    Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(grid_.size(), count);
+    Eigen::MatrixXd azimuths(orders, count);  // energy cos(order azimuth)
+    for (Eigen::Index ray = 0; ray < count; ++ray) {
+        const auto k = std::size_t(ray);
+        const Position at = locate(rays.mu[k]);
+        evaluate(at, &functions(grid_.panels()[at.panel].first, ray));
+        const double cosine = std::clamp(rays.cos_azimuth[k], -1.0, 1.0);
+        azimuths(0, ray) = rays.energy[k];
+        if (orders > 1) azimuths(1, ray) = rays.energy[k] * cosine;
+        for (int m = 2; m < orders; ++m) {
+            azimuths(m, ray) = 2.0 * cosine * azimuths(m - 1, ray) - azimuths(m - 2, ray);
+        }
+    }
+    return functions * azimuths.transpose();
+}
+
+Eigen::VectorXd PanelFunctions::inside_values(double mu) const {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(grid_.size());
+    const Position at = inside_at(mu);
+    evaluate(at, &values[grid_.panels()[at.panel].first]);
+    return values;
+}
+
+Eigen::VectorXd PanelFunctions::in_air_values(double mu_air) const {
+    Eigen::VectorXd values(grid_.nodes_below(1.0));
+    evaluate(in_air_at(mu_air), values.data());
+    return values;
+}
+
+Eigen::MatrixXd PanelFunctions::inside(const ScatteredRays& rays, int orders) const {
+    return collect(rays, orders, [this](double mu) { return inside_at(mu); });
+}
+
+Eigen::MatrixXd PanelFunctions::in_air(const ScatteredRays& rays, int orders) const {
+    return collect(rays, orders, [this](double mu) { return in_air_at(mu); })
+        .bottomRows(grid_.nodes_below(1.0));
+}
+
+}  // namespace miebrdf::rte

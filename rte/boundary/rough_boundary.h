@@ -1,0 +1,80 @@
+// The rough boundary between air and a medium: matrices of what it sends where.
+// Equations: docs/maths-boundary.md.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rte/boundary/facet_scattering.h"
+#include "rte/boundary/facet_walk.h"
+#include "rte/boundary/panel_functions.h"
+#include "rte/grid/refraction_grid.h"
+
+namespace miebrdf::rte {
+
+/// What light from requested directions in air does, rows in the order of the request.
+struct LightFromAir {
+    /// For each Fourier order m, requested x nodes: rows e such that the medium below, with the
+    /// reflection X = 2 D R D in this order, is seen from air with
+    ///     R(out, in) = e_out^T (I - X Gamma)^-1 X e_in / (2 n^2),   Gamma = inside(m).
+    /// A smooth boundary at a node would have t / D there and 0 elsewhere. D . e is the energy that
+    /// enters in order 0.
+    std::vector<Eigen::MatrixXd> entering;
+    Eigen::VectorXd outer_reflectance;  ///< energy that does not enter: 1 - D . e
+    /// c, close to 1, for SurfaceLobe of the same distribution with correlated Smith shadowing: the
+    /// light that is reflected without entering the medium has the BRDF
+    ///     c(mu_in) c(mu_out) SurfaceLobe + sum_m (2 - delta_m0) cos(m azimuth) multiple[m].
+    Eigen::VectorXd compensation;
+    /// Light that met several facets; can be below 0 by what FacetWalk errs.
+    std::vector<Eigen::MatrixXd> multiple;  ///< requested x requested, symmetric, 1/sr
+};
+
+/// One rough boundary on one grid; made once, used for all scenes of that index.
+///
+/// Light that meets one facet is followed exactly, what meets more by FacetWalk. What both miss in
+/// the energy balance of order 0 (1e-3 and less where g counts) is put back evenly, so that nothing
+/// is lost or won.
+class RoughBoundary {
+  public:
+    /// The grid is RefractionGrid({index}, streams). 25 to 55 ms for 24 streams and 12 orders.
+    /// @param index  of the medium, 1.05 to 3; below, nearly all light passes straight on through
+    ///               many facets, for which FacetWalk has too few nodes
+    /// @param streams  4 to 256
+    /// @param orders  at least 1: Fourier orders 0 ... orders - 1
+    /// @throws UsageError  for an argument out of range
+    RoughBoundary(double index, const RoughSurface& surface, int streams, int orders);
+
+    double index() const { return index_; }
+    const RoughSurface& surface() const { return surface_; }
+    const RefractionGrid& grid() const { return grid_; }
+    int orders() const { return int(inside_.size()); }
+
+    /// Gamma of order m, nodes x nodes, symmetric: light from below that is sent back down, from
+    /// j = D I to j = D I, D = (w mu)^(1/2) of grid().in_medium(index). Smooth: diag(r).
+    const Eigen::MatrixXd& inside(int m) const { return inside_[std::size_t(m)]; }
+
+    /// @param mu_air  each in (0, 1]
+    LightFromAir from_air(const Eigen::VectorXd& mu_air) const;
+
+    /// Of diffuse light from below and from above: (1 - inside) n^2 = 1 - outside.
+    double internal_diffuse_reflectance() const { return internal_; }
+    double external_diffuse_reflectance() const { return external_; }
+
+  private:
+    FacetWalk::Beam meet(bool from_air, double mu) const;
+    /// Energy of a beam that leaves after its first facet, (nodes inside, nodes in air) x orders.
+    Eigen::MatrixXd after_one_facet(const FacetWalk::Beam& beam) const;
+
+    double index_;
+    RoughSurface surface_;
+    int order_count_;
+    RefractionGrid grid_;
+    PanelFunctions functions_;
+    FacetWalk walk_;
+    Eigen::VectorXd d_;  ///< D inside
+    Eigen::VectorXd g_;  ///< n D of the nodes inside, then the same of those in air
+    std::vector<Eigen::MatrixXd> inside_;
+    double internal_ = 0.0, external_ = 0.0;
+};
+
+}  // namespace miebrdf::rte
