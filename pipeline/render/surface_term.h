@@ -8,7 +8,7 @@
 
 #include <miebrdf/surface.h>
 #include "pipeline/render/table_nodes.h"
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::render {

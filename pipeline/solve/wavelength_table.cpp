@@ -171,7 +171,12 @@ void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
                                std::span<double> reflection) const {
     const rte::ScaledStack& stack = tables_[w].stack();
     if (stack.boundary && stack.boundary->is_rough()) {
-        std::fill(reflection.begin(), reflection.end(), 0.0);
+        const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
+        for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
+            const double azimuth = std::acos(std::clamp(cos_azimuth[a], -1.0, 1.0));
+            reflection[a] =
+                std::numbers::pi * lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
+        }
         return;
     }
     if (!rte::has_straight_paths(stack)) {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
 #include "rte/surface/microfacet.h"
 #include "rte/surface/slopes.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/math/matrices.h"
 

@@ -159,6 +159,20 @@ void require_index(double index) {
     }
 }
 
+// Below the least index nearly all light passes the facets straight on.
+void require_one_host(const Stack& stack) {
+    const double top = top_index(stack);
+    if (!(top - 1.0 < kLeastIndexStep || top >= kLeastRoughIndex))
+        throw UsageError("host_index", top, "1, or 1.05 to 3 below a rough boundary");
+    const bool same_base = stack.base_kind != BaseKind::half_space || stack.base_index == top;
+    const bool same = same_base && std::all_of(stack.coats.begin(), stack.coats.end(),
+                                               [=](const Coat& coat) { return coat.index == top; });
+    if (!same) {
+        throw UsageError(
+            "below a rough boundary all layers need the same host; give one, or a smooth boundary");
+    }
+}
+
 // Indices matter for boundaries and mirrors only.
 void validate_indices(const Stack& stack) {
     const std::complex<double> mirror = stack.mirror_index;
@@ -168,7 +182,10 @@ void validate_indices(const Stack& stack) {
     } else if (!stack.boundary) {
         return;
     }
-    if (stack.boundary) validate(*stack.boundary);
+    if (stack.boundary) {
+        validate(*stack.boundary);
+        if (stack.boundary->is_rough()) require_one_host(stack);
+    }
     if (stack.base_kind == BaseKind::half_space || stack.coats.empty())
         require_index(stack.base_index);
     for (const Coat& coat : stack.coats) require_index(coat.index);

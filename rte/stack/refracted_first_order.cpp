@@ -109,8 +109,27 @@ double straight_paths_factor(double n, double mu_in_air, double mu_out_air) {
            (n * n);
 }
 
+SurfaceLobe outer_lobe(const Boundary& boundary, double index) {
+    return {index, {.beckmann_alpha = boundary.roughness, .distribution = boundary.distribution}};
+}
+
+void StackFirstOrder::add_outer_lobe(std::vector<double>& reflection,
+                                     const ScaledStack& stack) const {
+    const SurfaceLobe lobe = outer_lobe(*stack.boundary, stack.top_index);
+    std::size_t next = 0;
+    for (const double mu_in : directions_.mu_in) {
+        for (const double mu_out : directions_.mu_out) {
+            for (const double azimuth : directions_.azimuth_deg)
+                reflection[next++] += std::numbers::pi * lobe.brdf(mu_in, mu_out, azimuth);
+        }
+    }
+}
+
 void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack& stack) {
-    if (stack.boundary && stack.boundary->is_rough()) return;
+    if (stack.boundary && stack.boundary->is_rough()) {
+        add_outer_lobe(reflection, stack);
+        return;
+    }
     if (has_straight_paths(stack)) {
         add_straight(reflection, stack);
     } else {

@@ -47,7 +47,10 @@ bool has_straight_paths(const ScaledStack& stack);
 /// without one.
 double straight_paths_factor(double index, double mu_in_air, double mu_out_air);
 
-/// FirstOrderSum of any stack. A rough boundary lets no beam through: nothing is added.
+/// The lobe of light that a rough boundary reflects by one facet.
+SurfaceLobe outer_lobe(const Boundary& boundary, double index);
+
+/// FirstOrderSum of any stack. A rough boundary lets no beam through: added is its outer lobe.
 class StackFirstOrder {
   public:
     /// @param directions  in air
@@ -59,6 +62,7 @@ class StackFirstOrder {
 
   private:
     void add_straight(std::vector<double>& reflection, const ScaledStack& stack);
+    void add_outer_lobe(std::vector<double>& reflection, const ScaledStack& stack) const;
     void add_all_paths(std::vector<double>& reflection, const ScaledStack& stack) const;
 
     const Directions& directions_;

@@ -97,7 +97,9 @@ StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count) : ind
     std::vector<double> scattering;
     for (const ScaledMedium& medium : stack.media) scattering.push_back(medium.index);
     if (scattering.empty()) scattering.push_back(stack.ground_index);
-    refraction_.emplace(scattering, count);
+    constexpr int least_rough = 4;
+    const bool is_rough = stack.boundary && stack.boundary->is_rough();
+    refraction_.emplace(scattering, is_rough ? std::max(count, least_rough) : count);
     scattering.push_back(1.0);
     std::sort(scattering.begin(), scattering.end());
     scattering.erase(std::unique(scattering.begin(), scattering.end()), scattering.end());
@@ -124,6 +126,10 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         if (has_mirrors) requested_.back() = with_cosines_beside(requested_.back());
     }
     memory_.modes.resize(requested_.size());
+    if (stack.boundary && stack.boundary->is_rough()) {
+        rough_top_.emplace(stack.top_index, *stack.boundary, int(grids.refraction().size()),
+                           requested);
+    }
 }
 
 std::size_t StackSolver::place_of(double index) const {
@@ -151,12 +157,24 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
-    if (has_boundary && memory_.reflector.physical) put_on_boundary(index, 1.0, parts, sky);
+    if (has_boundary && memory_.reflector.physical) {
+        if (rough_top_) {
+            put_on_rough_top(parts);
+        } else {
+            put_on_boundary(index, 1.0, parts, sky);
+        }
+    }
     if (parts == ReflectorParts::sky && !has_sky && memory_.reflector.physical) {
         memory_.reflector.sky_at_requested.noalias() = memory_.reflector.rows * sky;
         memory_.reflector.sky_at_nodes.noalias() = memory_.reflector.nodes * sky;
     }
     return memory_.reflector;
+}
+
+void StackSolver::put_on_rough_top(ReflectorParts parts) {
+    std::swap(memory_.below, memory_.reflector);
+    rough_top_->put_on(memory_.modes.front().fourier_order, memory_.below, parts,
+                       memory_.reflector);
 }
 
 void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,

@@ -10,6 +10,7 @@
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
+#include "rte/boundary/rough_top.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
@@ -98,6 +99,7 @@ class StackSolver {
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
+    void put_on_rough_top(ReflectorParts parts);
     void put_on_boundary(double below, double above, ReflectorParts parts,
                          const Eigen::VectorXd& sky);
     void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
@@ -115,6 +117,7 @@ class StackSolver {
     const ScaledStack& stack_;
     const StackGrids& grids_;
     std::vector<RequestedDirections> requested_;  ///< by index
+    std::optional<RoughTop> rough_top_;
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order
     StackMemory& memory_;

@@ -6,7 +6,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/surface.h>
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/surface/microfacet.h"

@@ -5,7 +5,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/surface.h>
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/surface/microfacet.h"
 
 namespace miebrdf::rte {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"

@@ -2,7 +2,7 @@
 #include <complex>
 #include <limits>
 
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

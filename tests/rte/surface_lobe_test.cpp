@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include <miebrdf/surface.h>
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

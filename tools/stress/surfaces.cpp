@@ -5,7 +5,7 @@
 #include <complex>
 
 #include <miebrdf/surface.h>
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 #include "tools/stress/battery.h"
 
 namespace miebrdf::stress {

@@ -44,6 +44,7 @@ void validate(const SurfaceOptions& options);
 /// Refractive indices of media behind a boundary to air.
 inline constexpr double kLeastIndex = 1.0;
 inline constexpr double kLargestIndex = 3.0;
+inline constexpr double kLeastRoughIndex = 1.05;  ///< behind a rough boundary
 /// A relative step of the index below this is no boundary.
 inline constexpr double kLeastIndexStep = 1e-3;
 

@@ -1,4 +1,4 @@
-#include "rte/boundary/fresnel.h"
+#include "rte/surface/fresnel.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,43 @@
+// A rough boundary on what lies below it, for the Fourier orders of one request after the other.
+#pragma once
+
+#include <memory>
+
+#include "rte/boundary/rough_boundary.h"
+#include "rte/half_space/half_space.h"
+
+namespace miebrdf::rte {
+
+/// Boundaries that were made before in this process, with at least that many orders; the most
+/// recently used ones are kept (some MB). Thread-safe.
+std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index,
+                                                           const RoughSurface& surface, int streams,
+                                                           int orders);
+
+/// Not thread-safe.
+class RoughTop {
+  public:
+    /// @param requested  in air; must outlive this
+    RoughTop(double index, const Boundary& boundary, int streams,
+             const RequestedDirections& requested);
+
+    /// Reflection of one Fourier order by `below` seen from air. The outer lobe of light that met
+    /// one facet only is left out of `multiple`, and is in `specular` (what does not enter) as
+    /// energy: shares of light that an albedo counts.
+    /// @param below   with nodes, in the cosines of the medium
+    /// @param parts   `sky` stands for uniform light from everywhere
+    /// @param result  overwritten
+    void put_on(int fourier_order, const Reflector& below, ReflectorParts parts, Reflector& result);
+
+  private:
+    void need_orders(int count);
+
+    double index_;
+    RoughSurface surface_;
+    int streams_;
+    const RequestedDirections& requested_;
+    std::shared_ptr<const RoughBoundary> boundary_;
+    LightFromAir light_;
+};
+
+}  // namespace miebrdf::rte
