@@ -86,36 +86,47 @@ struct Path {
     std::vector<Complex> weight;  // dx
 };
 
-// highest: what the density of sizes allows (SizeLaw::continuation_height).
-Path shifted_path(Complex m, double smallest, double largest, double highest) {
+// highest: what the density of sizes allows at the effective radius (SizeLaw::continuation_height),
+// and in proportion to the radius elsewhere: a density grows with the angle off the real axis, so
+// that the path begins as a ray from the origin.
+Path shifted_path(Complex m, double smallest, double largest, double highest, double effective) {
     const double height = std::min({4.0, largest, highest});  // higher, small spheres would cancel
+    const double slope = highest / effective;
+    const auto height_at = [&](double x) { return std::min(height, slope * x); };
     constexpr int kCapNodes = 32;
     Path path;
     // Up or down at one end: Im x = height t^4, so that resonances close to the axis are resolved.
     const auto add_cap = [&](double end, double sign) {
         const math::Quadrature rule = math::gauss_legendre(kCapNodes, 0, 1);
+        const double top = height_at(end);
         for (int i = 0; i < kCapNodes; ++i) {
             const double t = rule.nodes[i];
-            path.x.emplace_back(end, height * t * t * t * t);
-            path.weight.emplace_back(0, sign * rule.weights[i] * height * 4 * t * t * t);
+            path.x.emplace_back(end, top * t * t * t * t);
+            path.weight.emplace_back(0, sign * rule.weights[i] * top * 4 * t * t * t);
+        }
+    };
+    // What still oscillates up there is the wave through the sphere, exp(2i (m - 1) x).
+    const auto add_line = [&](double from, double to, double rise) {
+        const double width = to - from;
+        const double damping = 2 * (std::abs(m.real() - 1) * height_at(from) + m.imag() * smallest);
+        const double periods =
+            damping > 12 ? 0.0 : width * std::abs(m.real() - 1) / std::numbers::pi;
+        constexpr double kMostPerPiece = 2000;  // large grains of ice have thousands of periods
+        const int pieces = 1 + static_cast<int>(2.2 * periods / kMostPerPiece);
+        const int count = static_cast<int>(56 + 2.2 * periods / pieces) / kLaneCount * kLaneCount;
+        for (int piece = 0; piece < pieces; ++piece) {
+            const math::Quadrature rule = math::gauss_legendre(count, from + width * piece / pieces,
+                                                               from + width * (piece + 1) / pieces);
+            for (int i = 0; i < count; ++i) {
+                path.x.emplace_back(rule.nodes[i], height_at(rule.nodes[i]));
+                path.weight.push_back(rule.weights[i] * Complex(1, rise));
+            }
         }
     };
     add_cap(smallest, 1);
-    // What still oscillates up there is the wave through the sphere, exp(2i (m - 1) x).
-    const double width = largest - smallest;
-    const double damping = 2 * (std::abs(m.real() - 1) * height + m.imag() * smallest);
-    const double periods = damping > 12 ? 0.0 : width * std::abs(m.real() - 1) / std::numbers::pi;
-    constexpr double kMostPerPiece = 2000;  // large grains of ice have thousands of periods
-    const int pieces = 1 + static_cast<int>(2.2 * periods / kMostPerPiece);
-    const int count = static_cast<int>(56 + 2.2 * periods / pieces) / kLaneCount * kLaneCount;
-    for (int piece = 0; piece < pieces; ++piece) {
-        const math::Quadrature rule = math::gauss_legendre(count, smallest + width * piece / pieces,
-                                                           smallest + width * (piece + 1) / pieces);
-        for (int i = 0; i < count; ++i) {
-            path.x.emplace_back(rule.nodes[i], height);
-            path.weight.emplace_back(rule.weights[i]);
-        }
-    }
+    const double corner = std::clamp(height / slope, smallest, largest);
+    if (corner > smallest) add_line(smallest, corner, slope);
+    if (corner < largest) add_line(corner, largest, 0);
     add_cap(largest, -1);
     return path;
 }
@@ -125,10 +136,10 @@ Path shifted_path(Complex m, double smallest, double largest, double highest) {
 double exact_extinction(Complex relative_index, const SizeDistribution& distribution,
                         const RadiusRange& range, double wave_number_per_um, const Executor& run) {
     const std::unique_ptr<const AreaDensity> density = area_density(distribution);
-    const double highest = wave_number_per_um * distribution.effective_radius_um *
-                           distribution.kind.law().continuation_height(distribution);
+    const double effective = wave_number_per_um * distribution.effective_radius_um;
+    const double highest = effective * distribution.kind.law().continuation_height(distribution);
     const Path path = shifted_path(relative_index, wave_number_per_um * range.smallest_um,
-                                   wave_number_per_um * range.largest_um, highest);
+                                   wave_number_per_um * range.largest_um, highest, effective);
     const int groups = static_cast<int>(path.x.size()) / kLaneCount;
     std::vector<double> parts(groups, 0.0);
     run(groups, [&](int group) {

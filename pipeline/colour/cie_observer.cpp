@@ -51,6 +51,42 @@ constexpr std::array<ColourMatching, kObserverRows> kObserver = {{
     {0.000001776509, 0.00000064153, 0}, {0.000001251141, 0.00000045181, 0},  // 825 nm
 }};
 
+/// The CIE 1964 10-degree observer likewise: ISO/CIE 11664-1, same distribution (ciexyz64).
+constexpr std::array<ColourMatching, kObserverRows> kLargeFieldObserver = {{
+    {0.0000001222, 0.000000013398, 0.000000535027}, {0.00000091927, 0.00000010065, 0.0000040283}, {0.0000059586, 0.0000006511, 0.0000261437},  // 360 nm
+    {0.000033266, 0.000003625, 0.00014622}, {0.000159952, 0.000017364, 0.000704776}, {0.00066244, 0.00007156, 0.0029278},  // 375 nm
+    {0.0023616, 0.0002534, 0.0104822}, {0.0072423, 0.0007685, 0.032344}, {0.0191097, 0.0020044, 0.0860109},  // 390 nm
+    {0.0434, 0.004509, 0.19712}, {0.084736, 0.008756, 0.389366}, {0.140638, 0.014456, 0.65676},  // 405 nm
+    {0.204492, 0.021391, 0.972542}, {0.264737, 0.029497, 1.2825}, {0.314679, 0.038676, 1.55348},  // 420 nm
+    {0.357719, 0.049602, 1.7985}, {0.383734, 0.062077, 1.96728}, {0.386726, 0.074704, 2.0273},  // 435 nm
+    {0.370702, 0.089456, 1.9948}, {0.342957, 0.106256, 1.9007}, {0.302273, 0.128201, 1.74537},  // 450 nm
+    {0.254085, 0.152761, 1.5549}, {0.195618, 0.18519, 1.31756}, {0.132349, 0.21994, 1.0302},  // 465 nm
+    {0.080507, 0.253589, 0.772125}, {0.041072, 0.297665, 0.57006}, {0.016172, 0.339133, 0.415254},  // 480 nm
+    {0.005132, 0.395379, 0.302356}, {0.003816, 0.460777, 0.218502}, {0.015444, 0.53136, 0.159249},  // 495 nm
+    {0.037465, 0.606741, 0.112044}, {0.071358, 0.68566, 0.082248}, {0.117749, 0.761757, 0.060709},  // 510 nm
+    {0.172953, 0.82333, 0.04305}, {0.236491, 0.875211, 0.030451}, {0.304213, 0.92381, 0.020584},  // 525 nm
+    {0.376772, 0.961988, 0.013676}, {0.451584, 0.9822, 0.007918}, {0.529826, 0.991761, 0.003988},  // 540 nm
+    {0.616053, 0.99911, 0.001091}, {0.705224, 0.99734, 0.0}, {0.793832, 0.98238, 0.0},  // 555 nm
+    {0.878655, 0.955552, 0.0}, {0.951162, 0.915175, 0.0}, {1.01416, 0.868934, 0.0},  // 570 nm
+    {1.0743, 0.825623, 0.0}, {1.11852, 0.777405, 0.0}, {1.1343, 0.720353, 0.0},  // 585 nm
+    {1.12399, 0.658341, 0.0}, {1.0891, 0.593878, 0.0}, {1.03048, 0.527963, 0.0},  // 600 nm
+    {0.95074, 0.461834, 0.0}, {0.856297, 0.398057, 0.0}, {0.75493, 0.339554, 0.0},  // 615 nm
+    {0.647467, 0.283493, 0.0}, {0.53511, 0.228254, 0.0}, {0.431567, 0.179828, 0.0},  // 630 nm
+    {0.34369, 0.140211, 0.0}, {0.268329, 0.107633, 0.0}, {0.2043, 0.081187, 0.0},  // 645 nm
+    {0.152568, 0.060281, 0.0}, {0.11221, 0.044096, 0.0}, {0.0812606, 0.0318004, 0.0},  // 660 nm
+    {0.05793, 0.0226017, 0.0}, {0.0408508, 0.0159051, 0.0}, {0.028623, 0.0111303, 0.0},  // 675 nm
+    {0.0199413, 0.0077488, 0.0}, {0.013842, 0.0053751, 0.0}, {0.00957688, 0.00371774, 0.0},  // 690 nm
+    {0.0066052, 0.00256456, 0.0}, {0.00455263, 0.00176847, 0.0}, {0.0031447, 0.00122239, 0.0},  // 705 nm
+    {0.00217496, 0.00084619, 0.0}, {0.0015057, 0.00058644, 0.0}, {0.00104476, 0.00040741, 0.0},  // 720 nm
+    {0.00072745, 0.000284041, 0.0}, {0.000508258, 0.00019873, 0.0}, {0.00035638, 0.00013955, 0.0},  // 735 nm
+    {0.000250969, 0.000098428, 0.0}, {0.00017773, 0.000069819, 0.0}, {0.00012639, 0.000049737, 0.0},  // 750 nm
+    {0.000090151, 0.0000355405, 0.0}, {0.0000645258, 0.000025486, 0.0}, {0.000046339, 0.0000183384, 0.0},  // 765 nm
+    {0.0000334117, 0.000013249, 0.0}, {0.000024209, 0.0000096196, 0.0}, {0.0000176115, 0.0000070128, 0.0},  // 780 nm
+    {0.000012855, 0.0000051298, 0.0}, {0.00000941363, 0.00000376473, 0.0}, {0.000006913, 0.00000277081, 0.0},  // 795 nm
+    {0.00000509347, 0.00000204613, 0.0}, {0.0000037671, 0.00000151677, 0.0}, {0.00000279531, 0.00000112809, 0.0},  // 810 nm
+    {0.000002082, 0.00000084216, 0.0}, {0.00000155314, 0.0000006297, 0.0},  // 825 nm
+}};
+
 struct Daylight {
     double mean, first, second;
 };
@@ -80,15 +116,20 @@ constexpr std::array<Daylight, 54> kDaylight = {{
 }};
 // clang-format on
 
-/// Of the correlated colour temperature of D65. With these roundings, which the CIE prescribes, the
-/// sum is the published table of D65 to its six digits.
-constexpr double kM1 = -0.295;
-constexpr double kM2 = -0.689;
+/// Weights of S1 and S2 at a correlated colour temperature, rounded as the CIE prescribes: the sums
+/// are the published tables of D65 and D50 to their six digits.
+struct DaylightPhase {
+    double first, second;
+};
+constexpr DaylightPhase kD65 = {-0.295, -0.689};
+constexpr DaylightPhase kD50 = {-1.039, 0.363};
 
-double daylight_power(double wavelength_nm) {
+double daylight_power(double wavelength_nm, const DaylightPhase& phase) {
     const double row = (wavelength_nm - kDaylightFirst_nm) / kDaylightStep_nm;
     const int below = std::clamp(static_cast<int>(row), 0, static_cast<int>(kDaylight.size()) - 2);
-    const auto at = [](const Daylight& s) { return s.mean + kM1 * s.first + kM2 * s.second; };
+    const auto at = [&](const Daylight& s) {
+        return s.mean + phase.first * s.first + phase.second * s.second;
+    };
     const double t = row - below;
     return (1.0 - t) * at(kDaylight[below]) + t * at(kDaylight[below + 1]);
 }
@@ -102,8 +143,9 @@ double tungsten_power(double wavelength_nm) {
 
 }  // namespace
 
-ColourMatching colour_matching(double wavelength_nm) {
+ColourMatching colour_matching(double wavelength_nm, Observer observer) {
     if (!(wavelength_nm >= kObserverShortest_nm && wavelength_nm <= kObserverLongest_nm)) return {};
+    const auto& table = observer == Observer::ten_degrees ? kLargeFieldObserver : kObserver;
     const double row = (wavelength_nm - kObserverShortest_nm) / kObserverStep_nm;
     const int first = std::clamp(static_cast<int>(row) - 1, 0, kObserverRows - 4);
     const double t = row - first;  // 1 <= t < 2 except at the ends
@@ -111,7 +153,7 @@ ColourMatching colour_matching(double wavelength_nm) {
                                -t * (t - 1) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6};
     ColourMatching sum{};
     for (int i = 0; i < 4; ++i) {
-        const ColourMatching& row_i = kObserver[first + i];
+        const ColourMatching& row_i = table[first + i];
         sum.x += weights[i] * row_i.x;
         sum.y += weights[i] * row_i.y;
         sum.z += weights[i] * row_i.z;
@@ -127,7 +169,9 @@ double relative_power(Illuminant illuminant, double wavelength_nm) {
     }
     switch (illuminant) {
         case Illuminant::d65:
-            return daylight_power(wavelength_nm);
+            return daylight_power(wavelength_nm, kD65);
+        case Illuminant::d50:
+            return daylight_power(wavelength_nm, kD50);
         case Illuminant::a:
             return tungsten_power(wavelength_nm);
         case Illuminant::e:

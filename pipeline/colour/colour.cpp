@@ -56,32 +56,64 @@ void check_ascending(const std::vector<double>& wavelength_nm) {
     }
 }
 
+struct Share {
+    std::size_t place;
+    double weight;
+};
+
+/// What a value at `nm` is made of.
+std::vector<Share> interpolation_at(const std::vector<double>& x, double nm, Between between) {
+    const auto above = std::upper_bound(x.begin(), x.end(), nm);
+    const std::size_t right = static_cast<std::size_t>(above - x.begin());
+    if (right == 0) return {{0, 1.0}};
+    if (right == x.size()) return {{right - 1, 1.0}};
+    if (between == Between::cubic && right >= 2 && right + 1 < x.size()) {
+        const std::size_t first = right - 2;
+        const double steps[3] = {x[right - 1] - x[first], x[right] - x[right - 1],
+                                 x[right + 1] - x[right]};
+        // Lagrange's polynomial swings where its points are spaced very unevenly.
+        constexpr double kMostUneven = 3.0;
+        if (*std::max_element(steps, steps + 3) <=
+            kMostUneven * *std::min_element(steps, steps + 3)) {
+            std::vector<Share> shares;
+            for (std::size_t i = first; i < first + 4; ++i) {
+                double weight = 1.0;
+                for (std::size_t j = first; j < first + 4; ++j) {
+                    if (j != i) weight *= (nm - x[j]) / (x[i] - x[j]);
+                }
+                shares.push_back({i, weight});
+            }
+            return shares;
+        }
+    }
+    const double t = (nm - x[right - 1]) / (x[right] - x[right - 1]);
+    return {{right - 1, 1.0 - t}, {right, t}};
+}
+
+template <typename Value>
+std::vector<Value> chosen(const std::vector<Value>& all, const std::vector<std::size_t>& places) {
+    std::vector<Value> some;
+    for (const std::size_t i : places) some.push_back(all[i]);
+    return some;
+}
+
 }  // namespace
 
-ObserverWeights observer_weights(const std::vector<double>& wavelength_nm, Illuminant illuminant) {
+ObserverWeights observer_weights(const std::vector<double>& wavelength_nm, const Viewing& viewing,
+                                 Between between) {
     check_ascending(wavelength_nm);
     const std::size_t count = wavelength_nm.size();
     ObserverWeights weights{std::vector<double>(count), std::vector<double>(count),
                             std::vector<double>(count)};
-    const auto add = [&](std::size_t i, double share, const ColourMatching& c) {
-        weights.x[i] += share * c.x;
-        weights.y[i] += share * c.y;
-        weights.z[i] += share * c.z;
-    };
     double luminance = 0;
     for (int nm = kFirst_nm; nm <= kLast_nm; ++nm) {
-        const double power = relative_power(illuminant, nm);
-        const ColourMatching c = colour_matching(nm);
+        const double power = relative_power(viewing.illuminant, nm);
+        const ColourMatching c = colour_matching(nm, viewing.observer);
         luminance += power * c.y;
-        const auto above = std::upper_bound(wavelength_nm.begin(), wavelength_nm.end(), double(nm));
-        const std::size_t right = static_cast<std::size_t>(above - wavelength_nm.begin());
-        if (right == 0 || right == count) {
-            add(right == 0 ? 0 : count - 1, power, c);
-        } else {
-            const double t =
-                (nm - wavelength_nm[right - 1]) / (wavelength_nm[right] - wavelength_nm[right - 1]);
-            add(right - 1, (1.0 - t) * power, c);
-            add(right, t * power, c);
+        for (const auto& [i, share] : interpolation_at(wavelength_nm, nm, between)) {
+            weights.x[i] += share * power * c.x;
+            weights.y[i] += share * power * c.y;
+            weights.z[i] += share * power * c.z;
         }
     }
     for (auto* list : {&weights.x, &weights.y, &weights.z}) {
@@ -104,28 +136,35 @@ Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectanc
     return sum;
 }
 
-Xyz white_point(Illuminant illuminant) {
-    const auto white_of = [](Illuminant lamp) {
-        return to_xyz(observer_weights({560.0}, lamp), {1.0});
+Xyz white_point(const Viewing& viewing) {
+    const auto white_of = [](Illuminant light, Observer eye) {
+        return to_xyz(observer_weights({560.0}, {light, eye}), {1.0});
     };
-    static const std::array<Xyz, 3> whites = {white_of(Illuminant::d65), white_of(Illuminant::e),
-                                              white_of(Illuminant::a)};
-    return whites[static_cast<std::size_t>(illuminant)];
+    static const auto whites = [&] {
+        std::array<std::array<Xyz, 2>, 4> all;
+        for (const Illuminant light :
+             {Illuminant::d65, Illuminant::e, Illuminant::a, Illuminant::d50}) {
+            for (const Observer eye : {Observer::two_degrees, Observer::ten_degrees})
+                all[std::size_t(light)][std::size_t(eye)] = white_of(light, eye);
+        }
+        return all;
+    }();
+    return whites[std::size_t(viewing.illuminant)][std::size_t(viewing.observer)];
 }
 
-Lab to_lab(const Xyz& xyz, Illuminant illuminant) {
+Lab to_lab(const Xyz& xyz, const Viewing& viewing) {
     // f of ISO/CIE 11664-4: a cube root, and below (6/29)^3 its tangent.
     const auto f = [](double t) {
         constexpr double delta = 6.0 / 29.0;
         return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29.0;
     };
-    const Xyz white = white_point(illuminant);
+    const Xyz white = white_point(viewing);
     const double fx = f(xyz.x / white.x), fy = f(xyz.y / white.y), fz = f(xyz.z / white.z);
     return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
 }
 
-LinearSrgb to_linear_srgb(const Xyz& xyz, Illuminant illuminant) {
-    const Eigen::Vector3d from = bradford() * vector_of(white_point(illuminant));
+LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing) {
+    const Eigen::Vector3d from = bradford() * vector_of(white_point(viewing));
     const Eigen::Vector3d to = bradford() * srgb_white();
     const Eigen::Vector3d cones =
         (bradford() * vector_of(xyz)).cwiseProduct(to.cwiseQuotient(from));
@@ -153,6 +192,29 @@ std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour) {
         return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
     };
     return {byte(colour.red), byte(colour.green), byte(colour.blue)};
+}
+
+Colorimeter::Colorimeter(const std::vector<double>& wavelength_nm, const Viewing& viewing)
+    : viewing_(viewing), weights_(observer_weights(wavelength_nm, viewing, Between::cubic)) {
+    if (wavelength_nm.size() < 3) {
+        throw std::invalid_argument(
+            fmt::format("a colour from {} wavelengths; allowed: 3 or more", wavelength_nm.size()));
+    }
+    for (std::size_t i = 0; i < wavelength_nm.size(); i += 2) every_other_.push_back(i);
+    if (wavelength_nm.size() % 2 == 0) every_other_.push_back(wavelength_nm.size() - 1);
+    coarse_weights_ =
+        observer_weights(chosen(wavelength_nm, every_other_), viewing, Between::cubic);
+}
+
+Colour Colorimeter::operator()(const std::vector<double>& reflectance) const {
+    Colour colour;
+    colour.xyz = to_xyz(weights_, reflectance);
+    colour.lab = to_lab(colour.xyz, viewing_);
+    colour.lch = to_lch(colour.lab);
+    colour.srgb = to_linear_srgb(colour.xyz, viewing_);
+    const Xyz coarse = to_xyz(coarse_weights_, chosen(reflectance, every_other_));
+    colour.error_estimate = delta_e_76(colour.lab, to_lab(coarse, viewing_));
+    return colour;
 }
 
 }  // namespace miebrdf

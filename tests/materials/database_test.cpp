@@ -30,8 +30,8 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
             ++files;
         }
     }
-    CHECK(files == 94);
-    CHECK(database.list().size() == 93);
+    CHECK(files == 103);
+    CHECK(database.list().size() == 102);
     CHECK(database.integrity_problems().empty());
     // Rows of GAP.NK, and wavelengths where a table resampled at 5 nm was off by half.
     const RefractiveIndex gap = database.refractive_index("GaP");
@@ -41,6 +41,15 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
     // Ice and haematite reach as far as their sources do.
     CHECK(database.info("H2O_ice").longest_nm >= 5000);
     CHECK(database.info("Fe2O3").shortest_nm == 210);
+    // SNICAR's rows: 480 bands of 10 nm.
+    for (const char* name : {"black_carbon", "dust_saharan", "dust_greenland", "dust_colorado",
+                             "H2O_ice/SNICAR-Pic16"}) {
+        CHECK(database.dataset(name).n->x.size() == 480);
+        CHECK(database.refractive_index(name).at(4990).real() > 1.0);
+    }
+    CHECK(database.refractive_index("dust_saharan").at(505).imag() ==
+          Approx(0.00464328234).epsilon(1e-9));
+    CHECK(database.refractive_index("air").at(550).real() == Approx(1.00027784).margin(2e-8));
     // Formulas are kept as formulas.
     CHECK(database.dataset("CaCO3").n->formula == 2);
 }

@@ -91,7 +91,8 @@ TEST_CASE("albedo --colour gives the colours of its spectra", "[program][colour]
     const auto spectra = csv_of(scene);
     const auto colours = csv_of(scene + " --colour d65");
     CHECK(colours.columns() == Columns{"quantity", "mu_in", "x", "y", "z", "lab_l", "lab_a",
-                                       "lab_b", "srgb_red", "srgb_green", "srgb_blue"});
+                                       "lab_b", "srgb_red", "srgb_green", "srgb_blue", "lch_c",
+                                       "lch_h", "colour_error"});
     REQUIRE(colours.size() == 3);
     // A grey: Y is the albedo, and neither a nor b are there; all to six decimals.
     for (std::size_t row = 0; row < 3; ++row) {
@@ -108,8 +109,9 @@ TEST_CASE("albedo --colour gives the colours of its spectra", "[program][colour]
         "albedo --base hg:0.9,0.5 --mu-in 0.5,1 --wavelengths 700:400:-10 "
         "--colour d65");
     CHECK(backward.text(0, "lab_l") == colours.text(0, "lab_l"));
-    for (const char* options : {" --colour d50", " --colour d65 --wavelengths rgb",
-                                " --colour d65 --wavelengths 400:500:10"}) {
+    for (const char* options :
+         {" --colour d55", " --colour d65,5", " --colour d65 --wavelengths rgb",
+          " --colour d65 --wavelengths 400:500:10"}) {
         CAPTURE(options);
         CHECK(support::run_program(std::string("albedo --base hg:0.9,0.5") + options).exit_code ==
               2);

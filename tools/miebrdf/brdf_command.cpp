@@ -1,31 +1,17 @@
 // miebrdf brdf and miebrdf albedo: a scene's reflection.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 
-#include <miebrdf/colour.h>
+#include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/drawdown_table.h"
 #include "tools/miebrdf/reflection_options.h"
+#include "tools/miebrdf/result_facts.h"
 
 namespace miebrdf::program {
 namespace {
-
-/// What a result says about itself at each wavelength, without its physics.
-void add_report(Table& table, const ResultReport& result) {
-    table.report_columns = {"wavelength_nm", "converged", "error_estimate", "mie_error_estimate",
-                            "phase_noise",   "streams",   "moments",        "azimuthal_orders"};
-    for (const WavelengthReport& report : result.wavelengths) {
-        const rte::SolverReport& solver = report.solver;
-        table.report.push_back({report.wavelength_nm, std::string(report.converged ? "yes" : "no"),
-                                report.error_estimate, report.mie_error_estimate,
-                                report.phase_noise.largest, double(solver.streams),
-                                double(solver.moments), double(solver.fourier_orders)});
-    }
-}
 
 void add_physics(Table& table, const BrdfValues& values) {
     table.report_columns.insert(table.report_columns.end(),
@@ -40,61 +26,6 @@ void add_physics(Table& table, const BrdfValues& values) {
         row.push_back(cell_of(slice.physics.largest_albedo));
         row.emplace_back(slice.physics.least_value);
     }
-}
-
-/// The optical depth of every layer at every wavelength; one number where they agree.
-void add_depths(Table& table, const ResultReport& result, const Scene& scene) {
-    std::size_t layer = 0;
-    for (std::size_t c = 0; c < scene.layers.size(); ++c) {
-        if (scene.layers[c].depth.value == 0.0) continue;
-        std::vector<std::string> texts;
-        bool same = true;
-        double first = std::numeric_limits<double>::quiet_NaN();
-        for (const WavelengthReport& at : result.wavelengths) {
-            if (layer >= at.optical_depths.size()) continue;
-            const double depth = at.optical_depths[layer];
-            if (texts.empty()) first = depth;
-            same = same && depth == first;
-            texts.push_back(fmt::format("{:.6g} at {} nm", depth, at.wavelength_nm));
-        }
-        ++layer;
-        if (texts.empty()) continue;
-        table.facts.emplace_back(
-            "optical_depth",
-            fmt::format(
-                "coat {} ({}@{}): {}", c + 1, describe(scene.layers[c].medium),
-                describe(scene.layers[c].depth),
-                same ? fmt::format("{:.6g}", first) : fmt::format("{}", fmt::join(texts, ", "))));
-    }
-}
-
-/// What the output says about how it was computed.
-void add_facts(Table& table, const ResultReport& result, const Scene& scene,
-               const std::string& units) {
-    table.facts.emplace_back("units", units);
-    for (const std::string& source : result.sources) table.facts.emplace_back("source", source);
-    if (const std::string particles = describe_particles(scene); !particles.empty())
-        table.facts.emplace_back("particles", particles);
-    add_depths(table, result, scene);
-    for (const std::string& note : result.notes) table.facts.emplace_back("note", note);
-    table.facts.emplace_back("tolerance", result.tolerance);
-    table.facts.emplace_back("error_estimate", rounded(result.error_estimate(), 3));
-    const WavelengthReport& noisiest = result.noisiest();
-    const PhaseNoise& noise = noisiest.phase_noise;
-    if (noise.largest > 0.1 * result.tolerance) {
-        table.facts.emplace_back("phase_noise",
-                                 fmt::format("{:.2e} at most, of single directions (rms, relative "
-                                             "like error_estimate, which has "
-                                             "twice this in it), at {} nm, mu_in {}, mu_out {}, "
-                                             "azimuth {}; from the number of sphere "
-                                             "sizes; a smaller --tolerance lowers it",
-                                             noise.largest, noisiest.wavelength_nm, noise.mu_in,
-                                             noise.mu_out, noise.azimuth_deg));
-    }
-    table.facts.emplace_back("method", result.wavelengths.front().solver.method);
-    for (const std::string& line : result.shortfalls())
-        table.facts.emplace_back("not converged", line);
-    add_report(table, result);
 }
 
 /// What a smooth boundary sends into the mirror direction is no value of the BRDF: it is said.
@@ -137,9 +68,66 @@ void add_rows(Table& table, const BrdfValues& values, const BrdfQuestion& questi
     }
 }
 
+/// Calls add(in, out, azimuth) for every direction, in the order of values.
+template <typename Add>
+void for_each_direction(const Directions& directions, Add add) {
+    for (const double in : directions.mu_in) {
+        for (const double out : directions.mu_out) {
+            for (const double azimuth : directions.azimuth_deg) add(in, out, azimuth);
+        }
+    }
+}
+
+int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    const HdrfValues values = brdf.hdrf(question.directions, *question.diffuse_fraction);
+    for (const std::string& note : values.notes) shell.note("note: " + note);
+    Table table;
+    add_facts(table, values, brdf.scene(),
+              "wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = mirror "
+              "side, 180 = towards the sun; hdrf: radiance over that of a white Lambertian surface "
+              "in the same light");
+    table.facts.emplace_back("diffuse_fraction", values.diffuse_fraction);
+    table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "hdrf"};
+    for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
+        std::size_t index = 0;
+        for_each_direction(question.directions, [&](double in, double out, double azimuth) {
+            table.rows.push_back(
+                {values.wavelengths[w].wavelength_nm, in, out, azimuth, values.hdrf[w][index++]});
+        });
+    }
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
+int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question, const BrdfValues& values,
+                       const Shell& shell) {
+    ReferenceSpectra reference;
+    if (!question.reference.empty())
+        reference = reference_reflectances(question.reference, question, shell.control());
+    ColourColumns colours(brdf.wavelength_nm(), *question.viewing, std::move(reference));
+    Table table;
+    table.columns = {"mu_in", "mu_out", "azimuth_deg"};
+    colours.add_names(table);
+    const auto spectra = spectra_of(values, question.columns.front());
+    std::size_t index = 0;
+    for_each_direction(question.directions, [&](double in, double out, double azimuth) {
+        table.rows.push_back({in, out, azimuth});
+        colours.add_cells(table, spectra[index++]);
+    });
+    add_facts(table, values, brdf.scene(),
+              "mu: cosine from the normal; azimuth_deg: 0 = mirror side; colours of pi times the "
+              "BRDF (reflectance factor); " +
+                  colours.units());
+    colours.add_facts(table);
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
 int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    if (question.diffuse_fraction) return write_hdrf(brdf, question, shell);
     const BrdfValues values = brdf.evaluate(question.directions, question.parts);
     for (const std::string& note : values.notes) shell.note("note: " + note);
+    if (question.viewing) return write_brdf_colours(brdf, question, values, shell);
     Table table;
     add_facts(table, values, brdf.scene(),
               std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: "
@@ -160,40 +148,8 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
     return values.converged() ? kGood : kNotConverged;
 }
 
-/// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
-Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
-
-std::vector<Cell> colour_row(const std::string& quantity, const Cell& mu_in, const Xyz& xyz,
-                             Illuminant illuminant) {
-    const Lab lab = to_lab(xyz, illuminant);
-    const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
-    std::vector<Cell> row = {quantity, mu_in};
-    for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, encode_srgb(rgb.red),
-                               encode_srgb(rgb.green), encode_srgb(rgb.blue)}) {
-        row.push_back(decimals(value));
-    }
-    return row;
-}
-
-/// XYZ, Lab, encoded sRGB: a row for the plane albedo at each mu_in and one for the spherical
-/// albedo, to six decimals.
-/// @param wavelength_nm  ascending
-void add_colours(Table& table, const AlbedoValues& values, const std::vector<double>& wavelength_nm,
-                 Illuminant illuminant) {
-    const ObserverWeights weights = observer_weights(wavelength_nm, illuminant);
-    table.columns = {"quantity", "mu_in", "x",        "y",          "z",        "lab_l",
-                     "lab_a",    "lab_b", "srgb_red", "srgb_green", "srgb_blue"};
-    for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
-        std::vector<double> albedo;
-        for (const std::vector<double>& plane : values.plane_albedo) albedo.push_back(plane[i]);
-        table.rows.push_back(
-            colour_row("plane_albedo", values.mu_in[i], to_xyz(weights, albedo), illuminant));
-    }
-    table.rows.push_back(colour_row("spherical_albedo", Cell(),
-                                    to_xyz(weights, values.spherical_albedo), illuminant));
-}
-
-void add_spectra(Table& table, const AlbedoValues& values) {
+void add_spectra(Table& table, const AlbedoValues& values,
+                 const std::optional<double>& diffuse_fraction) {
     table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};
     const bool transmits = !values.plane_transmittance.empty();
     if (transmits) {
@@ -202,6 +158,10 @@ void add_spectra(Table& table, const AlbedoValues& values) {
     }
     const bool mirrors = !values.mirror_reflectance.empty();
     if (mirrors) table.columns.emplace_back("mirror_reflectance");
+    if (diffuse_fraction) {
+        table.facts.emplace_back("diffuse_fraction", *diffuse_fraction);
+        table.columns.emplace_back("blue_sky_albedo");
+    }
     for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
         for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
             auto& row = table.rows.emplace_back(
@@ -212,27 +172,49 @@ void add_spectra(Table& table, const AlbedoValues& values) {
                 row.emplace_back(values.spherical_transmittance[w]);
             }
             if (mirrors) row.emplace_back(values.mirror_reflectance[w][i]);
+            if (diffuse_fraction) row.emplace_back(values.under_sky(w, i, *diffuse_fraction));
         }
     }
 }
 
+int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
+                         const AlbedoValues& values, const Shell& shell) {
+    ReferenceSpectra reference;
+    if (!question.reference.empty())
+        reference = reference_albedos(question.reference, question, shell.control());
+    ColourColumns colours(brdf.wavelength_nm(), *question.viewing, std::move(reference));
+    Table table;
+    table.columns = {"quantity", "mu_in"};
+    colours.add_names(table);
+    const std::size_t count = values.mu_in.size();
+    const auto spectra = spectra_of(values, question.diffuse_fraction);
+    for (std::size_t r = 0; r < spectra.size(); ++r) {
+        if (r == count) {
+            table.rows.push_back({std::string("spherical_albedo"), Cell()});
+        } else {
+            table.rows.push_back({std::string(r < count ? "plane_albedo" : "blue_sky_albedo"),
+                                  values.mu_in[r < count ? r : r - count - 1]});
+        }
+        colours.add_cells(table, spectra[r]);
+    }
+    add_facts(table, values, brdf.scene(), "mu_in: cosine from the normal; " + colours.units());
+    colours.add_facts(table);
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
 int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
+    if (!question.over.empty()) return write_drawdown(question, shell);
     const AlbedoValues values = brdf.albedo(question.mu_in);
     for (const std::string& note : values.notes) shell.note("note: " + note);
+    if (question.viewing) return write_albedo_colours(brdf, question, values, shell);
     Table table;
-    if (question.illuminant) {
-        add_facts(table, values, brdf.scene(),
-                  "mu_in: cosine from the normal; x, y, z: white of the illuminant has y = 1; lab: "
-                  "CIE 1976, white 100, 0, 0; srgb: encoded, not clipped");
-        add_colours(table, values, brdf.wavelength_nm(), *question.illuminant);
-    } else {
-        add_facts(
-            table, values, brdf.scene(),
-            "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless; "
-            "transmittances: net flux into what lies below the layers; mirror_reflectance: the "
-            "part of plane_albedo that goes into the mirror direction alone");
-        add_spectra(table, values);
-    }
+    add_facts(table, values, brdf.scene(),
+              "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless: "
+              "plane of light from mu_in, spherical of uniform light; transmittances: net flux "
+              "into what lies below the layers; mirror_reflectance: the part of plane_albedo that "
+              "goes into the mirror direction alone");
+    add_spectra(table, values, question.diffuse_fraction);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }

@@ -192,8 +192,11 @@ std::string message_of(const Error& error) {
         if (message.rfind(word.name + ":", 0) == 0) message.insert(0, "--");  // a word's own
         if (word.field.find('_') == std::string::npos) continue;              // an ordinary word
         for (std::size_t at = message.find(word.field); at != std::string::npos;
-             at = message.find(word.field, at)) {
-            message.replace(at, word.field.size(), option);
+             at = message.find(word.field, at + 1)) {
+            // A comma without a space belongs to the header of a file.
+            const std::string next = message.substr(at + word.field.size(), 2);
+            if (next.empty() || next[0] != ',' || next == ", ")
+                message.replace(at, word.field.size(), option);
         }
     }
     if (error.field() == "wavelength_nm" && dynamic_cast<const InputError*>(&error) != nullptr)

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <miebrdf/colour.h>
+#include <miebrdf/drawdown.h>
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
 
@@ -33,13 +33,6 @@ std::vector<BrdfPart> parse_components(const std::string& text, bool has_surface
     return parts;
 }
 
-Illuminant parse_illuminant(const std::string& name) {
-    if (name == "d65") return Illuminant::d65;
-    if (name == "a") return Illuminant::a;
-    if (name == "e") return Illuminant::e;
-    throw UsageError(fmt::format("unknown illuminant '{}'; allowed: d65, a, e", name));
-}
-
 /// Sorts the wavelengths and refuses those that no colour can be told from: fewer than eight, or
 /// not from 430 nm or less to 650 nm or more. @throws UsageError
 void prepare_for_colour(std::vector<double>& wavelength_nm) {
@@ -53,7 +46,70 @@ void prepare_for_colour(std::vector<double>& wavelength_nm) {
         "e.g. --wavelengths 400:700:10");
 }
 
+std::optional<double> parse_diffuse_fraction(const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    const double share = parse_number(text, "diffuse-fraction");
+    if (!(share >= 0.0 && share <= 1.0)) {
+        throw UsageError(fmt::format(
+            "--diffuse-fraction {} is out of range; allowed: [0, 1], the share of uniform light "
+            "from the sky in all light; the rest is the sun at mu_in",
+            text));
+    }
+    return share;
+}
+
+/// "black", "white" or what a substrate may be. @throws UsageError, InputError
+Substrate parse_ground(const std::string& text) {
+    if (text == "white") return DrawdownOptions().light;
+    return substrate(text);
+}
+
+/// A dark and a light ground.
+std::vector<Substrate> parse_grounds(const std::string& text) {
+    std::vector<Substrate> grounds;
+    for (const std::string& ground : split_list(text)) grounds.push_back(parse_ground(ground));
+    if (grounds.size() != 2) {
+        throw UsageError(fmt::format(
+            "--over {}: {} grounds; allowed: two, the dark one first: black,white (a Lambertian "
+            "ground of albedo {}) or e.g. black,lambert:0.78",
+            text, grounds.size(), kWhiteChartAlbedo));
+    }
+    return grounds;
+}
+
+CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const std::string& use) {
+    return command
+        .add_option("--diffuse-fraction", text,
+                    "share of the light that comes uniformly from the whole sky, in [0, 1]; the "
+                    "rest is the sun at mu_in: " +
+                        use)
+        ->type_name("F");
+}
+
 }  // namespace
+
+void ColourArguments::add_to(CLI::App& command) {
+    command
+        .add_option("--colour", viewing_,
+                    "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a "
+                    "or e, by the 2-degree observer or, after a comma, that of 10: d65,10")
+        ->type_name("ILLUMINANT");
+    command
+        .add_option("--reference", reference_,
+                    "file whose colours these are compared with (de76, de2000): a scene file, a "
+                    "table of this command, or a spectrum (CSV wavelength_nm,reflectance)")
+        ->type_name("FILE");
+}
+
+std::optional<Viewing> ColourArguments::parse(std::vector<double>& wavelength_nm) const {
+    if (viewing_.empty()) {
+        if (reference_.empty()) return std::nullopt;
+        throw UsageError("--reference compares colours; give --colour too, e.g. d65,10");
+    }
+    const Viewing found = viewing(viewing_);
+    prepare_for_colour(wavelength_nm);
+    return found;
+}
 
 void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
     scene_.add_to(command, shell);
@@ -68,9 +124,14 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
     add_list(command, "--component", components_,
              "total, subsurface, surface; several give a column each")
         ->capture_default_str();
-    command.add_option("--quantity", quantity_, "brdf (1/sr) or reflection (pi times it)")
+    command
+        .add_option("--quantity", quantity_,
+                    "brdf (1/sr), reflection (pi times it) or hdrf (hemispherical-directional "
+                    "reflectance factor, of sun and sky together)")
         ->type_name("NAME")
         ->capture_default_str();
+    add_diffuse_fraction(command, diffuse_fraction_, "belongs to --quantity hdrf");
+    colour_.add_to(command);
 }
 
 BrdfQuestion BrdfArguments::parse() const {
@@ -85,32 +146,59 @@ BrdfQuestion BrdfArguments::parse() const {
     };
     question.parts = {wanted(BrdfPart::subsurface), wanted(BrdfPart::surface),
                       wanted(BrdfPart::total)};
-    if (quantity_ != "brdf" && quantity_ != "reflection") {
+    if (quantity_ != "brdf" && quantity_ != "reflection" && quantity_ != "hdrf") {
         throw UsageError(
-            fmt::format("unknown quantity '{}'; allowed: brdf, reflection", quantity_));
+            fmt::format("unknown quantity '{}'; allowed: brdf, reflection, hdrf", quantity_));
     }
     question.as_reflection = quantity_ == "reflection";
+    question.viewing = colour_.parse(question.request.wavelength_nm);
+    question.reference = colour_.reference();
+    question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
+    if (question.diffuse_fraction.has_value() != (quantity_ == "hdrf")) {
+        throw UsageError(
+            "--quantity hdrf and --diffuse-fraction belong together, e.g. --quantity hdrf "
+            "--diffuse-fraction 0.2");
+    }
+    if (question.viewing && (question.columns.size() != 1 || question.diffuse_fraction)) {
+        throw UsageError(
+            "--colour is that of one component's reflection; leave out --quantity hdrf and give "
+            "one --component");
+    }
+    if (question.diffuse_fraction && question.columns != std::vector{BrdfPart::total})
+        throw UsageError("--quantity hdrf is that of the whole; leave out --component");
     return question;
 }
 
 void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
-    scene_.add_to(command, shell);
+    scene_.add_to(command, shell, SceneArguments::Base::optional);
     add_list(command, "--mu-in", mu_in_, "cosines of the angles of incidence, in (0, 1]")
-        ->capture_default_str();
+        ->default_str("0.1:1:0.1; 1 with --over");
+    add_diffuse_fraction(command, diffuse_fraction_, "adds the blue-sky albedo");
     command
-        .add_option("--colour", colour_,
-                    "colours instead of spectra, under this illuminant: d65, a or e; XYZ, CIELAB, "
-                    "sRGB of the 1931 observer")
-        ->type_name("ILLUMINANT");
+        .add_option("--over", over_,
+                    "a dark and a light ground in place of one below, each as in --substrate; "
+                    "black,white is a drawdown over a black and a white (albedo 0.8) chart: "
+                    "contrast ratio and, with --colour, hiding power")
+        ->type_name("GROUNDS");
+    colour_.add_to(command);
 }
 
 AlbedoQuestion AlbedoArguments::parse() const {
+    const bool has_ground = scene_.given("base") || scene_.given("substrate");
+    if (over_.empty() && !has_ground) throw UsageError("--base or --substrate is required");
+    if (!over_.empty() && has_ground)
+        throw UsageError("--over takes the place of --base and --substrate; give one of them");
     AlbedoQuestion question;
     question.request = scene_.parse();
-    question.mu_in = cosines(mu_in_, "mu_in");
-    if (colour_.empty()) return question;
-    question.illuminant = parse_illuminant(colour_);
-    prepare_for_colour(question.request.wavelength_nm);
+    question.mu_in = cosines(!mu_in_.empty() ? mu_in_ : over_.empty() ? "0.1:1:0.1" : "1", "mu_in");
+    question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
+    question.viewing = colour_.parse(question.request.wavelength_nm);
+    question.reference = colour_.reference();
+    if (over_.empty()) return question;
+    question.over = parse_grounds(over_);
+    question.request.scene.substrate = question.over.front();
+    if (!question.reference.empty() || question.diffuse_fraction)
+        throw UsageError("--over goes without --reference and --diffuse-fraction");
     return question;
 }
 

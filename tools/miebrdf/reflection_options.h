@@ -12,6 +12,20 @@
 
 namespace miebrdf::program {
 
+/// `--colour` and `--reference`.
+class ColourArguments {
+  public:
+    void add_to(CLI::App& command);
+    /// Empty: no colours are wanted. Where they are, sorts the wavelengths and refuses those that
+    /// no colour can be told from. @throws UsageError
+    std::optional<Viewing> parse(std::vector<double>& wavelength_nm) const;
+    const std::string& reference() const { return reference_; }
+
+  private:
+    std::string viewing_;
+    std::string reference_;
+};
+
 /// What `brdf` was asked.
 struct BrdfQuestion {
     Request request;
@@ -19,6 +33,10 @@ struct BrdfQuestion {
     std::vector<BrdfPart> columns;  ///< in the order typed
     BrdfParts parts;                ///< the same as a set
     bool as_reflection = false;     ///< pi times the BRDF
+    /// Of the hemispherical-directional reflectance factor that takes its place.
+    std::optional<double> diffuse_fraction;
+    std::optional<Viewing> viewing;  ///< of the colours that take the place of spectra
+    std::string reference;           ///< file to compare colours with; empty: none
 };
 
 class BrdfArguments {
@@ -34,13 +52,18 @@ class BrdfArguments {
     std::string azimuth_ = "0";
     std::string components_ = "total";
     std::string quantity_ = "brdf";
+    std::string diffuse_fraction_;
+    ColourArguments colour_;
 };
 
 /// What `albedo` was asked.
 struct AlbedoQuestion {
     Request request;
     std::vector<double> mu_in;
-    std::optional<Illuminant> illuminant;  ///< of the colours that take the place of spectra
+    std::optional<double> diffuse_fraction;  ///< of the light from the sky
+    std::optional<Viewing> viewing;          ///< of the colours that take the place of spectra
+    std::string reference;                   ///< file to compare colours with; empty: none
+    std::vector<Substrate> over;  ///< a dark and a light ground; empty: as the scene says
 };
 
 class AlbedoArguments {
@@ -51,8 +74,10 @@ class AlbedoArguments {
 
   private:
     SceneArguments scene_;
-    std::string mu_in_ = "0.1:1:0.1";
-    std::string colour_;
+    std::string mu_in_;
+    std::string diffuse_fraction_;
+    std::string over_;
+    ColourArguments colour_;
 };
 
 }  // namespace miebrdf::program

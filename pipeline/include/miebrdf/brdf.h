@@ -126,6 +126,20 @@ class AlbedoValues : public ResultReport {
 
     /// The plane albedo. @throws UsageError  for an index beyond its list
     double at(std::size_t wavelength, std::size_t in) const;
+
+    /// Albedo under a sky of which this share of the flux is uniform diffuse light, the rest the
+    /// sun at mu_in: bihemispherical reflectance under ambient light (Schaepman-Strub et al. 2006).
+    /// @throws UsageError  for an index beyond its list and for a share outside [0, 1]
+    double under_sky(std::size_t wavelength, std::size_t in, double diffuse_fraction) const;
+};
+
+/// Hemispherical-directional reflectance factors under a sky of sun and uniform diffuse light.
+class HdrfValues : public ResultReport {
+  public:
+    Directions directions;
+    double diffuse_fraction = 0.0;
+    /// [wavelength][(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]
+    std::vector<std::vector<double>> hdrf;
 };
 
 /// A layer of a scene at one wavelength. What needs absolute amounts, and what needs densities, is
@@ -184,6 +198,15 @@ class Brdf {
 
     /// Fourier order 0 alone, without phase functions.
     AlbedoValues albedo(const std::vector<double>& mu_in) const;
+
+    /// Hemispherical-directional reflectance factors: radiance reflected into mu_out over that of a
+    /// white Lambertian surface in the same light, (1 - d) pi f + d A(mu_out). Of the irradiance
+    /// the share d = diffuse_fraction is uniform over the sky, the rest the sun at mu_in
+    /// (Schaepman-Strub et al., Remote Sens. Environ. 103, 27 (2006), eq. 14). The integral of f
+    /// over all incidences is the plane albedo A at mu_out, by reciprocity.
+    /// @throws UsageError  for directions out of range, diffuse_fraction outside [0, 1], and
+    ///         diffuse light on a surface whose coupling is not reciprocal
+    HdrfValues hdrf(const Directions& directions, double diffuse_fraction) const;
 
     /// Single scattering by every layer at every wavelength, from the lowest up; nothing of
     /// radiative transfer.

@@ -1,9 +1,12 @@
-// From spectral reflectance to colour: the CIE's eye and lamps (1931 2-degree standard colorimetric
-// observer; illuminants D65, E and A), XYZ, Lab and sRGB.
+// From spectral reflectance to colour: the CIE's eyes and lamps (1931 2-degree and 1964 10-degree
+// standard colorimetric observers; illuminants D65, D50, E and A), XYZ, Lab, LCh, sRGB and the
+// differences between colours.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #pragma GCC visibility push(default)
@@ -16,22 +19,45 @@ struct ColourMatching {
     double x, y, z;
 };
 
-/// The colour-matching functions of the CIE 1931 2-degree observer (ISO/CIE 11664-1).
+enum class Observer {
+    two_degrees,  ///< CIE 1931, fields of 1 to 4 degrees
+    ten_degrees,  ///< CIE 1964, larger fields
+};
+
+/// The colour-matching functions of a standard observer (ISO/CIE 11664-1).
 ///
 /// Tabulated at 5 nm, cubic between (Lagrange through the four nearest rows, as CIE 15:2004,
 /// section 7.2.1, recommends for interpolation of tables). Sums of the 5 nm rows from 380 to 780 nm
-/// are the published 21.3715, 21.3713, 21.3715. Zero outside 360 to 830 nm.
-ColourMatching colour_matching(double wavelength_nm);
+/// are the published 21.3715, 21.3713, 21.3715 (2 degrees) and 23.3294, 23.3320, 23.3342
+/// (10 degrees). Zero outside 360 to 830 nm.
+ColourMatching colour_matching(double wavelength_nm, Observer observer = Observer::two_degrees);
 
 enum class Illuminant {
     d65,  ///< daylight, S0 + M1 S1 + M2 S2 (CIE 15:2004, tables T.2; linear between 10 nm rows)
     e,    ///< equal energy
     a,    ///< tungsten, Planck at 2848 K with c2 = 1.435e-2 m K (ISO 11664-2, eq. 1)
+    d50,  ///< daylight at sunrise and of the printing trade, likewise
 };
 
 /// Relative spectral power, 100 at 560 nm.
 /// @throws std::invalid_argument  outside 360 to 830 nm
 double relative_power(Illuminant illuminant, double wavelength_nm);
+
+/// Under which light and by which eye a colour is seen.
+struct Viewing {
+    Illuminant illuminant = Illuminant::d65;
+    Observer observer = Observer::two_degrees;
+
+    Viewing(Illuminant light = Illuminant::d65, Observer eye = Observer::two_degrees)
+        : illuminant(light), observer(eye) {}
+    bool operator==(const Viewing&) const = default;
+};
+
+/// Reads `d65`, `d50`, `a` or `e`, then perhaps `,2` or `,10`, the observer's degrees (2).
+/// @throws UsageError
+Viewing viewing(const std::string& text);
+/// "D65, CIE 1964 10-degree observer"
+std::string describe(const Viewing& viewing);
 
 /// Tristimulus values; a reflectance of 1 everywhere has y = 1.
 struct Xyz {
@@ -41,6 +67,11 @@ struct Xyz {
 /// CIE 1976 L*a*b* (ISO/CIE 11664-4): white is (100, 0, 0).
 struct Lab {
     double l = 0.0, a = 0.0, b = 0.0;
+};
+
+/// Lab in polar form: chroma and hue angle, in [0, 360) degrees.
+struct Lch {
+    double l = 0.0, c = 0.0, h_deg = 0.0;
 };
 
 /// Linear light in the primaries of sRGB (IEC 61966-2-1). Colours outside its gamut have
@@ -58,33 +89,80 @@ struct ObserverWeights {
     std::vector<double> x, y, z;
 };
 
-/// Weights for a reflectance known at these wavelengths: linear between them and constant beyond
-/// the first and last, integrated at 1 nm from 360 to 830 nm. Each of x, y, z sums to the white of
-/// the illuminant, so one wavelength alone stands for a grey.
+/// What a reflectance is between its wavelengths.
+enum class Between {
+    linear,  ///< weights are never negative
+    /// Lagrange through the four nearest wavelengths (CIE 15:2004, section 7.2.1); linear where
+    /// there are none on one side, or where their distances differ by more than a factor of three.
+    cubic,
+};
+
+/// Weights for a reflectance known at these wavelengths: interpolated between them and constant
+/// beyond the first and last, integrated at 1 nm from 360 to 830 nm. Each of x, y, z sums to the
+/// white of the illuminant, so one wavelength alone stands for a grey.
 /// @param wavelength_nm  ascending, at least one
 /// @throws std::invalid_argument  for an empty list or one that does not ascend
 ObserverWeights observer_weights(const std::vector<double>& wavelength_nm,
-                                 Illuminant illuminant = Illuminant::d65);
+                                 const Viewing& viewing = {}, Between between = Between::linear);
 
 /// @param reflectance  one value for each weight, e.g. pi times a BRDF, or an albedo
 /// @throws std::invalid_argument  when the lengths differ
 Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectance);
 
 /// Of a reflectance of 1: the chromaticity of the illuminant.
-Xyz white_point(Illuminant illuminant);
+Xyz white_point(const Viewing& viewing);
 
 /// Relative to the white of the illuminant, without adaptation.
-Lab to_lab(const Xyz& xyz, Illuminant illuminant = Illuminant::d65);
+Lab to_lab(const Xyz& xyz, const Viewing& viewing = {});
+
+Lch to_lch(const Lab& lab);
+
+/// CIE 1976: the distance in Lab.
+double delta_e_76(const Lab& a, const Lab& b);
+
+/// CIEDE2000 with kL = kC = kH = 1 (ISO/CIE 11664-6), as Sharma, Wu & Dalal, Color Res. Appl. 30,
+/// 21 (2005), spell it out.
+double delta_e_2000(const Lab& a, const Lab& b);
 
 /// Seen by an eye adapted to the illuminant (Bradford, to the white of sRGB): a reflectance of 1 is
 /// (1, 1, 1) under each of them.
-LinearSrgb to_linear_srgb(const Xyz& xyz, Illuminant illuminant = Illuminant::d65);
+LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing = {});
 
 /// The transfer function of IEC 61966-2-1, [0, 1] to [0, 1]; odd beyond 0, continued above 1.
 double encode_srgb(double linear);
 
 /// Encoded, clipped to [0, 1], rounded to 0 ... 255.
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour);
+
+/// The colour of a reflectance.
+struct Colour {
+    Xyz xyz;
+    Lab lab;
+    Lch lch;
+    LinearSrgb srgb;
+    /// delta_e_76 to the colour from every other wavelength. What the wavelengths in between leave
+    /// is less, as long as the spectrum has no features narrower than two of their steps.
+    double error_estimate = 0.0;
+};
+
+/// Colours of many reflectances at the same wavelengths, cubic between them.
+class Colorimeter {
+  public:
+    /// @param wavelength_nm  ascending, at least three
+    /// @throws std::invalid_argument  for fewer, or for a list that does not ascend
+    explicit Colorimeter(const std::vector<double>& wavelength_nm, const Viewing& viewing = {});
+
+    /// @param reflectance  one value for each wavelength
+    /// @throws std::invalid_argument  when the lengths differ
+    Colour operator()(const std::vector<double>& reflectance) const;
+
+    const Viewing& viewing() const { return viewing_; }
+
+  private:
+    Viewing viewing_;
+    std::vector<std::size_t> every_other_;  ///< with the first and the last
+    ObserverWeights weights_, coarse_weights_;
+};
 
 }  // namespace miebrdf
 #pragma GCC visibility pop

@@ -1,0 +1,246 @@
+// The other side of a colour difference: spectra of a scene file, of a table, of a BRDF file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+
+#include <miebrdf/error.h>
+#include <miebrdf/formats.h>
+#include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/colour_table.h"
+#include "tools/miebrdf/run_command.h"
+
+namespace miebrdf::program {
+namespace {
+
+bool is_scene_file(const std::string& path) { return path.ends_with(".toml"); }
+
+/// The scene of a file's first result, at the wavelengths of the question.
+Brdf scene_of_file(const std::string& path, Request request, const Control& control) {
+    request.scene = read_scene_results(path).at(0).request.scene;
+    return solved(request, control);
+}
+
+/// Columns of numbers by name, from CSV with a header; comment lines begin with #.
+class NumberTable {
+  public:
+    explicit NumberTable(const std::string& path) : path_(path) {
+        std::ifstream file(path);
+        if (!file) throw InputError(fmt::format("reference '{}' cannot be read", path));
+        std::string line;
+        for (int number = 1; std::getline(file, line); ++number) {
+            if (!line.empty() && line.back() == '\r') line.pop_back();
+            if (line.empty() || line[0] == '#') continue;
+            const std::vector<std::string> fields = split_list(line);
+            if (names_.empty()) {
+                names_ = fields;
+                columns_.resize(fields.size());
+                continue;
+            }
+            if (fields.size() != names_.size()) {
+                throw InputError(fmt::format("reference '{}', line {}: {} fields under {} names",
+                                             path, number, fields.size(), names_.size()));
+            }
+            for (std::size_t c = 0; c < fields.size(); ++c) {
+                try {
+                    columns_[c].push_back(parse_number(fields[c], names_[c]));
+                } catch (const UsageError& error) {
+                    throw InputError(
+                        fmt::format("reference '{}', line {}: {}", path, number, error.what()));
+                }
+            }
+        }
+        if (columns_.empty() || columns_[0].empty() || find("wavelength_nm") == nullptr) {
+            throw InputError(
+                fmt::format("reference '{}': allowed: a scene file (.toml), a table of results, or "
+                            "a spectrum (CSV with the header wavelength_nm,reflectance)",
+                            path));
+        }
+    }
+
+    const std::vector<double>* find(const std::string& name) const {
+        const auto found = std::find(names_.begin(), names_.end(), name);
+        return found == names_.end() ? nullptr : &columns_[std::size_t(found - names_.begin())];
+    }
+
+    /// The only column beside the wavelengths; null where there are several.
+    const std::vector<double>* spectrum() const {
+        return names_.size() == 2 ? &columns_[names_[0] == "wavelength_nm" ? 1 : 0] : nullptr;
+    }
+
+    const std::string& path() const { return path_; }
+
+  private:
+    std::string path_;
+    std::vector<std::string> names_;
+    std::vector<std::vector<double>> columns_;
+};
+
+/// Values by ascending wavelength, those of rows that `wanted` chooses.
+template <typename Wanted>
+std::map<double, double> by_wavelength(const NumberTable& table, const std::vector<double>& values,
+                                       Wanted wanted) {
+    std::map<double, double> spectrum;
+    const std::vector<double>& nm = *table.find("wavelength_nm");
+    for (std::size_t r = 0; r < nm.size(); ++r) {
+        if (wanted(r)) spectrum[nm[r]] = values[r];
+    }
+    return spectrum;
+}
+
+void add(ReferenceSpectra& all, const std::map<double, double>& spectrum) {
+    std::vector<double> wavelengths, values;
+    for (const auto& [nm, value] : spectrum) {
+        wavelengths.push_back(nm);
+        values.push_back(value);
+    }
+    all.wavelength_nm = wavelengths;
+    all.reflectance.push_back(values);
+}
+
+ReferenceSpectra repeated(const NumberTable& table, std::size_t rows) {
+    const std::vector<double>* values = table.spectrum();
+    if (values == nullptr) {
+        throw InputError(fmt::format(
+            "reference '{}': which column? allowed: those of a table of `albedo`, or a column "
+            "of wavelengths and one other",
+            table.path()));
+    }
+    ReferenceSpectra all;
+    add(all, by_wavelength(table, *values, [](std::size_t) { return true; }));
+    all.reflectance.resize(rows, all.reflectance.front());
+    return all;
+}
+
+/// The rows of a table that `albedo` has written.
+ReferenceSpectra rows_of_albedos(const NumberTable& table, const AlbedoQuestion& question) {
+    const std::vector<double>& plane = *table.find("plane_albedo");
+    const std::vector<double>* mu_in = table.find("mu_in");
+    const std::vector<double>* spherical = table.find("spherical_albedo");
+    if (mu_in == nullptr || spherical == nullptr) return repeated(table, 0);
+    ReferenceSpectra all;
+    constexpr double kSame = 1e-9;
+    for (const double mu : question.mu_in) {
+        const auto spectrum = by_wavelength(
+            table, plane, [&](std::size_t r) { return std::abs((*mu_in)[r] - mu) <= kSame; });
+        if (spectrum.empty()) {
+            throw InputError(
+                fmt::format("reference '{}' has no rows of mu_in {}", table.path(), mu));
+        }
+        add(all, spectrum);
+    }
+    add(all, by_wavelength(table, *spherical, [](std::size_t) { return true; }));
+    const std::vector<double> diffuse = all.reflectance.back();
+    if (!question.diffuse_fraction) return all;
+    const double d = *question.diffuse_fraction;
+    for (std::size_t i = 0; i < question.mu_in.size(); ++i) {
+        std::vector<double> sky = all.reflectance[i];
+        for (std::size_t w = 0; w < sky.size(); ++w) sky[w] = (1.0 - d) * sky[w] + d * diffuse[w];
+        all.reflectance.push_back(std::move(sky));
+    }
+    return all;
+}
+
+ReferenceSpectra checked(ReferenceSpectra spectra, const std::string& path) {
+    const std::size_t count = spectra.wavelength_nm.size();
+    const bool whole = std::all_of(spectra.reflectance.begin(), spectra.reflectance.end(),
+                                   [&](const auto& r) { return r.size() == count; });
+    if (!covers_the_visible(spectra.wavelength_nm) || !whole) {
+        throw InputError(fmt::format(
+            "reference '{}': {} wavelengths from {} to {} nm; allowed: eight or more, from 430 nm "
+            "or less to 650 nm or more, for every row",
+            path, count, count > 0 ? spectra.wavelength_nm.front() : 0.0,
+            count > 0 ? spectra.wavelength_nm.back() : 0.0));
+    }
+    for (const std::vector<double>& spectrum : spectra.reflectance) {
+        for (const double value : spectrum) {
+            if (!(value >= 0.0 && std::isfinite(value))) {
+                throw InputError(fmt::format(
+                    "reference '{}': reflectance {}; allowed: finite and >= 0", path, value));
+            }
+        }
+    }
+    spectra.title = path;
+    return spectra;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
+                                            const std::optional<double>& diffuse_fraction) {
+    const std::size_t wavelengths = values.wavelengths.size(), count = values.mu_in.size();
+    const auto spectrum = [&](auto value) {
+        std::vector<double> all;
+        for (std::size_t w = 0; w < wavelengths; ++w) all.push_back(value(w));
+        return all;
+    };
+    std::vector<std::vector<double>> rows;
+    for (std::size_t i = 0; i < count; ++i)
+        rows.push_back(spectrum([&](std::size_t w) { return values.at(w, i); }));
+    rows.push_back(values.spherical_albedo);
+    for (std::size_t i = 0; i < count && diffuse_fraction; ++i)
+        rows.push_back(
+            spectrum([&](std::size_t w) { return values.under_sky(w, i, *diffuse_fraction); }));
+    return rows;
+}
+
+ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion& question,
+                                   const Control& control) {
+    const std::size_t count = question.mu_in.size();
+    const std::size_t rows = count + 1 + (question.diffuse_fraction ? count : 0);
+    if (is_scene_file(path)) {
+        const Brdf brdf = scene_of_file(path, question.request, control);
+        return checked({path, brdf.wavelength_nm(),
+                        spectra_of(brdf.albedo(question.mu_in), question.diffuse_fraction)},
+                       path);
+    }
+    const NumberTable table(path);
+    return checked(table.find("plane_albedo") != nullptr ? rows_of_albedos(table, question)
+                                                         : repeated(table, rows),
+                   path);
+}
+
+std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part) {
+    std::vector<std::vector<double>> rows(values.slices.front().of(part).size());
+    for (const BrdfValues::Slice& slice : values.slices) {
+        const std::vector<double>& all = slice.of(part);
+        for (std::size_t i = 0; i < all.size(); ++i) rows[i].push_back(std::numbers::pi * all[i]);
+    }
+    return rows;
+}
+
+ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuestion& question,
+                                        const Control& control) {
+    const auto& [mu_in, mu_out, azimuth_deg] = question.directions;
+    if (is_scene_file(path)) {
+        const Brdf brdf = scene_of_file(path, question.request, control);
+        const BrdfValues values = brdf.evaluate(question.directions, question.parts);
+        return checked({path, brdf.wavelength_nm(), spectra_of(values, question.columns.front())},
+                       path);
+    }
+    std::unique_ptr<BrdfFile> file;
+    try {
+        file = open_brdf_file(path);
+    } catch (const InputError&) {
+        const NumberTable table(path);  // perhaps a spectrum
+        return checked(repeated(table, mu_in.size() * mu_out.size() * azimuth_deg.size()), path);
+    }
+    ReferenceSpectra all;
+    all.wavelength_nm = file->wavelength_nm();
+    std::vector<double> values(file->channels().size());
+    for (const double in : mu_in) {
+        for (const double out : mu_out) {
+            for (const double azimuth : azimuth_deg) {
+                file->evaluate({in, out, azimuth}, values);
+                all.reflectance.push_back(values);
+                for (double& value : all.reflectance.back()) value *= std::numbers::pi;
+            }
+        }
+    }
+    return checked(std::move(all), path);
+}
+
+}  // namespace miebrdf::program

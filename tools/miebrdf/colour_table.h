@@ -1,0 +1,66 @@
+// Colours as rows of a table, beside those of a reference where there is one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <miebrdf/colour.h>
+#include "pipeline/io/table.h"
+#include "tools/miebrdf/reflection_options.h"
+
+namespace miebrdf::program {
+
+/// Spectral reflectances to be compared with, row by row of a table of colours.
+struct ReferenceSpectra {
+    std::string title;  ///< where they come from
+    std::vector<double> wavelength_nm;
+    std::vector<std::vector<double>> reflectance;  ///< [row][wavelength]
+
+    bool empty() const { return reflectance.empty(); }
+};
+
+/// The rows of `albedo --colour`: plane albedo at each mu_in, spherical albedo, albedo under the
+/// sky at each mu_in if a share of diffuse light is given. [row][wavelength]
+std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
+                                            const std::optional<double>& diffuse_fraction);
+/// The rows of `brdf --colour`: pi times the BRDF at every direction. [row][wavelength]
+std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part);
+
+/// The albedos that a file has for these rows: a scene file (.toml), whose first result's scene is
+/// solved at the question's wavelengths; a table that `albedo` has written; or a spectrum, which
+/// stands for every row (CSV, wavelength_nm and a column of reflectances).
+/// @throws UsageError, InputError  for files that have none of that, or too few wavelengths
+ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion& question,
+                                   const Control& control);
+/// Reflectances, pi times the BRDF, for the rows of `brdf --colour`: of a scene file, a file that
+/// `check` reads, or a spectrum.
+/// @throws UsageError, InputError
+ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuestion& question,
+                                        const Control& control);
+
+/// Columns x, y, z, lab, srgb, lch, colour_error; de76 and de2000 with a reference.
+class ColourColumns {
+  public:
+    /// @param wavelength_nm  ascending
+    ColourColumns(const std::vector<double>& wavelength_nm, const Viewing& viewing,
+                  ReferenceSpectra reference);
+
+    void add_names(Table& table) const;
+    /// Adds the cells of a reflectance to the last row; the n-th call is for row n.
+    /// @return Y
+    double add_cells(Table& table, const std::vector<double>& reflectance);
+    /// What they mean, and how far the wavelengths settle them.
+    void add_facts(Table& table) const;
+    std::string units() const;
+
+  private:
+    Colorimeter colorimeter_;
+    ReferenceSpectra reference_;
+    std::vector<Lab> reference_labs_;
+    std::size_t row_ = 0;
+    double largest_error_ = 0.0;
+    double reference_error_ = 0.0;
+};
+
+}  // namespace miebrdf::program

@@ -1,0 +1,16 @@
+// What every table of results says about how it was computed.
+#pragma once
+
+#include <string>
+
+#include <miebrdf/brdf.h>
+#include "pipeline/io/table.h"
+
+namespace miebrdf::program {
+
+/// Units, sources, particles, depths, notes, tolerance, error estimate, method and what missed the
+/// tolerance; and the report, with one row for each wavelength.
+void add_facts(Table& table, const ResultReport& result, const Scene& scene,
+               const std::string& units);
+
+}  // namespace miebrdf::program
