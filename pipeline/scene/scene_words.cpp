@@ -282,8 +282,10 @@ std::vector<SceneWord> particle_words() {
              .set =
                  [](const SceneWord& word, Values values, Request& request) {
                      std::string text;
-                     for (const WordValue& value : values)
-                         text += (text.empty() ? "" : ",") + text_of(value);
+                     for (const WordValue& value : values) {
+                         if (!text.empty()) text += ',';
+                         text += text_of(value);
+                     }
                      if (text.empty()) one_value(word, values);
                      request.scene.particles.host = host(text);
                  }},

@@ -126,14 +126,11 @@ double WavelengthTable::transmitted(double mu_in, double mu_out) const {
 SharpPart::SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver)
     : tables_(tables), first_order_(first_order_of(tables, solver)) {}
 
-void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values,
+                         EvaluationScratch& scratch) const {
     const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
     const std::size_t count = tables_.size();
-    std::vector<double> cos_azimuth;
-    cos_azimuth.reserve(directions.size());
-    for (const Direction& d : directions)
-        cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
-    first_order_.evaluate(mu_in, mu_out, cos_azimuth, values);
+    first_order_.evaluate(mu_in, mu_out, scratch.cos_azimuth, values, scratch.first_order);
     for (std::size_t w = 0; w < count; ++w) {
         const WavelengthTable& table = tables_[w];
         const double transmitted = table.transmitted(mu_in, mu_out) / std::numbers::pi;
@@ -145,14 +142,17 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
     }
 }
 
-void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
-                std::size_t stride) {
-    std::vector<double> series;
-    smooth.series_at(directions[0].mu_in, directions[0].mu_out, series);
-    for (std::size_t a = 0; a < directions.size(); ++a) {
-        const double cos_azimuth = std::cos(directions[a].azimuth_deg * std::numbers::pi / 180);
-        values[a * stride] += cosine_sum(series, cos_azimuth) / std::numbers::pi;
-    }
+void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch) {
+    scratch.cos_azimuth.clear();
+    for (const Direction& d : directions)
+        scratch.cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
+}
+
+void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride,
+                    EvaluationScratch& scratch) const {
+    smooth.series_at(in_, out_, mu_sum_, scratch.series);
+    for (std::size_t d = 0; d < scratch.cos_azimuth.size(); ++d)
+        values[d * stride] += cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
 }
 
 }  // namespace miebrdf
