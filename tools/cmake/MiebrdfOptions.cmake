@@ -18,6 +18,9 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
+# What is installed belongs to developers, unless it says another component: program, python.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
+
 include(CTest)
 include(GNUInstallDirs)
 

@@ -484,6 +484,7 @@ class Scene:
         threads: int | None = None,
         progress: Progress = None,
         cache: bool | None = None,
+        table: bool = True,
         **method: Any,
     ) -> Brdf:
         """Solve once, to be asked at any number of directions.
@@ -496,6 +497,8 @@ class Scene:
             Largest error relative to the largest value at the same incidence, in (0, 1).
         threads, progress, cache
             As in `set_options`.
+        table : bool
+            False: the table is made when it is first asked for, which albedos and layers never do.
         **method
             streams (2 to 256; 0: by the tolerance), grid (auto, gauss, mapped-gauss, paper),
             half_space_method (auto, fixed-point, doubling), coat_method (auto, first-order,
@@ -512,7 +515,7 @@ class Scene:
             As `brdf`.
         """
         method = {"tolerance": tolerance, **method}
-        return Brdf(self, wavelengths_nm, method, (threads, progress, cache))
+        return Brdf(self, wavelengths_nm, method, (threads, progress, cache), table)
 
     def albedo(
         self,
