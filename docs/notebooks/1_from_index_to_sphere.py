@@ -14,7 +14,7 @@ nm = np.arange(400.0, 701.0, 20.0)
 gold, rutile = miebrdf.materials["Au"], miebrdf.materials["TiO2"]
 fig, axes = plt.subplots(1, 2, figsize=(9, 3))
 for ax, material in zip(axes, (gold, rutile)):
-    material.plot(ax).set_xlim(380, 720)
+    material.plot(ax).set(xlim=(380, 720), ylim=(0, 5))
 print(gold, rutile, sep="\n")
 
 # %% [markdown]
