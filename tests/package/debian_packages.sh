@@ -16,18 +16,24 @@ rm -rf "$work/deb/_CPack_Packages"
 ls -l "$work/deb"
 
 root=$work/root
-trap 'umount "$root/proc" 2>/dev/null || true' EXIT
+# debootstrap may leave file systems of the machine mounted there: these come off first, and nothing
+# is ever removed through one.
+remove_root() {
+    for each in proc sys dev/pts dev; do umount "$root/$each" 2>/dev/null || true; done
+    rm -rf --one-file-system "$root"
+}
+trap remove_root EXIT
 if [ ! -e "$work/base.tar" ]; then  # kept for the next time
-    rm -rf "$root"
+    remove_root
     debootstrap --variant=minbase bookworm "$root" "$mirror" >"$work/debootstrap.log" 2>&1 ||
         skip "debootstrap cannot make a root here: $(tail -n 1 "$work/debootstrap.log")"
     # Packages may start nothing, and ask nothing.
     printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d" && chmod +x "$root/usr/sbin/policy-rc.d"
-    tar -cf "$work/base.tar" -C "$root" .
+    tar -cf "$work/base.tar" --one-file-system --exclude=./proc --exclude=./sys -C "$root" .
 fi
-rm -rf "$root" && mkdir -p "$root" && tar -xf "$work/base.tar" -C "$root"
+remove_root
+mkdir -p "$root/proc" "$root/sys" && tar -xf "$work/base.tar" --exclude=./proc --exclude=./sys -C "$root"
 cp "$work"/deb/*.deb "$root/root/"
-mount -t proc proc "$root/proc" 2>/dev/null || true  # nothing of ours needs it
 in_root() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
 in_root apt-get -qq update || skip "no packages can be fetched in the new root"
 
@@ -62,4 +68,3 @@ left=$(in_root find /usr /etc /var/lib -name '*miebrdf*' -not -path '*/dpkg/*' -
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 if in_root dpkg -l 2>/dev/null | grep miebrdf; then echo "dpkg still knows a package"; exit 1; fi
 echo "installed, used and purged"
-rm -rf "$root"

@@ -73,7 +73,7 @@ def plot_lobe(
         ax.set_theta_direction(-1)
         ax.set_thetamin(-90)
         ax.set_thetamax(90)
-        ax.locator_params(axis="y", nbins=4)
+        ax.set_rgrids(np.linspace(0, ax.get_rmax(), 4)[1:], fmt="%.2g", fontsize=7)
         incidence = np.degrees(np.arccos(mu_in))
         ax.set_title(f"BRDF in 1/sr, incidence {incidence:.3g}° from the left", fontsize=10)
     ax.legend(fontsize=8, loc="lower center", ncol=3, bbox_to_anchor=(0.5, -0.05))
