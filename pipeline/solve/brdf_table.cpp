@@ -34,17 +34,19 @@ class SolvedMix : public ChannelMix {
 
     void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
         std::fill(values.begin(), values.end(), 0.0);
-        std::vector<double> sharp;
+        EvaluationScratch scratch;
+        std::vector<double>& sharp = scratch.sharp;
         for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
             const auto rest = directions.subspan(first);
             count = count_sharing_cosines(rest);
+            set_cosines(rest.first(count), scratch);
             double* const target = values.data() + 3 * first;
-            for (std::size_t c = 0; c < 3; ++c)
-                add_smooth(smooth_[c], rest.first(count), target + c, 3);
+            const SmoothSum smooth(rest.front());
+            for (std::size_t c = 0; c < 3; ++c) smooth.add(smooth_[c], target + c, 3, scratch);
             for (const Part& part : parts_) {
                 const std::size_t wavelengths = part.weight.size();
                 sharp.resize(count * wavelengths);
-                part.sharp->evaluate(rest.first(count), sharp);
+                part.sharp->evaluate(rest.first(count), sharp, scratch);
                 for (std::size_t i = 0; i < sharp.size(); ++i) {
                     for (std::size_t c = 0; c < 3; ++c) {
                         target[i / wavelengths * 3 + c] +=
@@ -133,23 +135,25 @@ const ResultReport& BrdfTable::report() const { return state_->report; }
 
 void BrdfTable::evaluate(std::span<const Direction> directions, std::span<double> values) const {
     const std::size_t stride = state_->tables.size();
-    std::vector<double> sharp;
+    EvaluationScratch scratch;
+    std::vector<double>& sharp = scratch.sharp;
     for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
         const auto rest = directions.subspan(first);
         count = count_sharing_cosines(rest);
+        set_cosines(rest.first(count), scratch);
         double* target = values.data() + first * stride;
         for (const SharpPart& part : state_->sharp) {
             const std::size_t wavelengths = part.wavelengths();
             sharp.resize(count * wavelengths);
-            part.evaluate(rest.first(count), sharp);
+            part.evaluate(rest.first(count), sharp, scratch);
             for (std::size_t i = 0; i < sharp.size(); ++i)
                 target[i / wavelengths * stride + i % wavelengths] = sharp[i];
             target += wavelengths;
         }
-        for (std::size_t w = 0; w < stride; ++w) {
-            add_smooth(state_->tables[w].smooth(), rest.first(count),
-                       values.data() + first * stride + w, stride);
-        }
+        const SmoothSum smooth(rest.front());
+        for (std::size_t w = 0; w < stride; ++w)
+            smooth.add(state_->tables[w].smooth(), values.data() + first * stride + w, stride,
+                       scratch);
     }
 }
 

@@ -57,40 +57,38 @@ FirstOrder::FirstOrder(const std::vector<std::vector<rte::ScaledMedium>>& stacks
     }
 }
 
-Eigen::ArrayXXd FirstOrder::layer_weights(double slant) const {
-    Eigen::ArrayXXd weights(depth_.rows(), depth_.cols());
-    Eigen::ArrayXd above = Eigen::ArrayXd::Ones(depth_.rows());  // light left on its way down
+void FirstOrder::set_weights(double slant, double factor, Scratch& scratch) const {
+    scratch.weights.resize(depth_.rows(), depth_.cols());
+    scratch.above.setConstant(depth_.rows(), factor);  // light left on its way down
     for (Eigen::Index layer = 0; layer < depth_.cols(); ++layer) {
-        const Eigen::ArrayXd lost =
+        scratch.lost =
             (-slant * depth_.col(layer)).unaryExpr([](double x) { return std::expm1(x); });
-        weights.col(layer) = -above * lost;
-        above *= 1.0 + lost;
+        scratch.weights.col(layer) = -scratch.above * scratch.lost;
+        scratch.above *= 1.0 + scratch.lost;
     }
-    return weights;
 }
 
 void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
-                          std::span<double> reflection) const {
+                          std::span<double> reflection, Scratch& scratch) const {
     std::fill(reflection.begin(), reflection.end(), 0.0);
     const double narrow_in = std::max(mu_in, kLeastCosine);
     const double narrow_out = std::max(mu_out, kLeastCosine);
     narrow_.add_to(reflection.data(), {&narrow_in, 1}, {&narrow_out, 1}, cos_azimuth);
     if (!phases_) return;
-    const Eigen::ArrayXXd weights =
-        layer_weights(1.0 / mu_in + 1.0 / mu_out) / (4.0 * (mu_in + mu_out));
-    Eigen::VectorXd phases(weights.size());
-    Eigen::ArrayXd sums(weights.rows());
+    set_weights(1.0 / mu_in + 1.0 / mu_out, 1.0 / (4.0 * (mu_in + mu_out)), scratch);
+    const Eigen::ArrayXXd& weights = scratch.weights;
+    scratch.phases.resize(weights.size());
     for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
         phases_->evaluate(std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a])),
-                          phases);
+                          scratch.phases);
         // Summed in an array that is always aligned alike: where Eigen begins with vectors, which
         // the compiler gives other roundings than scalars, must not depend on the caller's memory.
-        sums = (weights *
-                Eigen::Map<const Eigen::ArrayXXd>(phases.data(), weights.rows(), weights.cols()))
-                   .rowwise()
-                   .sum();
+        scratch.sums = (weights * Eigen::Map<const Eigen::ArrayXXd>(scratch.phases.data(),
+                                                                    weights.rows(), weights.cols()))
+                           .rowwise()
+                           .sum();
         for (std::size_t w = 0; w < wavelengths_; ++w)
-            reflection[a * wavelengths_ + w] += sums[Eigen::Index(w)];
+            reflection[a * wavelengths_ + w] += scratch.sums[Eigen::Index(w)];
     }
 }
 

@@ -37,13 +37,25 @@ class FirstOrder {
     void evaluate_paths(std::span<const rte::FirstOrderPaths> layers,
                         std::span<const double> cos_azimuth, std::span<double> reflection) const;
 
+    /// Memory of one evaluation that the next one can use.
+    struct Scratch {
+        Eigen::ArrayXXd weights;  ///< of the phase functions: row = wavelength, column = layer
+        Eigen::ArrayXd above, lost, sums;
+        Eigen::VectorXd phases;
+    };
+
     /// R at directions that share their cosines: reflection[a * wavelengths() + w].
     void evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
-                  std::span<double> reflection) const;
+                  std::span<double> reflection, Scratch& scratch) const;
+    void evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
+                  std::span<double> reflection) const {
+        Scratch scratch;
+        evaluate(mu_in, mu_out, cos_azimuth, reflection, scratch);
+    }
 
   private:
-    /// Weights of the phase functions at a slant 1/mu_in + 1/mu_out: column = layer.
-    Eigen::ArrayXXd layer_weights(double slant) const;
+    /// Sets the weights at a slant 1/mu_in + 1/mu_out, times a factor.
+    void set_weights(double slant, double factor, Scratch& scratch) const;
 
     std::size_t wavelengths_;
     Eigen::ArrayXXd depth_;  ///< tau' of wavelength (row) and layer from the top down (column)

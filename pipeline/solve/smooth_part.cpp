@@ -1,51 +1,63 @@
 #include "pipeline/solve/smooth_part.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace miebrdf {
 namespace {
 
 /// Stands for the horizon, where R itself has a limit but mu = 0 is no direction.
 constexpr double kHorizon = 1e-9;
-constexpr int kStencil = 6;
+/// Relative to all orders of a pair: what the orders left out of a series may add up to.
+constexpr double kNegligible = 1e-8;
+/// Orders are summed so many at a time.
+constexpr std::size_t kLanes = 4;
 
-/// Lagrange weights of six neighbouring nodes.
-struct Stencil {
-    std::size_t first = 0;
-    double weight[kStencil] = {};
+std::size_t whole_lanes(std::size_t orders) { return (orders + kLanes - 1) / kLanes * kLanes; }
 
-    double of(const std::vector<double>& values) const {
-        double sum = 0.0;
-        for (int j = 0; j < kStencil; ++j)
-            sum += weight[j] * values[first + static_cast<std::size_t>(j)];
-        return sum;
-    }
-};
-
-Stencil stencil_at(double mu) {
-    constexpr int intervals = SmoothPart::kNodes - 1;
-    const double x =
-        2.0 / std::numbers::pi * std::asin(std::sqrt(std::clamp(mu, 0.0, 1.0))) * intervals;
-    const int first =
-        std::clamp(static_cast<int>(x) - kStencil / 2 + 1, 0, intervals + 1 - kStencil);
-    Stencil stencil;
-    stencil.first = static_cast<std::size_t>(first);
-    // Rounding of sin and asin must not turn a node into something between nodes.
-    const double nearest = std::round(x);
-    const double t = (std::abs(x - nearest) < 1e-11 * intervals ? nearest : x) - first;
-    for (int j = 0; j < kStencil; ++j) {
-        double weight = 1.0;
-        for (int i = 0; i < kStencil; ++i) {
-            if (i != j) weight *= (t - i) / (j - i);
-        }
-        stencil.weight[j] = weight;
-    }
-    return stencil;
+/// How many of a pair's orders matter; all of them where one is not a number.
+std::size_t orders_that_matter(const double* a, std::size_t orders) {
+    double all = 0.0;
+    for (std::size_t m = 0; m < orders; ++m) all += std::abs(a[m]);
+    double tail = 0.0;
+    std::size_t count = orders;
+    while (count > 0 && tail + std::abs(a[count - 1]) <= kNegligible * all)
+        tail += std::abs(a[--count]);
+    return count;
 }
 
 }  // namespace
+
+NodeStencil::NodeStencil(double mu) {
+    constexpr int intervals = SmoothPart::kNodes - 1;
+    constexpr int count = kNodes;
+    const double x =
+        2.0 / std::numbers::pi * std::asin(std::sqrt(std::clamp(mu, 0.0, 1.0))) * intervals;
+    const int lowest = std::clamp(static_cast<int>(x) - count / 2 + 1, 0, intervals + 1 - count);
+    first = static_cast<std::size_t>(lowest);
+    // Rounding of sin and asin must not turn a node into something between nodes.
+    const double nearest = std::round(x);
+    const double t = (std::abs(x - nearest) < 1e-11 * intervals ? nearest : x) - lowest;
+    // 1 / product over i != j of (j - i).
+    constexpr std::array<double, kNodes> factor = {-1.0 / 120, 1.0 / 24,  -1.0 / 12,
+                                                   1.0 / 12,   -1.0 / 24, 1.0 / 120};
+    std::array<double, kNodes> before = {1.0}, after = {};
+    for (int j = 1; j < count; ++j)
+        before[std::size_t(j)] = before[std::size_t(j - 1)] * (t - (j - 1));
+    after[kNodes - 1] = 1.0;
+    for (int j = count - 2; j >= 0; --j)
+        after[std::size_t(j)] = after[std::size_t(j + 1)] * (t - (j + 1));
+    for (std::size_t j = 0; j < kNodes; ++j) weight[j] = factor[j] * before[j] * after[j];
+}
+
+double NodeStencil::of(const std::vector<double>& at_nodes) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < kNodes; ++j) sum += weight[j] * at_nodes[first + j];
+    return sum;
+}
 
 const std::vector<double>& SmoothPart::nodes() {
     static const std::vector<double> cosines = [] {
@@ -61,7 +73,42 @@ const std::vector<double>& SmoothPart::nodes() {
 }
 
 SmoothPart::SmoothPart(std::vector<double> modes, std::size_t orders)
-    : orders_(orders), modes_(std::move(modes)) {}
+    : orders_(whole_lanes(orders)) {
+    if (orders_ == orders) {
+        modes_ = std::move(modes);
+    } else {
+        modes_.assign(kNodes * kNodes * orders_, 0.0);
+        for (std::size_t i = 0; i < modes.size(); ++i)
+            modes_[i / orders * orders_ + i % orders] = modes[i];
+    }
+    // Made zero here, once, so that sums of several parts are exactly that.
+    for (std::size_t pair = 0; pair < kNodes * kNodes; ++pair) {
+        double* const a = &modes_[pair * orders_];
+        std::fill(a + orders_that_matter(a, orders_), a + orders_, 0.0);
+    }
+    count_needed();
+}
+
+void SmoothPart::count_needed() {
+    std::vector<std::size_t> of_pair(kNodes * kNodes);
+    for (std::size_t pair = 0; pair < of_pair.size(); ++pair) {
+        std::size_t& count = of_pair[pair];
+        count = orders_;
+        while (count > 0 && modes_[pair * orders_ + count - 1] == 0.0) --count;
+    }
+    needed_.assign(kStencils * kStencils, 1);
+    for (std::size_t in = 0; in < kStencils; ++in) {
+        for (std::size_t out = 0; out < kStencils; ++out) {
+            std::size_t most = 1;
+            for (std::size_t i = 0; i < NodeStencil::kNodes; ++i) {
+                const auto row =
+                    of_pair.begin() + static_cast<std::ptrdiff_t>((in + i) * kNodes + out);
+                most = std::max(most, *std::max_element(row, row + NodeStencil::kNodes));
+            }
+            needed_[in * kStencils + out] = static_cast<std::uint32_t>(most);
+        }
+    }
+}
 
 void SmoothPart::scale(const std::vector<double>& in, const std::vector<double>& out) {
     for (std::size_t pair = 0; pair * orders_ < modes_.size(); ++pair) {
@@ -80,24 +127,40 @@ void SmoothPart::add(const SmoothPart& other, double weight) {
     }
     for (std::size_t i = 0; i < other.modes_.size(); ++i)
         modes_[i / other.orders_ * orders_ + i % other.orders_] += weight * other.modes_[i];
+    count_needed();
 }
 
 void SmoothPart::series_at(double mu_in, double mu_out, std::vector<double>& series) const {
-    series.assign(std::max<std::size_t>(1, orders_), 0.0);
-    if (modes_.empty()) return;
-    const Stencil in = stencil_at(mu_in), out = stencil_at(mu_out);
-    for (std::size_t i = 0; i < kStencil; ++i) {
-        for (std::size_t o = 0; o < kStencil; ++o) {
-            const double weight = in.weight[i] * out.weight[o] / (mu_in + mu_out);
-            if (weight == 0.0) continue;
-            const double* a = &modes_[((in.first + i) * kNodes + out.first + o) * orders_];
-            for (std::size_t m = 0; m < orders_; ++m) series[m] += weight * a[m];
-        }
+    series_at(NodeStencil(mu_in), NodeStencil(mu_out), mu_in + mu_out, series);
+}
+
+void SmoothPart::series_at(const NodeStencil& in, const NodeStencil& out, double mu_sum,
+                           std::vector<double>& series) const {
+    if (modes_.empty()) {
+        series.assign(1, 0.0);
+        return;
     }
+    constexpr std::size_t count = NodeStencil::kNodes;
+    const std::size_t needed = needed_[in.first * kStencils + out.first];
+    series.resize(whole_lanes(needed));
+    using Lanes = Eigen::Array<double, kLanes, 1>;
+    for (std::size_t m = 0; m < needed; m += kLanes) {
+        Lanes sum = Lanes::Zero();
+        for (std::size_t i = 0; i < count; ++i) {
+            const double* a = &modes_[((in.first + i) * kNodes + out.first) * orders_ + m];
+            Lanes row = Lanes::Zero();
+            for (std::size_t o = 0; o < count; ++o, a += orders_)
+                row += out.weight[o] * Eigen::Map<const Lanes>(a);
+            sum += in.weight[i] * row;
+        }
+        Eigen::Map<Lanes> target(&series[m]);
+        target = sum / mu_sum;
+    }
+    series.resize(needed);
 }
 
 double at_cosine(const std::vector<double>& at_nodes, double mu) {
-    return stencil_at(mu).of(at_nodes);
+    return NodeStencil(mu).of(at_nodes);
 }
 
 double cosine_sum(const std::vector<double>& a, double cos_azimuth) {

@@ -1,10 +1,24 @@
 // Light scattered more than once: smooth enough to be tabulated over cosines and azimuthal orders.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace miebrdf {
+
+/// Six neighbouring nodes of SmoothPart and their Lagrange weights: where a cosine lies.
+struct NodeStencil {
+    static constexpr std::size_t kNodes = 6;
+
+    explicit NodeStencil(double mu);
+    /// Any function given at the nodes.
+    double of(const std::vector<double>& at_nodes) const;
+
+    std::size_t first = 0;
+    std::array<double, kNodes> weight = {};
+};
 
 /// (mu_in + mu_out) R^m on the cosines sin^2(pi x / 2), x = 0, 1/48, ..., 1, interpolated between
 /// them in x by sixth-order Lagrange polynomials; at these cosines nothing is interpolated.
@@ -18,7 +32,8 @@ class SmoothPart {
     /// Nothing: R = 0.
     SmoothPart() = default;
     /// @param modes  [(in * kNodes + out) * orders + m]: (mu_in + mu_out) a_m with
-    ///               R = a_0 + sum a_m cos(m azimuth)
+    ///               R = a_0 + sum a_m cos(m azimuth); the last orders of a pair are taken as 0
+    ///               where they add up to less than 1e-8 of all: near the vertical few are left
     SmoothPart(std::vector<double> modes, std::size_t orders);
 
     /// Multiplies by in(mu_in) out(mu_out), both given at the nodes.
@@ -28,10 +43,18 @@ class SmoothPart {
 
     /// The coefficients a_m at a pair of cosines; at least one.
     void series_at(double mu_in, double mu_out, std::vector<double>& series) const;
+    /// The same for places that are known; many wavelengths share them.
+    /// @param mu_sum  mu_in + mu_out
+    void series_at(const NodeStencil& in, const NodeStencil& out, double mu_sum,
+                   std::vector<double>& series) const;
 
   private:
-    std::size_t orders_ = 0;
+    static constexpr std::size_t kStencils = kNodes - NodeStencil::kNodes + 1;
+    void count_needed();
+
+    std::size_t orders_ = 0;  ///< a multiple of 4, filled up with zeros
     std::vector<double> modes_;
+    std::vector<std::uint32_t> needed_;  ///< orders that matter, [first_in * kStencils + first_out]
 };
 
 /// Any function given at the nodes, between them.

@@ -139,19 +139,17 @@ double WavelengthTable::transmitted(double mu_in, double mu_out) const {
 SharpPart::SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver)
     : tables_(tables), first_order_(first_order_of(tables, solver)) {}
 
-void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values) const {
+void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values,
+                         EvaluationScratch& scratch) const {
     const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
     const std::size_t count = tables_.size();
-    std::vector<double> cos_azimuth;
-    cos_azimuth.reserve(directions.size());
-    for (const Direction& d : directions)
-        cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
+    const std::vector<double>& cos_azimuth = scratch.cos_azimuth;
     if (first_order_.size() == 1 && !tables_.front().has_optical_steps()) {
-        first_order_.front().evaluate(mu_in, mu_out, cos_azimuth, values);
+        first_order_.front().evaluate(mu_in, mu_out, cos_azimuth, values, scratch.first_order);
     } else {
         std::vector<double> own(directions.size());
         for (std::size_t w = 0; w < count; ++w) {
-            evaluate_steps(w, mu_in, mu_out, cos_azimuth, own);
+            evaluate_steps(w, mu_in, mu_out, cos_azimuth, own, scratch.first_order);
             for (std::size_t d = 0; d < directions.size(); ++d) values[d * count + w] = own[d];
         }
     }
@@ -167,8 +165,8 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
 }
 
 void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
-                               std::span<const double> cos_azimuth,
-                               std::span<double> reflection) const {
+                               std::span<const double> cos_azimuth, std::span<double> reflection,
+                               FirstOrder::Scratch& scratch) const {
     const rte::ScaledStack& stack = tables_[w].stack();
     if (stack.boundary && stack.boundary->is_rough()) {
         const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
@@ -189,19 +187,22 @@ void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
     }
     first_order_[w].evaluate(rte::refracted_cosine(stack.top_index, mu_in),
                              rte::refracted_cosine(stack.top_index, mu_out), cos_azimuth,
-                             reflection);
+                             reflection, scratch);
     const double factor = rte::straight_paths_factor(stack.top_index, mu_in, mu_out);
     for (double& value : reflection) value *= factor;
 }
 
-void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
-                std::size_t stride) {
-    std::vector<double> series;
-    smooth.series_at(directions[0].mu_in, directions[0].mu_out, series);
-    for (std::size_t a = 0; a < directions.size(); ++a) {
-        const double cos_azimuth = std::cos(directions[a].azimuth_deg * std::numbers::pi / 180);
-        values[a * stride] += cosine_sum(series, cos_azimuth) / std::numbers::pi;
-    }
+void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch) {
+    scratch.cos_azimuth.clear();
+    for (const Direction& d : directions)
+        scratch.cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
+}
+
+void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride,
+                    EvaluationScratch& scratch) const {
+    smooth.series_at(in_, out_, mu_sum_, scratch.series);
+    for (std::size_t d = 0; d < scratch.cos_azimuth.size(); ++d)
+        values[d * stride] += cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
 }
 
 }  // namespace miebrdf

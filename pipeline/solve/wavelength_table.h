@@ -56,6 +56,12 @@ class WavelengthTable {
     WavelengthReport report_;
 };
 
+/// Memory of one evaluation that the next one can use.
+struct EvaluationScratch {
+    std::vector<double> cos_azimuth, sharp, series;
+    FirstOrder::Scratch first_order;
+};
+
 /// The first order of scattering, as far as a surface lets it through, and the surface lobe, of
 /// some wavelengths.
 class SharpPart {
@@ -68,22 +74,38 @@ class SharpPart {
 
     std::size_t wavelengths() const { return tables_.size(); }
 
-    /// BRDF at directions that share their cosines: values[d * wavelengths() + w].
-    void evaluate(std::span<const Direction> directions, std::span<double> values) const;
+    /// BRDF at directions that share their cosines (set_cosines): values[d * wavelengths() + w].
+    void evaluate(std::span<const Direction> directions, std::span<double> values,
+                  EvaluationScratch& scratch) const;
 
   private:
     /// Light scattered once at one wavelength with boundaries or mirrors.
     void evaluate_steps(std::size_t w, double mu_in, double mu_out,
-                        std::span<const double> cos_azimuth, std::span<double> reflection) const;
+                        std::span<const double> cos_azimuth, std::span<double> reflection,
+                        FirstOrder::Scratch& scratch) const;
 
     std::span<const WavelengthTable> tables_;
     /// Of all wavelengths together, or one for each where boundaries bend light by wavelength.
     std::vector<FirstOrder> first_order_;
 };
 
-/// Adds a smooth part to values of the BRDF at directions that share their cosines.
-void add_smooth(const SmoothPart& smooth, std::span<const Direction> directions, double* values,
-                std::size_t stride);
+/// Sets scratch.cos_azimuth, which the following two need, for directions that share their cosines.
+void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch);
+
+/// Adds smooth parts to values of the BRDF at directions that share their cosines.
+class SmoothSum {
+  public:
+    explicit SmoothSum(const Direction& first)
+        : in_(first.mu_in), out_(first.mu_out), mu_sum_(first.mu_in + first.mu_out) {}
+
+    /// @param values  values[d * stride] for direction d
+    void add(const SmoothPart& smooth, double* values, std::size_t stride,
+             EvaluationScratch& scratch) const;
+
+  private:
+    NodeStencil in_, out_;
+    double mu_sum_;
+};
 
 /// What a BrdfTable holds.
 struct BrdfTable::State {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
+#include "rte/surface/fresnel.h"
 #include "rte/surface/microfacet.h"
 #include "rte/surface/slopes.h"
 

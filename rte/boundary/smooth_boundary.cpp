@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rte/surface/fresnel.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/math/matrices.h"
+#include "rte/surface/fresnel.h"
 
 namespace miebrdf::rte {
 namespace {

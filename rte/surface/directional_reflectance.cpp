@@ -6,9 +6,9 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/surface.h>
-#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
 #include "rte/math/tolerance_budget.h"
+#include "rte/surface/fresnel.h"
 #include "rte/surface/microfacet.h"
 #include "rte/surface/slopes.h"
 

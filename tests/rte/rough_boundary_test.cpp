@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "rte/surface/fresnel.h"
 #include "rte/math/quadrature.h"
+#include "rte/surface/fresnel.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 

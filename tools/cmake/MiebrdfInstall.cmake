@@ -45,7 +45,8 @@ foreach(library IN LISTS libraries)
 endforeach()
 target_compile_features(miebrdf_everything INTERFACE cxx_std_20)
 add_library(miebrdf::miebrdf ALIAS miebrdf_everything)
-install(TARGETS miebrdf_everything EXPORT miebrdfTargets)
+install(TARGETS miebrdf_everything EXPORT miebrdfTargets
+        LIBRARY COMPONENT program NAMELINK_COMPONENT dev)
 
 install(EXPORT miebrdfTargets NAMESPACE miebrdf:: DESTINATION "${package_dir}")
 configure_package_config_file("${PROJECT_SOURCE_DIR}/tools/cmake/miebrdfConfig.cmake.in"

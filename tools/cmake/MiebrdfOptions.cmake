@@ -5,6 +5,7 @@ option(MIEBRDF_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 option(MIEBRDF_COVERAGE "Line coverage for gcov" OFF)
 option(MIEBRDF_FUZZERS "libFuzzer targets (needs clang)" OFF)
 option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ON)
+option(MIEBRDF_BUILD_PYTHON "The Python package, where pybind11 and NumPy are found" ON)
 option(MIEBRDF_PRECOMPILE "Precompiled headers" ON)
 option(MIEBRDF_UNITY "Several sources are compiled as one" OFF)
 option(MIEBRDF_BUILD_BENCHMARKS "Micro-benchmarks (needs Google Benchmark)" OFF)
@@ -16,6 +17,9 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+# What is installed belongs to developers, unless it says another component: program, python.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
 include(CTest)
 include(GNUInstallDirs)

@@ -1,0 +1,70 @@
+#!/bin/sh
+# The Debian packages in a root of their own: made, installed, used and removed without a trace.
+# debian_packages.sh BUILD-FOLDER WORK-FOLDER
+set -eu
+build=$1 work=$2
+skip() { echo "skipped: $*"; exit 0; }
+[ "$(id -u)" -eq 0 ] || skip "only root may make a root"
+for tool in debootstrap cpack dpkg-shlibdeps chroot; do
+    command -v "$tool" >/dev/null || skip "$tool is not installed (debootstrap, cmake, dpkg-dev)"
+done
+mirror=${MIEBRDF_DEBIAN_MIRROR:-http://deb.debian.org/debian}
+
+rm -rf "$work/deb" && mkdir -p "$work/deb"
+(cd "$build" && cpack -G DEB -B "$work/deb" >"$work/cpack.log" 2>&1) || { cat "$work/cpack.log"; exit 1; }
+rm -rf "$work/deb/_CPack_Packages"
+ls -l "$work/deb"
+
+root=$work/root
+# debootstrap may leave file systems of the machine mounted there: these come off first, and nothing
+# is ever removed through one.
+remove_root() {
+    for each in proc sys dev/pts dev; do umount "$root/$each" 2>/dev/null || true; done
+    rm -rf --one-file-system "$root"
+}
+trap remove_root EXIT
+if [ ! -e "$work/base.tar" ]; then  # kept for the next time
+    remove_root
+    debootstrap --variant=minbase bookworm "$root" "$mirror" >"$work/debootstrap.log" 2>&1 ||
+        skip "debootstrap cannot make a root here: $(tail -n 1 "$work/debootstrap.log")"
+    # Packages may start nothing, and ask nothing.
+    printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d" && chmod +x "$root/usr/sbin/policy-rc.d"
+    tar -cf "$work/base.tar" --one-file-system --exclude=./proc --exclude=./sys -C "$root" .
+fi
+remove_root
+mkdir -p "$root/proc" "$root/sys" && tar -xf "$work/base.tar" --exclude=./proc --exclude=./sys -C "$root"
+cp "$work"/deb/*.deb "$root/root/"
+in_root() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
+in_root apt-get -qq update || skip "no packages can be fetched in the new root"
+
+echo "== install"
+in_root sh -c 'apt-get -qq install -y --no-install-recommends /root/*.deb' >"$work/install.log" 2>&1 ||
+    { tail -n 20 "$work/install.log"; exit 1; }
+in_root dpkg -l miebrdf libmiebrdf-dev python3-miebrdf | tail -n 3
+
+echo "== the program"
+in_root miebrdf --version
+in_root miebrdf albedo --base TiO2,radius=0.2 --wavelengths 550 --mu-in 0.5 --quiet
+in_root test -s /usr/share/man/man1/miebrdf.1 -a -s /usr/share/bash-completion/completions/miebrdf
+
+echo "== Python"
+in_root python3 -c "
+import miebrdf, numpy
+b = miebrdf.Scene(base='TiO2,radius=0.2', coats=[miebrdf.coat('Au', depth=0.5, radius_um=0.03)]).solve([450, 550, 650])
+print(miebrdf.__file__, b(0.5, numpy.array([0.3, 0.9]))[1])"
+
+echo "== a program of one's own"
+in_root sh -c 'apt-get -qq install -y --no-install-recommends g++ pkg-config' >"$work/compiler.log" 2>&1
+cat >"$root/root/own.cpp" <<'END'
+#include <miebrdf/miebrdf.h>
+#include <iostream>
+int main() { std::cout << miebrdf::mie::scatter_by_sphere({1.5, 0.0}, 1.0).q_ext << '\n'; }
+END
+in_root sh -c 'cd /root && g++ -std=c++20 own.cpp -o own $(pkg-config --cflags --libs miebrdf) && ./own'
+
+echo "== purge"
+in_root apt-get -qq purge -y miebrdf libmiebrdf-dev python3-miebrdf >"$work/purge.log" 2>&1
+left=$(in_root find /usr /etc /var/lib -name '*miebrdf*' -not -path '*/dpkg/*' -not -path '*/apt/*')
+[ -z "$left" ] || { echo "left behind: $left"; exit 1; }
+if in_root dpkg -l 2>/dev/null | grep miebrdf; then echo "dpkg still knows a package"; exit 1; fi
+echo "installed, used and purged"

@@ -1,0 +1,224 @@
+// Solved scenes: <miebrdf/brdf.h>, <miebrdf/sampling.h>, <miebrdf/plan.h>.
+#include <miebrdf/brdf.h>
+#include <miebrdf/plan.h>
+#include <miebrdf/sampling.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/stl.h>
+#include "tools/python/bindings.h"
+#include "tools/python/brdf_table.h"
+#include "tools/python/long_call.h"
+
+namespace miebrdf::python {
+namespace {
+
+using Numbers = std::vector<double>;
+
+py::dict facts_of(const WavelengthReport& report) {
+    py::dict facts;
+    facts["wavelength_nm"] = report.wavelength_nm;
+    facts["converged"] = report.converged;
+    facts["error_estimate"] = report.error_estimate;
+    facts["mie_error_estimate"] = report.mie_error_estimate;
+    facts["phase_noise"] = report.phase_noise.largest;
+    facts["optical_depths"] = report.optical_depths;
+    facts["streams"] = report.solver.streams;
+    facts["moments"] = report.solver.moments;
+    facts["fourier_orders"] = report.solver.fourier_orders;
+    facts["iterations"] = report.solver.iterations;
+    facts["share_within_tolerance"] = report.solver.share_within_tolerance;
+    facts["method"] = report.solver.method;
+    return facts;
+}
+
+py::dict facts_of(const ResultReport& report) {
+    py::list wavelengths;
+    for (const WavelengthReport& each : report.wavelengths) wavelengths.append(facts_of(each));
+    py::dict facts;
+    facts["tolerance"] = report.tolerance;
+    facts["converged"] = report.converged();
+    facts["error_estimate"] = report.error_estimate();
+    facts["sources"] = report.sources;
+    facts["notes"] = report.notes;
+    facts["shortfall"] = report.shortfall();
+    facts["summary"] = report.summary();
+    facts["wavelengths"] = wavelengths;
+    return facts;
+}
+
+/// A scene at some wavelengths. Each call has threads, progress and cancellation of its own; what
+/// single scattering they find is kept in the memo.
+class SolvedScene {
+  public:
+    SolvedScene(Scene scene, Numbers wavelength_nm, SolverOptions solver)
+        : scene_(std::move(scene)),
+          wavelength_nm_(std::move(wavelength_nm)),
+          solver_(solver),
+          memo_(make_optics_memo()) {
+        const py::gil_scoped_release unlocked;
+        (void)brdf({.threads = 1});  // refuses what is wrong before anything is computed
+    }
+
+    /// @returns  (array of one wavelength's values after the other, report); the shape is
+    ///           (wavelengths, mu_in, mu_out, azimuth_deg)
+    py::tuple evaluate(const Numbers& mu_in, const Numbers& mu_out, const Numbers& azimuth_deg,
+                       const std::string& part_name, const CallOptions& options) const {
+        const BrdfPart part = parse_brdf_part(part_name);
+        LongCall call(options);
+        BrdfValues values = call.run([&] {
+            const BrdfParts parts{part == BrdfPart::subsurface, part == BrdfPart::surface,
+                                  part == BrdfPart::total};
+            return brdf(call.control()).evaluate({mu_in, mu_out, azimuth_deg}, parts);
+        });
+        const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
+        const std::vector<py::ssize_t> shape = {length(wavelength_nm_), length(mu_in),
+                                                length(mu_out), length(azimuth_deg)};
+        const py::dict facts = facts_of(values);
+        const auto of_part = [part](BrdfValues::Slice& slice) -> Numbers& {
+            return part == BrdfPart::total        ? slice.total
+                   : part == BrdfPart::subsurface ? slice.subsurface
+                                                  : slice.surface;
+        };
+        // The library's own memory; more wavelengths are brought together, each freed at once.
+        Numbers all = std::move(of_part(values.slices.front()));
+        all.reserve(all.size() * values.slices.size());
+        for (std::size_t w = 1; w < values.slices.size(); ++w) {
+            const Numbers one = std::move(of_part(values.slices[w]));
+            all.insert(all.end(), one.begin(), one.end());
+        }
+        return py::make_tuple(array_of(std::move(all), shape), facts);
+    }
+
+    py::tuple albedo(const Numbers& mu_in, const CallOptions& options) const {
+        LongCall call(options);
+        const AlbedoValues values = call.run([&] { return brdf(call.control()).albedo(mu_in); });
+        const auto table = [&](const std::vector<Numbers>& rows) -> py::object {
+            if (rows.empty()) return py::none();
+            Numbers all;
+            for (const Numbers& row : rows) all.insert(all.end(), row.begin(), row.end());
+            return array_of(std::move(all), {static_cast<py::ssize_t>(rows.size()),
+                                             static_cast<py::ssize_t>(mu_in.size())});
+        };
+        py::dict columns;
+        columns["plane_albedo"] = table(values.plane_albedo);
+        columns["spherical_albedo"] = array_of(values.spherical_albedo);
+        columns["plane_transmittance"] = table(values.plane_transmittance);
+        columns["spherical_transmittance"] = values.spherical_transmittance.empty()
+                                                 ? py::object(py::none())
+                                                 : array_of(values.spherical_transmittance);
+        return py::make_tuple(columns, facts_of(values));
+    }
+
+    py::list layers(const CallOptions& options) const {
+        LongCall call(options);
+        const auto all = call.run([&] { return brdf(call.control()).layers(); });
+        py::list list;
+        for (const LayerOptics& layer : all) {
+            py::dict facts;
+            facts["wavelength_nm"] = wavelength_nm_[layer.wavelength];
+            facts["layer"] = layer.layer;
+            facts["optical_depth"] = layer.optical_depth;
+            facts["single_scattering_albedo"] = layer.single_scattering_albedo;
+            facts["asymmetry"] = layer.asymmetry;
+            facts["scattering_per_um"] = layer.scattering_per_um;
+            facts["absorption_per_um"] = layer.absorption_per_um;
+            facts["reduced_scattering_per_um"] = layer.reduced_scattering_per_um;
+            facts["k_km"] = layer.k_km;
+            facts["s_km"] = layer.s_km;
+            facts["mass_extinction_m2_per_kg"] = layer.mass_extinction_m2_per_kg;
+            list.append(facts);
+        }
+        return list;
+    }
+
+    SolvedTable table(const std::string& part, const CallOptions& options) const {
+        LongCall call(options);
+        return SolvedTable(
+            call.run([&] { return brdf(call.control()).table({.part = parse_brdf_part(part)}); }));
+    }
+
+    py::tuple plan(const Numbers& mu_in, const Numbers& mu_out, const Numbers& azimuth_deg) const {
+        Plan plan;
+        {
+            const py::gil_scoped_release unlocked;
+            plan = plan_evaluate(brdf({}), {mu_in, mu_out, azimuth_deg});
+        }
+        py::list steps, omissions;
+        for (const PlannedStep& step : plan.steps)
+            steps.append(py::make_tuple(step.stage, step.what, step.jobs, step.seconds));
+        for (const Omission& omission : plan.omissions)
+            omissions.append(py::make_tuple(omission.rule, omission.reason, omission.saved_s));
+        return py::make_tuple(steps, omissions);
+    }
+
+    const Numbers& wavelength_nm() const { return wavelength_nm_; }
+
+  private:
+    Brdf brdf(Control control) const {
+        control.memo = memo_;
+        return solve(scene_, wavelength_nm_, solver_, control);
+    }
+
+    Scene scene_;
+    Numbers wavelength_nm_;
+    SolverOptions solver_;
+    std::shared_ptr<OpticsMemo> memo_;
+};
+
+void bind_solver_options(py::module_& module) {
+    py::enum_<rte::GridKind>(module, "Grid")
+        .value("auto", rte::GridKind::automatic)
+        .value("gauss", rte::GridKind::gauss)
+        .value("mapped_gauss", rte::GridKind::mapped_gauss)
+        .value("paper", rte::GridKind::paper);
+    py::enum_<rte::HalfSpaceMethod>(module, "HalfSpaceMethod")
+        .value("auto", rte::HalfSpaceMethod::automatic)
+        .value("fixed_point", rte::HalfSpaceMethod::fixed_point)
+        .value("doubling", rte::HalfSpaceMethod::doubling);
+    py::enum_<rte::CoatMethod>(module, "CoatMethod")
+        .value("auto", rte::CoatMethod::automatic)
+        .value("first_order", rte::CoatMethod::first_order)
+        .value("first_order_patched", rte::CoatMethod::first_order_patched)
+        .value("exponential", rte::CoatMethod::exponential);
+    py::class_<SolverOptions>(module, "SolverOptions")
+        .def(py::init<>())
+        .def_readwrite("tolerance", &SolverOptions::tolerance)
+        .def_readwrite("grid", &SolverOptions::grid)
+        .def_readwrite("streams", &SolverOptions::streams)
+        .def_readwrite("half_space_method", &SolverOptions::half_space_method)
+        .def_readwrite("coat_method", &SolverOptions::coat_method)
+        .def_readwrite("coat_substeps", &SolverOptions::coat_substeps)
+        .def_readwrite("delta_m", &SolverOptions::delta_m)
+        .def_readwrite("single_scattering_correction",
+                       &SolverOptions::single_scattering_correction);
+}
+
+}  // namespace
+
+void bind_brdf(py::module_& module) {
+    bind_solver_options(module);
+    py::class_<SolvedScene>(module, "SolvedScene")
+        .def(py::init<Scene, Numbers, SolverOptions>(), py::arg("scene"), py::arg("wavelength_nm"),
+             py::arg("solver"))
+        .def("evaluate", &SolvedScene::evaluate, py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"), py::arg("part"), py::arg("options"))
+        .def("albedo", &SolvedScene::albedo, py::arg("mu_in"), py::arg("options"))
+        .def("layers", &SolvedScene::layers, py::arg("options"))
+        .def("table", &SolvedScene::table, py::arg("part"), py::arg("options"))
+        .def("plan", &SolvedScene::plan, py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"));
+    py::class_<SolvedTable>(module, "SolvedTable")
+        .def("evaluate", &SolvedTable::evaluate, py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"), py::arg("out"), py::arg("options"))
+        .def("sampler", &SolvedTable::sampler, py::arg("weights"), py::arg("options"))
+        .def_property_readonly(
+            "report", [](const SolvedTable& self) { return facts_of(self.table().report()); })
+        .def_property_readonly(
+            "version", [](const SolvedTable& self) { return self.table().provenance().version; });
+    bind_sampler(module);
+}
+
+}  // namespace miebrdf::python

@@ -1,0 +1,184 @@
+#include "tools/python/brdf_table.h"
+
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+namespace miebrdf::python {
+namespace {
+
+/// Directions at a time: few enough to stay in the processor's cache.
+constexpr py::ssize_t kChunk = 512;
+/// Fewer directions than this are done before a thread of their own would have started.
+constexpr py::ssize_t kShortCall = 20000;
+
+/// Steps through arrays of one shape in C order, whatever their strides.
+class Walk {
+  public:
+    explicit Walk(std::initializer_list<const NumberArray*> arrays) {
+        const NumberArray& first = **arrays.begin();
+        shape_.assign(first.shape(), first.shape() + first.ndim());
+        at_.assign(shape_.size(), 0);
+        for (const NumberArray* array : arrays) {
+            if (array->ndim() != first.ndim() ||
+                !std::equal(shape_.begin(), shape_.end(), array->shape()))
+                throw UsageError("the arrays of directions differ in shape");
+            place_.push_back(reinterpret_cast<const char*>(array->data()));
+            strides_.emplace_back(array->strides(), array->strides() + array->ndim());
+        }
+    }
+
+    py::ssize_t count() const {
+        py::ssize_t product = 1;
+        for (const py::ssize_t length : shape_) product *= length;
+        return product;
+    }
+
+    double operator[](std::size_t array) const {
+        double value;
+        std::memcpy(&value, place_[array], sizeof value);  // may not be aligned
+        return value;
+    }
+
+    void next() {
+        for (std::size_t d = shape_.size(); d-- > 0;) {
+            ++at_[d];
+            for (std::size_t a = 0; a < place_.size(); ++a) place_[a] += strides_[a][d];
+            if (at_[d] < shape_[d]) return;
+            for (std::size_t a = 0; a < place_.size(); ++a) place_[a] -= strides_[a][d] * shape_[d];
+            at_[d] = 0;
+        }
+    }
+
+  private:
+    std::vector<py::ssize_t> shape_, at_;
+    std::vector<const char*> place_;
+    std::vector<std::vector<py::ssize_t>> strides_;
+};
+
+double checked_cosine(const char* name, double mu) {
+    if (!(mu > 0.0 && mu <= 1.0)) throw UsageError(name, mu, "(0, 1]");
+    return mu;
+}
+
+double checked_azimuth(double azimuth_deg) {
+    if (!std::isfinite(azimuth_deg)) throw UsageError("azimuth_deg", azimuth_deg, "finite");
+    return azimuth_deg;
+}
+
+/// Runs at once, or watched when it takes longer.
+void run_for(py::ssize_t count, const CallOptions& options,
+             const std::function<void(const Control&)>& work) {
+    if (count < kShortCall) {
+        const py::gil_scoped_release unlocked;
+        work({});
+        return;
+    }
+    LongCall call(options);
+    call.run([&] {
+        work(call.control());
+        return true;
+    });
+}
+
+void refuse_cancelled(const Control& control) {
+    if (control.is_cancelled && control.is_cancelled()) throw Cancelled();
+}
+
+}  // namespace
+
+void SolvedTable::evaluate(const NumberArray& mu_in, const NumberArray& mu_out,
+                           const NumberArray& azimuth_deg, NumberArray out,
+                           const CallOptions& options) const {
+    const auto wavelengths = static_cast<py::ssize_t>(table_.channels().size());
+    Walk walk({&mu_in, &mu_out, &azimuth_deg});
+    const py::ssize_t count = walk.count();
+    if (out.size() != wavelengths * count || (out.flags() & py::array::c_style) == 0 ||
+        !out.writeable()) {
+        throw UsageError("out: a writeable, C-contiguous array of " +
+                         std::to_string(wavelengths * count) + " numbers is needed");
+    }
+    double* const target = out.mutable_data();
+    run_for(count * wavelengths, options, [&](const Control& control) {
+        std::vector<Direction> directions;
+        std::vector<double> values(static_cast<std::size_t>(kChunk * wavelengths));
+        for (py::ssize_t first = 0; first < count; first += kChunk) {
+            refuse_cancelled(control);
+            const py::ssize_t some = std::min(kChunk, count - first);
+            directions.clear();
+            for (py::ssize_t d = 0; d < some; ++d, walk.next()) {
+                directions.push_back({checked_cosine("mu_in", walk[0]),
+                                      checked_cosine("mu_out", walk[1]), checked_azimuth(walk[2])});
+            }
+            const auto used = static_cast<std::size_t>(some * wavelengths);
+            table_.evaluate(directions, std::span(values).first(used));
+            for (py::ssize_t w = 0; w < wavelengths; ++w) {
+                for (py::ssize_t d = 0; d < some; ++d)
+                    target[w * count + first + d] =
+                        values[static_cast<std::size_t>(d * wavelengths + w)];
+            }
+        }
+    });
+}
+
+DirectionSampler SolvedTable::sampler(std::vector<double> weights,
+                                      const CallOptions& options) const {
+    LongCall call(options);
+    return call.run(
+        [&] { return DirectionSampler(table_, {.weights = std::move(weights)}, call.control()); });
+}
+
+namespace {
+
+/// @returns  (mu_out, azimuth_deg, density), each of the shape of the arguments
+py::tuple sample(const DirectionSampler& sampler, const NumberArray& mu_in, const NumberArray& u1,
+                 const NumberArray& u2) {
+    Walk walk({&mu_in, &u1, &u2});
+    const std::vector<py::ssize_t> shape(mu_in.shape(), mu_in.shape() + mu_in.ndim());
+    NumberArray mu_out(shape), azimuth_deg(shape), density(shape);
+    double* const mu = mu_out.mutable_data();
+    double* const azimuth = azimuth_deg.mutable_data();
+    double* const pdf = density.mutable_data();
+    run_for(walk.count(), {.threads = 1, .progress = py::none()}, [&](const Control& control) {
+        const py::ssize_t count = walk.count();
+        for (py::ssize_t i = 0; i < count; ++i, walk.next()) {
+            if (i % kChunk == 0) refuse_cancelled(control);
+            const SampledDirection drawn = sampler.sample(walk[0], walk[1], walk[2]);
+            mu[i] = drawn.mu_out;
+            azimuth[i] = drawn.azimuth_deg;
+            pdf[i] = drawn.density;
+        }
+    });
+    return py::make_tuple(mu_out, azimuth_deg, density);
+}
+
+NumberArray density_of(const DirectionSampler& sampler, const NumberArray& mu_in,
+                       const NumberArray& mu_out, const NumberArray& azimuth_deg) {
+    Walk walk({&mu_in, &mu_out, &azimuth_deg});
+    NumberArray density(std::vector<py::ssize_t>(mu_in.shape(), mu_in.shape() + mu_in.ndim()));
+    double* const pdf = density.mutable_data();
+    run_for(walk.count(), {.threads = 1, .progress = py::none()}, [&](const Control& control) {
+        const py::ssize_t count = walk.count();
+        for (py::ssize_t i = 0; i < count; ++i, walk.next()) {
+            if (i % kChunk == 0) refuse_cancelled(control);
+            pdf[i] = sampler.density(walk[0], walk[1], walk[2]);
+        }
+    });
+    return density;
+}
+
+}  // namespace
+
+void bind_sampler(py::module_& module) {
+    py::class_<DirectionSampler>(module, "DirectionSampler")
+        .def("sample", &sample, py::arg("mu_in"), py::arg("u1"), py::arg("u2"))
+        .def("density", &density_of, py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"));
+}
+
+}  // namespace miebrdf::python

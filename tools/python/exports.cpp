@@ -1,0 +1,137 @@
+// Files and colours: <miebrdf/formats.h>, <miebrdf/colour.h>.
+#include <miebrdf/colour.h>
+#include <miebrdf/error.h>
+#include <miebrdf/formats.h>
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include "tools/python/bindings.h"
+#include "tools/python/brdf_table.h"
+#include "tools/python/long_call.h"
+
+namespace miebrdf::python {
+namespace {
+
+using Numbers = std::vector<double>;
+
+py::list formats() {
+    py::list list;
+    for (const Format& format : all_formats()) {
+        py::dict facts;
+        facts["name"] = format.name;
+        facts["readers"] = format.readers;
+        facts["holds"] = format.holds;
+        facts["endings"] = format.endings;
+        facts["brdf"] =
+            format.content == FormatContent::table || format.content == FormatContent::sampled;
+        facts["options"] = options_of(format);
+        list.append(facts);
+    }
+    return list;
+}
+
+py::list export_table(const SolvedTable& table, const std::filesystem::path& path,
+                      const std::string& format, int resolution, const rte::Directions& directions,
+                      const std::string& rgb, double largest_error, bool accept_error,
+                      const std::map<std::string, int>& extra, const CallOptions& options) {
+    LongCall call(options);
+    const auto files = call.run([&] {
+        return export_brdf(table.table(), format, path,
+                           ExportOptions{.resolution = resolution,
+                                         .directions = directions,
+                                         .rgb = rgb,
+                                         .largest_error = largest_error,
+                                         .accept_error = accept_error,
+                                         .extra = extra},
+                           call.control());
+    });
+    py::list list;
+    for (const ExportedFile& file : files) {
+        py::dict facts, deviations;
+        facts["path"] = file.path;
+        facts["bytes"] = file.bytes;
+        if (file.deviation) {
+            for (const RegionDeviation& region : file.deviation->regions)
+                deviations[region.name] = region.rms;
+        }
+        facts["rms_deviation"] = deviations;
+        list.append(facts);
+    }
+    return list;
+}
+
+py::dict check(const std::string& path) {
+    FileCheck result;
+    {
+        const py::gil_scoped_release unlocked;
+        result = check_file(path);
+    }
+    py::dict facts;
+    facts["reciprocity_rms"] = result.reciprocity_rms;
+    facts["largest_albedo"] = result.largest_albedo;
+    facts["largest_albedo_error"] = result.largest_albedo_error;
+    facts["largest_albedo_mu"] = result.largest_albedo_mu;
+    facts["largest_albedo_channel"] = result.largest_albedo_channel;
+    facts["least_value"] = result.least_value;
+    facts["missing"] = result.missing;
+    facts["directions"] = result.directions;
+    facts["sampled_albedo_error"] = result.sampled_albedo_error;
+    return facts;
+}
+
+/// Of each row of reflectances: XYZ, Lab and linear sRGB, one after the other.
+/// @param reflectance  rows of one number for each wavelength
+py::array_t<double> colours(const Numbers& wavelength_nm, const NumberArray& reflectance,
+                            Illuminant illuminant) {
+    const ObserverWeights weights = observer_weights(wavelength_nm, illuminant);
+    const auto rows = reflectance.unchecked<2>();
+    NumberArray result({rows.shape(0), py::ssize_t{9}});
+    auto target = result.mutable_unchecked<2>();
+    Numbers row(static_cast<std::size_t>(rows.shape(1)));
+    for (py::ssize_t r = 0; r < rows.shape(0); ++r) {
+        for (std::size_t w = 0; w < row.size(); ++w) row[w] = rows(r, static_cast<py::ssize_t>(w));
+        const Xyz xyz = to_xyz(weights, row);
+        const Lab lab = to_lab(xyz, illuminant);
+        const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
+        py::ssize_t column = 0;
+        for (const double value :
+             {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green, rgb.blue})
+            target(r, column++) = value;
+    }
+    return result;
+}
+
+}  // namespace
+
+void bind_exports(py::module_& module) {
+    py::class_<rte::Directions>(module, "Directions")
+        .def(
+            py::init([](Numbers mu_in, Numbers mu_out, Numbers azimuth_deg) {
+                return rte::Directions{std::move(mu_in), std::move(mu_out), std::move(azimuth_deg)};
+            }),
+            py::arg("mu_in") = Numbers{}, py::arg("mu_out") = Numbers{},
+            py::arg("azimuth_deg") = Numbers{});
+    module.def("formats", &formats);
+    module.def("export_table", &export_table, py::arg("table"), py::arg("path"), py::arg("format"),
+               py::arg("resolution"), py::arg("directions"), py::arg("rgb"),
+               py::arg("largest_error"), py::arg("accept_error"), py::arg("extra"),
+               py::arg("options"));
+    module.def("check", &check, py::arg("path"));
+
+    py::enum_<Illuminant>(module, "Illuminant")
+        .value("d65", Illuminant::d65)
+        .value("e", Illuminant::e)
+        .value("a", Illuminant::a);
+    module.def("colours", &colours, py::arg("wavelength_nm"), py::arg("reflectance"),
+               py::arg("illuminant"));
+    module.def("covers_the_visible", &covers_the_visible, py::arg("wavelength_nm"));
+}
+
+}  // namespace miebrdf::python

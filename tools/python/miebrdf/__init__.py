@@ -1,0 +1,83 @@
+"""From a material's complex refractive index to its spectral BRDF.
+
+`Scene` says what lies on what; `Scene.brdf` computes values, `Scene.solve` gives an object to be
+asked at millions of directions. `materials` is the database of optical constants; `sphere`,
+`ensemble` and `phase` are Mie theory alone; `colour` makes colours of spectra.
+
+Examples
+--------
+>>> import miebrdf
+>>> scene = miebrdf.Scene(base="TiO2", coats=[miebrdf.coat("Au", depth=0.5, radius_um=0.03)])
+>>> scene.brdf([450, 550, 650], mu_in=0.5, mu_out=[0.3, 0.9])
+>>> b = scene.solve([450, 550, 650])
+>>> b(0.5, 0.9, azimuth_deg=180.0)
+"""
+
+from __future__ import annotations
+
+from . import _install
+
+_install.check()
+
+from . import colour, errors  # noqa: E402
+from ._brdf import Brdf, Report  # noqa: E402
+from ._core import Depth, Layer, Medium, Substrate  # noqa: E402
+from ._files import FileCheck, check, formats  # noqa: E402
+from ._materials import Material, Materials, materials  # noqa: E402
+from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
+from ._options import set_options  # noqa: E402
+from ._scene import Scene, coat, lambertian, media_forms, medium  # noqa: E402
+from ._version import __version__  # noqa: E402
+from .errors import (  # noqa: E402
+    Cancelled,
+    DatabaseError,
+    Error,
+    InputError,
+    MaterialFileError,
+    MissingPackage,
+    NotConverged,
+    TooCoarse,
+    UnknownMaterial,
+    UsageError,
+)
+
+__all__ = [
+    "Brdf",
+    "Cancelled",
+    "DatabaseError",
+    "Depth",
+    "Ensemble",
+    "Error",
+    "FileCheck",
+    "InputError",
+    "Layer",
+    "Material",
+    "MaterialFileError",
+    "Materials",
+    "Medium",
+    "MissingPackage",
+    "NotConverged",
+    "Report",
+    "Scene",
+    "Sphere",
+    "Substrate",
+    "TooCoarse",
+    "UnknownMaterial",
+    "UsageError",
+    "__version__",
+    "amplitudes",
+    "check",
+    "coat",
+    "coefficients",
+    "colour",
+    "ensemble",
+    "errors",
+    "formats",
+    "lambertian",
+    "materials",
+    "media_forms",
+    "medium",
+    "phase",
+    "set_options",
+    "sphere",
+]

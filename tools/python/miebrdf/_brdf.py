@@ -1,0 +1,572 @@
+"""Solved scenes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arrays import Axes, Floats, broadcast, labelled, numbers, varying_axes, wavelength_list
+from ._options import Call
+from ._version import __version__
+from .errors import NotConverged, UsageError
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+#: More combinations than directions that were asked for: so many are computed all the same.
+_SPARE_COMBINATIONS = 4096
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a result came about.
+
+    Attributes
+    ----------
+    tolerance, error_estimate : float
+        Relative to the largest value at the same incidence.
+    converged : bool
+        error_estimate <= tolerance, and every step says so.
+    sources : list of str
+        Where the figures come from, one line for each medium.
+    notes : list of str
+        What holds within limits only.
+    shortfall : str
+        What missed the tolerance and where; empty when converged.
+    summary : str
+        One sentence.
+    wavelengths : list of dict
+        Of each wavelength: error_estimate, mie_error_estimate, phase_noise, optical_depths,
+        streams, moments, fourier_orders, iterations, method, converged.
+    """
+
+    tolerance: float
+    converged: bool
+    error_estimate: float
+    sources: list[str]
+    notes: list[str]
+    shortfall: str
+    summary: str
+    wavelengths: list[dict[str, Any]]
+
+    def attributes(self) -> dict[str, Any]:
+        """For the attributes of a DataArray."""
+        return {
+            "version": f"miebrdf {__version__}",
+            "sources": list(self.sources),
+            "error_estimate": self.error_estimate,
+            "tolerance": self.tolerance,
+            "converged": self.converged,
+        }
+
+    def warn(self) -> None:
+        """Warn of what has not converged, at the line of the caller of this package."""
+        if not self.converged:
+            warnings.warn(self.shortfall, NotConverged, stacklevel=4)
+
+
+def _worst(reports: list[Report]) -> Report:
+    """Of several calls for one result."""
+    return min(reports, key=lambda report: (report.converged, -report.error_estimate))
+
+
+def cosine(name: str, mu: ArrayLike | None, theta_deg: ArrayLike | None) -> ArrayLike:
+    """A cosine, given as such or as an angle. Exact at 0 and 60 degrees."""
+    if (mu is None) == (theta_deg is None):
+        raise UsageError(f"{name}: give either mu_{name} or theta_{name}_deg")
+    if theta_deg is None:
+        assert mu is not None
+        return mu
+    if hasattr(theta_deg, "copy") and hasattr(theta_deg, "dims"):
+        labelled_angles: Any = theta_deg
+        copied: ArrayLike = labelled_angles.copy(data=_cosine_of(name, labelled_angles.values))
+        return copied
+    return _cosine_of(name, theta_deg)
+
+
+def _cosine_of(name: str, theta_deg: ArrayLike) -> Floats:
+    angle = numbers(f"theta_{name}_deg", theta_deg)
+    wrong = angle[~((angle >= 0.0) & (angle < 90.0))]
+    if wrong.size > 0:
+        raise UsageError(f"theta_{name}_deg: {float(wrong[0])!r} is out of range; allowed: [0, 90)")
+    return np.where(angle == 60.0, 0.5, np.cos(np.deg2rad(angle)))
+
+
+Directions = tuple[Any, Any, Any, Any, Any]
+
+
+def axes_of(directions: Directions) -> Axes:
+    """mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg, brought to one shape."""
+    mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg = directions
+    return broadcast(
+        {
+            "mu_in": cosine("in", mu_in, theta_in_deg),
+            "mu_out": cosine("out", mu_out, theta_out_deg),
+            "azimuth_deg": azimuth_deg,
+        }
+    )
+
+
+def _solver_options(method: Mapping[str, Any]) -> _core.SolverOptions:
+    from ._scene import choice
+
+    kinds = {
+        "grid": _core.Grid,
+        "half_space_method": _core.HalfSpaceMethod,
+        "coat_method": _core.CoatMethod,
+    }
+    options = _core.SolverOptions()
+    for name, value in method.items():
+        if not hasattr(options, name):
+            allowed = [known for known in dir(options) if not known.startswith("_")]
+            raise UsageError(f"unknown option '{name}'; allowed: {', '.join(allowed)}")
+        if name in kinds:
+            value = choice(kinds[name], name, value)
+        try:
+            setattr(options, name, value)
+        except TypeError:
+            raise UsageError(f"{name}: {value!r} is no value for it") from None
+    return options
+
+
+def _evaluate_exactly(
+    solved: _core.SolvedScene, axes: Axes, part: str, options: _core.CallOptions
+) -> tuple[Floats, Report]:
+    """Values of shape (wavelengths, *axes.shape)."""
+    dimensions = len(axes.shape)
+    lists = list(axes.given.values())
+    own = [varying_axes(array, dimensions) for array in lists]
+    if sum(len(each) for each in own) == len(set().union(*own)):
+        # Every axis belongs to one of the three: all combinations, as the solver has them.
+        flat = [array.reshape(-1).tolist() for array in lists]
+        values, facts = solved.evaluate(flat[0], flat[1], flat[2], part, options)
+        shape = [axes.shape[axis] for each in own for axis in each]
+        order = [axis for each in own for axis in each]
+        values = values.reshape([values.shape[0], *shape])
+        values = values.transpose([0, *(1 + np.argsort(order))]) if order else values
+        return values.reshape([values.shape[0], *axes.shape]), Report(**facts)
+    return _evaluate_scattered(solved, axes, part, options)
+
+
+def _evaluate_scattered(
+    solved: _core.SolvedScene, axes: Axes, part: str, options: _core.CallOptions
+) -> tuple[Floats, Report]:
+    """Directions that are no combinations of lists."""
+    flat = [array.reshape(-1) for array in axes.arrays]
+    unique, places = zip(*(np.unique(array, return_inverse=True) for array in flat))
+    count = flat[0].size
+    if unique[0].size * unique[1].size * unique[2].size <= max(4 * count, _SPARE_COMBINATIONS):
+        values, facts = solved.evaluate(
+            unique[0].tolist(), unique[1].tolist(), unique[2].tolist(), part, options
+        )
+        chosen = values[:, places[0], places[1], places[2]]
+        return chosen.reshape([values.shape[0], *axes.shape]), Report(**facts)
+    # One solution for each pair of cosines.
+    pair = places[0] * unique[1].size + places[1]
+    result: Floats = np.empty((0, count))
+    reports = []
+    for each in np.unique(pair):
+        where = np.flatnonzero(pair == each)
+        values, facts = solved.evaluate(
+            [float(flat[0][where[0]])],
+            [float(flat[1][where[0]])],
+            flat[2][where].tolist(),
+            part,
+            options,
+        )
+        if result.shape[0] == 0:
+            result = np.empty((values.shape[0], count))
+        result[:, where] = values[:, 0, 0, :]
+        reports.append(Report(**facts))
+    return result.reshape([result.shape[0], *axes.shape]), _worst(reports)
+
+
+def direct_brdf(
+    scene: Scene,
+    wavelengths_nm: ArrayLike,
+    directions: Directions,
+    part: str,
+    call: tuple[Any, ...],
+    method: Mapping[str, Any],
+) -> Any:
+    """`Scene.brdf`."""
+    wavelengths, single = wavelength_list(wavelengths_nm)
+    axes = axes_of(directions)
+    if not wavelengths or 0 in axes.shape:
+        values: Floats = np.empty((len(wavelengths), *axes.shape))
+        attributes: dict[str, Any] = {}
+    else:
+        solved = _core.SolvedScene(scene._core, wavelengths, _solver_options(method))
+        with Call(*call) as options:
+            values, report = _evaluate_exactly(solved, axes, part, options)
+        report.warn()
+        attributes = report.attributes()
+    return _result(values, wavelengths, single, axes, {**_BRDF, "part": part, **attributes})
+
+
+_BRDF = {"units": "1/sr", "long_name": "BRDF, without the cosine"}
+
+
+def _result(
+    values: Floats,
+    wavelengths: list[float],
+    single: bool,
+    axes: Axes,
+    attributes: dict[str, Any],
+    name: str = "brdf",
+) -> Any:
+    if single:
+        return labelled(values[0], name, wavelengths[0], axes, attributes)
+    return labelled(values, name, wavelengths, axes, attributes)
+
+
+class Brdf:
+    """A scene solved at some wavelengths, to be asked at any directions.
+
+    Made by `Scene.solve`. Calling it reads a table: light scattered more than once is interpolated
+    between 49 x 49 cosines; what has sharp features, the first order of scattering and the surface
+    lobe, is evaluated at every direction. Copies and pickles keep what was asked for and solve it
+    again when they are used, to the same bits. May be used from several threads.
+
+    Attributes
+    ----------
+    scene : Scene
+    wavelengths_nm : list of float
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        wavelengths_nm: ArrayLike,
+        method: Mapping[str, Any],
+        call: tuple[Any, ...] = (),
+        with_table: bool = True,
+    ) -> None:
+        self.scene = scene
+        self.wavelengths_nm, self._single = wavelength_list(wavelengths_nm)
+        self._method = dict(method)
+        self._call = call
+        self._solved = _core.SolvedScene(scene._core, self.wavelengths_nm, _solver_options(method))
+        self._tables: dict[str, _core.SolvedTable] = {}
+        self._sampler: _core.DirectionSampler | None = None
+        if with_table:
+            self._table("total")
+            self.report.warn()
+
+    def __call__(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        part: str = "total",
+        out: Floats | None = None,
+    ) -> Any:
+        """The BRDF in 1/sr, without the cosine, from the table.
+
+        Parameters
+        ----------
+        mu_in, mu_out : float or array
+            Cosines, in (0, 1].
+        azimuth_deg : float or array
+            0 = mirror side, 180 = back towards the source.
+        theta_in_deg, theta_out_deg : float or array
+            Angles in [0, 90), in place of the cosines.
+        part : str
+            total, subsurface, surface.
+        out : numpy.ndarray, optional
+            float64, C-contiguous, of the shape of the result: it is written there.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape (wavelengths, *broadcast directions).
+        """
+        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
+        table = self._table(part)
+        shape = (() if self._single else (len(self.wavelengths_nm),)) + axes.shape
+        if out is None:
+            out = np.empty(shape)
+        elif out.shape != shape or out.dtype != np.float64:
+            raise UsageError(f"out: {out.dtype} {out.shape} is not float64 of shape {shape}")
+        with Call(*self._call) as options:
+            table.evaluate(axes.arrays[0], axes.arrays[1], axes.arrays[2], out, options)
+        values = out[None] if self._single else out
+        attributes = {**_BRDF, "part": part, **self._report_of(table).attributes()}
+        return _result(values, self.wavelengths_nm, self._single, axes, attributes)
+
+    def exact(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        part: str = "total",
+    ) -> Any:
+        """The same without a table, as `Scene.brdf`; single scattering is not computed again."""
+        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
+        if 0 in axes.shape:
+            return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
+                        theta_out_deg=theta_out_deg, part=part)  # fmt: skip
+        with Call(*self._call) as options:
+            values, report = _evaluate_exactly(self._solved, axes, part, options)
+        report.warn()
+        attributes = {**_BRDF, "part": part, **report.attributes()}
+        return _result(values, self.wavelengths_nm, self._single, axes, attributes)
+
+    @property
+    def report(self) -> Report:
+        """How well the scene is solved, at directions of all kinds."""
+        return self._report_of(self._table("total"))
+
+    def albedo(
+        self,
+        mu_in: ArrayLike | None = None,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        transmitted: bool = False,
+    ) -> Any:
+        """Plane albedo at each incidence, surface included.
+
+        Parameters
+        ----------
+        mu_in : float or array
+            Cosines of incidence, in (0, 1].
+        theta_in_deg : float or array
+            In place of `mu_in`.
+        transmitted : bool
+            The plane transmittance instead: net flux into what lies below the layers, of a scene
+            on a substrate without a surface.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape (wavelengths, *shape of mu_in).
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        name = "plane_transmittance" if transmitted else "plane_albedo"
+        if 0 in axes.shape:
+            empty: Floats = np.empty((len(self.wavelengths_nm), *axes.shape))
+            return _result(empty, self.wavelengths_nm, self._single, axes, {}, name)
+        values, report = self._albedos(axes.arrays[0].reshape(-1).tolist(), name)
+        values = values.reshape([values.shape[0], *axes.shape])
+        report.warn()
+        attributes = {"units": "1", **report.attributes()}
+        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
+
+    def spherical_albedo(self, *, transmitted: bool = False) -> Any:
+        """Share that is reflected of light from all directions alike; one for each wavelength.
+
+        `transmitted`: the spherical transmittance instead.
+        """
+        name = "spherical_transmittance" if transmitted else "spherical_albedo"
+        values, report = self._albedos([1.0], name)
+        report.warn()
+        attributes = {"units": "1", **report.attributes()}
+        axes = Axes([], [], {}, ())
+        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
+
+    def _albedos(self, mu_in: list[float], name: str) -> tuple[Floats, Report]:
+        with Call(*self._call) as options:
+            columns, facts = self._solved.albedo(mu_in, options)
+        if columns[name] is None:
+            raise UsageError(f"{name}: only scenes on a substrate without a surface have one")
+        return columns[name], Report(**facts)
+
+    def layers(self) -> list[dict[str, Any]]:
+        """Single scattering by every layer; see `Scene.layers`."""
+        with Call(*self._call) as options:
+            return self._solved.layers(options)
+
+    def sample(self, mu_in: ArrayLike, u1: ArrayLike, u2: ArrayLike) -> tuple[Any, Any, Any]:
+        """Draw outgoing directions about as the BRDF times the cosine, mean of all wavelengths.
+
+        Parameters
+        ----------
+        mu_in : float or array
+            In (0, 1].
+        u1, u2 : float or array
+            Uniform in [0, 1). All broadcast.
+
+        Returns
+        -------
+        mu_out, azimuth_deg, pdf : numpy.ndarray
+            Cosines in (0, 1], azimuths in [0, 360), densities per unit of solid angle. The mean of
+            ``b(mu_in, mu_out, azimuth_deg) * mu_out / pdf`` estimates the albedo without bias.
+        """
+        axes = broadcast({"mu_in": mu_in, "u1": u1, "u2": u2})
+        return self._directions().sample(*axes.arrays)
+
+    def pdf(self, mu_in: ArrayLike, mu_out: ArrayLike, azimuth_deg: ArrayLike) -> Floats:
+        """Density of `sample` at a direction, per unit of solid angle; integrates to 1."""
+        axes = broadcast({"mu_in": mu_in, "mu_out": mu_out, "azimuth_deg": azimuth_deg})
+        return self._directions().density(*axes.arrays)
+
+    def export(
+        self,
+        path: str | Path,
+        format: str | None = None,
+        *,
+        part: str = "total",
+        resolution: int = 0,
+        mu_in: ArrayLike = (),
+        mu_out: ArrayLike = (),
+        azimuth_deg: ArrayLike = (),
+        rgb: str = "auto",
+        largest_error: float = 0.0,
+        accept_error: bool = False,
+        **extra: int,
+    ) -> list[dict[str, Any]]:
+        """Write files for renderers and tools, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where; some formats write several files with suffixes of their own.
+        format : str, optional
+            A name of `miebrdf.formats`; default: by the ending of `path`, where one format has it
+            (``.bsdf`` is ``rgl``; ``pbrt`` must be asked for).
+        part : str
+            total, subsurface, surface.
+        resolution : int
+            How fine, in the format's own unit; 0: its standard.
+        mu_in, mu_out, azimuth_deg : array
+            Directions of formats that list them; default: by the resolution.
+        rgb : str
+            auto, cie, wavelengths.
+        largest_error : float
+            Accepted relative rms error of a file that is read back; 0: that of the format.
+        accept_error : bool
+            Write the file whatever was found.
+        **extra : int
+            Options of one format alone.
+
+        Returns
+        -------
+        list of dict
+            path, bytes, rms_deviation by kind of directions.
+
+        Raises
+        ------
+        UsageError
+            For an unknown format and options out of range.
+        InputError
+            When a file cannot be written.
+        TooCoarse
+            When a file would be further from the BRDF than accepted.
+        """
+        if format is None:
+            format = _format_of(Path(path))
+        lists = [
+            numbers(name, values).reshape(-1).tolist()
+            for name, values in (("mu_in", mu_in), ("mu_out", mu_out), ("azimuth_deg", azimuth_deg))
+        ]
+        with Call(*self._call) as options:
+            return _core.export_table(
+                self._table(part),
+                path,
+                format,
+                resolution,
+                _core.Directions(*lists),
+                rgb,
+                largest_error,
+                accept_error,
+                extra,
+                options,
+            )
+
+    def plot_lobe(
+        self,
+        mu_in: float | None = None,
+        *,
+        theta_in_deg: float | None = None,
+        wavelength_nm: float | None = None,
+        ax: Any = None,
+        **line: Any,
+    ) -> Any:
+        """Draw the BRDF in the plane of incidence as polar curves (needs matplotlib).
+
+        Parameters
+        ----------
+        mu_in, theta_in_deg : float, optional
+            Incidence; default: 45 degrees.
+        wavelength_nm : float, optional
+            The nearest one is drawn; default: all, at most nine.
+        ax : matplotlib polar axes, optional
+        **line
+            For ``ax.plot``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        MissingPackage
+            Without matplotlib.
+        """
+        from ._plots import plot_lobe
+
+        if mu_in is None and theta_in_deg is None:
+            theta_in_deg = 45.0
+        mu = float(np.asarray(cosine("in", mu_in, theta_in_deg)))
+        return plot_lobe(self, mu, wavelength_nm, ax, line)
+
+    def _repr_html_(self) -> str:
+        from ._plots import html
+
+        return html(self)
+
+    def __repr__(self) -> str:
+        return f"<miebrdf.Brdf: {self.scene}, {_wavelengths(self.wavelengths_nm)}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        nm: Any = self.wavelengths_nm[0] if self._single else self.wavelengths_nm
+        return {"scene": self.scene, "wavelengths_nm": nm, "method": self._method,
+                "call": (self._call + (None,) * 3)[:1]}  # fmt: skip
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        Brdf.__init__(self, **state, with_table=False)
+
+    def _table(self, part: str) -> _core.SolvedTable:
+        if part not in self._tables:
+            with Call(*self._call) as options:
+                self._tables[part] = self._solved.table(part, options)
+        return self._tables[part]
+
+    def _report_of(self, table: _core.SolvedTable) -> Report:
+        return Report(**table.report)
+
+    def _directions(self) -> _core.DirectionSampler:
+        if self._sampler is None:
+            with Call(*self._call) as options:
+                self._sampler = self._table("total").sampler([], options)
+        return self._sampler
+
+
+def _wavelengths(nm: list[float]) -> str:
+    if len(nm) <= 3:
+        return ", ".join(f"{each:g}" for each in nm) + " nm"
+    return f"{len(nm)} wavelengths from {min(nm):g} to {max(nm):g} nm"
+
+
+def _format_of(path: Path) -> str:
+    known = [each for each in _core.formats() if each["brdf"]]
+    fitting = [each["name"] for each in known if path.suffix in each["endings"]]
+    if path.suffix == ".bsdf":
+        return "rgl"
+    if len(fitting) != 1:
+        names = ", ".join(fitting or [each["name"] for each in known])
+        raise UsageError(f"format: '{path.name}' does not say which; allowed: {names}")
+    return str(fitting[0])

@@ -1,0 +1,326 @@
+# The compiled module; private. Units and ranges are those of the public C++ headers.
+from collections.abc import Callable, Sequence
+from enum import Enum
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+version: str
+
+_Floats: TypeAlias = NDArray[np.float64]
+_Complexes: TypeAlias = NDArray[np.complex128]
+_Path: TypeAlias = str | Path
+_Facts: TypeAlias = list[dict[str, Any]]
+
+def set_forked() -> None: ...
+
+class CallOptions:
+    def __init__(
+        self,
+        threads: int = 0,
+        progress: Callable[[str, int, int], Any] | None = None,
+        cache: bool = False,
+    ) -> None: ...
+
+# materials
+class Interpolation(Enum):
+    pchip = ...
+    linear = ...
+    linear_energy = ...
+
+class IndexOptions:
+    def __init__(
+        self,
+        interpolation: Interpolation = ...,
+        clamp: bool = False,
+        missing_k_is_zero: bool = False,
+    ) -> None: ...
+
+class RefractiveIndex:
+    def at(self, wavelength_nm: Sequence[float]) -> _Complexes: ...
+    def table(self) -> tuple[_Floats, _Floats, _Floats | None]: ...
+    @property
+    def shortest_nm(self) -> float: ...
+    @property
+    def longest_nm(self) -> float: ...
+    @property
+    def k_known(self) -> bool: ...
+
+class Database:
+    @staticmethod
+    def embedded() -> Database: ...
+    @staticmethod
+    def layered(user_file: _Path) -> Database: ...
+    def list(self) -> _Facts: ...
+    def search(
+        self, text: str, covers: tuple[float, float] | None, needs_k: bool
+    ) -> _Facts: ...
+    def info(self, name: str) -> dict[str, Any]: ...
+    def datasets(self, name: str) -> _Facts: ...
+    def dataset_info(self, name: str) -> dict[str, Any]: ...
+    def refractive_index(self, name: str, options: IndexOptions = ...) -> RefractiveIndex: ...
+
+def default_user_database() -> Path: ...
+def add_material(
+    database: _Path,
+    name: str,
+    label: str,
+    wavelength_nm: Sequence[float],
+    n: Sequence[float],
+    k: Sequence[float] | None,
+    facts: dict[str, Any],
+    replace: bool,
+) -> str: ...
+def import_files(
+    database: _Path,
+    files: Sequence[_Path],
+    format: str,
+    material: str,
+    label: str,
+    replace: bool,
+) -> list[dict[str, Any]]: ...
+def remove_material(database: _Path, name: str) -> bool: ...
+
+# mie
+class SizeDistribution:
+    def __init__(
+        self,
+        law: str = "power-law",
+        radius_um: float = 50.0,
+        variance: float = 0.2,
+        radii_um: Sequence[float] = ...,
+        number_density: Sequence[float] = ...,
+    ) -> None: ...
+    def radius_range(self) -> tuple[float, float]: ...
+
+def size_distributions() -> dict[str, str]: ...
+def spheres(
+    index: Sequence[complex], size_parameter: Sequence[float], options: CallOptions
+) -> dict[str, Any]: ...
+def amplitudes(
+    index: complex, size_parameter: float, angles_deg: Sequence[float]
+) -> tuple[_Complexes, _Complexes]: ...
+def coefficients(index: complex, size_parameter: float) -> tuple[_Complexes, _Complexes]: ...
+def ensemble(
+    index: Sequence[complex],
+    wavelength_nm: Sequence[float],
+    sizes: SizeDistribution,
+    host_index: float,
+    highest_moment: int,
+    angles_deg: Sequence[float],
+    tolerance: float,
+    phase_tolerance: float,
+    options: CallOptions,
+) -> dict[str, Any]: ...
+
+# scenes
+class Medium:
+    """What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture."""
+
+    def __init__(self, words: str) -> None: ...
+    @staticmethod
+    def of_table(
+        name: str, wavelength_nm: Sequence[float], index: Sequence[complex]
+    ) -> Medium: ...
+    def __len__(self) -> int: ...
+    def __add__(self, other: Medium) -> Medium: ...
+    @property
+    def needs_mie(self) -> bool: ...
+    def with_sizes(
+        self,
+        radius_um: float | None,
+        variance: float | None,
+        law: str | None,
+        density_g_cm3: float | None,
+    ) -> Medium: ...
+    def with_amount(self, kind: str, value: float) -> Medium: ...
+    def in_host(self, words: str) -> Medium: ...
+
+class Depth:
+    """How deep a layer is; `miebrdf.coat` makes one of its words."""
+
+    def __init__(self, words: str | float) -> None: ...
+    @staticmethod
+    def grey(optical_depth: float) -> Depth: ...
+    @staticmethod
+    def thickness_um(value: float) -> Depth: ...
+
+class Layer:
+    """A medium of some depth; `miebrdf.coat` makes one."""
+
+    def __init__(self, medium: str | Medium, depth: Depth = ...) -> None: ...
+    @property
+    def medium(self) -> Medium: ...
+    @property
+    def depth(self) -> Depth: ...
+
+class Substrate:
+    """What lies below the layers where there is no base."""
+
+    def __init__(
+        self, albedo: str | Sequence[float], wavelength_nm: Sequence[float] = ...
+    ) -> None: ...
+
+class MicrofacetDistribution(Enum):
+    beckmann = ...
+    ggx = ...
+
+class Shadowing(Enum):
+    smith_correlated = ...
+    smith_separable = ...
+    v_cavity = ...
+
+class Fresnel(Enum):
+    exact = ...
+    schlick = ...
+
+class Coupling(Enum):
+    paper = ...
+    reciprocal = ...
+
+class Packing(Enum):
+    independent = ...
+    percus_yevick = ...
+
+class SurfaceOptions:
+    def __init__(
+        self,
+        alpha: float,
+        distribution: MicrofacetDistribution,
+        shadowing: Shadowing,
+        fresnel: Fresnel,
+    ) -> None: ...
+
+class Scene:
+    coupling: Coupling
+    surface_index: complex | None
+    database: str
+    index: IndexOptions
+    def __init__(
+        self,
+        base: Medium | None,
+        substrate: Substrate | None,
+        layers: Sequence[Layer],
+        surface: SurfaceOptions | None,
+    ) -> None: ...
+    def set_particles(
+        self,
+        sizes: SizeDistribution,
+        host: str,
+        k_floor: float,
+        tolerance: float,
+        layer_density_kg_m3: float | None,
+        packing: Packing,
+    ) -> None: ...
+    def validate(self) -> None: ...
+
+def media() -> list[tuple[str, str, str]]: ...
+
+# solved scenes
+class Grid(Enum):
+    auto = ...
+    gauss = ...
+    mapped_gauss = ...
+    paper = ...
+
+class HalfSpaceMethod(Enum):
+    auto = ...
+    fixed_point = ...
+    doubling = ...
+
+class CoatMethod(Enum):
+    auto = ...
+    first_order = ...
+    first_order_patched = ...
+    exponential = ...
+
+class SolverOptions:
+    tolerance: float
+    grid: Grid
+    streams: int
+    half_space_method: HalfSpaceMethod
+    coat_method: CoatMethod
+    coat_substeps: int
+    delta_m: bool
+    single_scattering_correction: bool
+
+class SolvedScene:
+    def __init__(
+        self, scene: Scene, wavelength_nm: Sequence[float], solver: SolverOptions
+    ) -> None: ...
+    def evaluate(
+        self,
+        mu_in: Sequence[float],
+        mu_out: Sequence[float],
+        azimuth_deg: Sequence[float],
+        part: str,
+        options: CallOptions,
+    ) -> tuple[_Floats, dict[str, Any]]: ...
+    def albedo(
+        self, mu_in: Sequence[float], options: CallOptions
+    ) -> tuple[dict[str, Any], dict[str, Any]]: ...
+    def layers(self, options: CallOptions) -> list[dict[str, Any]]: ...
+    def table(self, part: str, options: CallOptions) -> SolvedTable: ...
+    def plan(
+        self,
+        mu_in: Sequence[float],
+        mu_out: Sequence[float],
+        azimuth_deg: Sequence[float],
+    ) -> tuple[list[tuple[str, str, int, float]], list[tuple[str, str, float]]]: ...
+
+class SolvedTable:
+    def evaluate(
+        self,
+        mu_in: _Floats,
+        mu_out: _Floats,
+        azimuth_deg: _Floats,
+        out: _Floats,
+        options: CallOptions,
+    ) -> None: ...
+    def sampler(self, weights: Sequence[float], options: CallOptions) -> DirectionSampler: ...
+    @property
+    def report(self) -> dict[str, Any]: ...
+    @property
+    def version(self) -> str: ...
+
+class DirectionSampler:
+    def sample(
+        self, mu_in: _Floats, u1: _Floats, u2: _Floats
+    ) -> tuple[_Floats, _Floats, _Floats]: ...
+    def density(self, mu_in: _Floats, mu_out: _Floats, azimuth_deg: _Floats) -> _Floats: ...
+
+# files and colours
+class Directions:
+    def __init__(
+        self,
+        mu_in: Sequence[float] = ...,
+        mu_out: Sequence[float] = ...,
+        azimuth_deg: Sequence[float] = ...,
+    ) -> None: ...
+
+def formats() -> list[dict[str, Any]]: ...
+def export_table(
+    table: SolvedTable,
+    path: _Path,
+    format: str,
+    resolution: int,
+    directions: Directions,
+    rgb: str,
+    largest_error: float,
+    accept_error: bool,
+    extra: dict[str, int],
+    options: CallOptions,
+) -> list[dict[str, Any]]: ...
+def check(path: str) -> dict[str, Any]: ...
+
+class Illuminant(Enum):
+    d65 = ...
+    e = ...
+    a = ...
+
+def colours(
+    wavelength_nm: Sequence[float], reflectance: _Floats, illuminant: Illuminant
+) -> _Floats: ...
+def covers_the_visible(wavelength_nm: Sequence[float]) -> bool: ...

@@ -1,0 +1,68 @@
+"""What is wrong with an installation, said before anything else fails."""
+
+from __future__ import annotations
+
+import sys
+from importlib.machinery import EXTENSION_SUFFIXES
+from importlib.util import find_spec
+from pathlib import Path
+
+_FOLDER = Path(__file__).parent
+
+
+def check() -> None:
+    """Import the compiled module, or say why that cannot be.
+
+    Raises
+    ------
+    ImportError
+        With what is missing or does not fit, and how to mend it.
+    """
+    if sys.version_info < (3, 11):  # noqa: UP036 - PYTHONPATH knows no requires-python
+        version = ".".join(map(str, sys.version_info[:3]))
+        raise ImportError(f"miebrdf needs Python 3.11 or later; this is {version}")
+    if "numpy" not in sys.modules and find_spec("numpy") is None:
+        raise ImportError(
+            f"miebrdf needs NumPy, which {sys.executable} does not have; "
+            "`apt install python3-numpy` or `pip install numpy`"
+        )
+    if not any((_FOLDER / f"_core{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
+        raise ImportError(_missing_module())
+    try:
+        from . import _core
+    except ImportError as error:
+        raise ImportError(
+            f"the compiled part of miebrdf cannot be loaded: {error}; "
+            "a library that it was built with is missing or has another version: install it, or "
+            "build miebrdf again on this machine (`pip install --no-build-isolation .`)"
+        ) from error
+    try:
+        from ._version import __version__
+    except ImportError:
+        raise ImportError(
+            f"{_FOLDER} is the source of miebrdf, not an installation; "
+            "install it (`pip install --no-build-isolation .` in the folder of pyproject.toml) or "
+            "put BUILD-FOLDER/tools/python/package into PYTHONPATH"
+        ) from None
+    if _core.version != __version__:
+        raise ImportError(
+            f"the Python files of miebrdf are of version {__version__}, its compiled part "
+            f"({_core.__file__}) is of {_core.version}: two installations lie over each other; "
+            f"remove {_FOLDER} and install miebrdf again"
+        )
+
+
+def _missing_module() -> str:
+    others = sorted(path.name for path in _FOLDER.glob("_core*.so"))
+    here = f"Python {sys.version_info[0]}.{sys.version_info[1]} ({EXTENSION_SUFFIXES[0]})"
+    if others:
+        return (
+            f"miebrdf was built for another Python: {_FOLDER} has {', '.join(others)}, and this is "
+            f"{here}; use that Python, or build for this one "
+            "(`pip install --no-build-isolation .`)"
+        )
+    return (
+        f"{_FOLDER} has no compiled module: this is the source of miebrdf, not an installation; "
+        "install it (`pip install --no-build-isolation .` in the folder of pyproject.toml) or put "
+        "BUILD-FOLDER/tools/python/package into PYTHONPATH"
+    )

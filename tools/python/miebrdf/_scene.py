@@ -1,0 +1,597 @@
+"""Scenes: what lies on what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arrays import complexes, numbers
+from ._brdf import Brdf, direct_brdf
+from ._core import Depth, Layer, Medium, Substrate
+from ._options import Progress
+from .errors import UsageError
+
+MediumLike = str | Medium
+DepthLike = str | float | Depth
+
+
+def choice(kind: Any, name: str, value: str) -> Any:
+    """The member of an enumeration of the module by its name; '-' is as good as '_'."""
+    member = kind.__members__.get(str(value).replace("-", "_"))
+    if member is None:
+        raise UsageError(f"{name}: unknown '{value}'; allowed: {', '.join(kind.__members__)}")
+    return member
+
+
+def _number(name: str, value: Any) -> float:
+    array = numbers(name, value)
+    if array.size != 1:
+        raise UsageError(f"{name}: one number is needed, not {array.size}")
+    return float(array.reshape(-1)[0])
+
+
+def _optional(name: str, value: Any) -> float | None:
+    return None if value is None else _number(name, value)
+
+
+def host_words(host: str | complex) -> str:
+    """A host as the words of the library: a name, or ``index:N,K``."""
+    if isinstance(host, str):
+        return host
+    index = complex(complexes("host", host).reshape(-1)[0])
+    return f"index:{index.real!r},{index.imag!r}"
+
+
+def medium(
+    words: MediumLike | None = None,
+    *,
+    radius_um: float | None = None,
+    variance: float | None = None,
+    distribution: str | None = None,
+    density_g_cm3: float | None = None,
+    volume: float | None = None,
+    mass: float | None = None,
+    number_per_cm3: float | None = None,
+    host: str | complex | None = None,
+    index: complex | ArrayLike | None = None,
+    wavelengths_nm: ArrayLike | None = None,
+    name: str = "own",
+) -> Medium:
+    """What a layer is made of: scattering particles in a host, or a medium given by its optics.
+
+    Parameters
+    ----------
+    words : str or Medium, optional
+        As on the command line: ``"TiO2"``, ``"index:1.5,0.01"``, ``"hg:0.9,0.4"``,
+        ``"isotropic:0.9"``, ``"rayleigh:1"``, ``"moments:FILE"``, with sizes and amounts of their
+        own (``"TiO2,radius=0.13,volume=15% in PMMA"``), several joined by ``" + "``.
+        `media_forms` lists them all.
+    radius_um : float, optional
+        Effective radius <r^3>/<r^2> in um, > 0, of the last species; default: that of the scene.
+    variance : float, optional
+        Effective variance, > 0 and up to 10.
+    distribution : str, optional
+        Law of the radii: power-law, gamma, log-normal, rosin-rammler, mono.
+    density_g_cm3 : float, optional
+        Of the particles' material in g/cm3; default: that of the database.
+    volume, mass : float, optional
+        Share of the layer's volume or mass, in (0, 1].
+    number_per_cm3 : float, optional
+        Particles in a cubic centimetre.
+    host : str or complex, optional
+        What lies between the particles: a material's name, or n + ik.
+    index : complex or array, optional
+        n + ik (k >= 0 absorbs) of the particles, in place of `words`: one number, or one for each
+        of `wavelengths_nm`; between these it is interpolated monotonically in photon energy.
+    wavelengths_nm : array, optional
+        Of `index`: nm in vacuum, ascending.
+    name : str
+        What results call a material given by `index`.
+
+    Returns
+    -------
+    Medium
+        Can be added to others (a mixture), compared, copied and pickled.
+
+    Raises
+    ------
+    UsageError
+        For words and numbers that are wrong, with what is allowed.
+    InputError
+        For a moments file that is missing or wrong.
+
+    Examples
+    --------
+    >>> paint = medium("TiO2", radius_um=0.13, volume=0.15) + medium("C_graphite,radius=0.04", volume=0.001)
+    >>> own = medium(index=[1.6 + 0.01j, 1.5 + 0.001j], wavelengths_nm=[400, 700], radius_um=0.2)
+    """
+    if (words is None) == (index is None):
+        raise UsageError("medium: give either words or index (with wavelengths_nm)")
+    result = _of_index(index, wavelengths_nm, name) if words is None else _of_words(words)
+    result = result.with_sizes(
+        _optional("radius_um", radius_um),
+        _optional("variance", variance),
+        distribution,
+        _optional("density_g_cm3", density_g_cm3),
+    )
+    amounts = {"volume": volume, "mass": mass, "number": number_per_cm3}
+    given = {kind: value for kind, value in amounts.items() if value is not None}
+    if len(given) > 1:
+        raise UsageError(f"medium: one amount is needed, not {' and '.join(given)}")
+    for kind, value in given.items():
+        result = result.with_amount(kind, _number(kind, value))
+    if host is not None:
+        result = result.in_host(host_words(host))
+    return result
+
+
+def _of_words(words: MediumLike) -> Medium:
+    if isinstance(words, Medium):
+        return words
+    if not isinstance(words, str):
+        raise UsageError(f"medium: words or a Medium are needed, not {type(words).__name__}")
+    return Medium(words)
+
+
+def _of_index(index: Any, wavelengths_nm: ArrayLike | None, name: str) -> Medium:
+    values = complexes("index", index)
+    if wavelengths_nm is None:
+        if values.size != 1:
+            raise UsageError("index: several values need as many wavelengths_nm")
+        one = complex(values.reshape(-1)[0])
+        return Medium(f"index:{one.real!r},{one.imag!r}")
+    wavelengths = numbers("wavelengths_nm", wavelengths_nm)
+    if wavelengths.ndim != 1 or values.shape != wavelengths.shape:
+        raise UsageError(
+            f"index: shape {values.shape} does not fit wavelengths_nm {wavelengths.shape}; "
+            "a list of each is needed"
+        )
+    return Medium.of_table(name, wavelengths.tolist(), values.tolist())
+
+
+def coat(
+    what: MediumLike | Layer | None = None,
+    depth: DepthLike | None = None,
+    *,
+    grey: bool = False,
+    thickness_um: float | None = None,
+    **of_medium: Any,
+) -> Layer:
+    """A layer of some depth.
+
+    Parameters
+    ----------
+    what : str or Medium, optional
+        A medium, or ``"MEDIUM@DEPTH"`` where no depth is given besides.
+    depth : float or str, optional
+        Vertical optical depth of extinction at 550 nm, >= 0; it follows the extinction of the
+        particles at other wavelengths. Or words: ``"0.1[450nm]"``, ``"0.1[grey]"``, ``"40um"``,
+        ``"2kg/m2"``, ``"inf"``.
+    grey : bool
+        The same optical depth at every wavelength.
+    thickness_um : float, optional
+        In place of an optical depth; needs an amount (``volume=``, ...).
+    **of_medium
+        As for `medium`: ``radius_um=0.03``, ``volume=0.01``, ...
+
+    Returns
+    -------
+    Layer
+
+    Raises
+    ------
+    UsageError
+        For words and numbers that are wrong, with what is allowed.
+
+    Examples
+    --------
+    >>> coat("Au", depth=0.5, radius_um=0.03)
+    >>> coat("AlGaAs7@0.1[grey]")
+    >>> coat("TiO2", thickness_um=40, radius_um=0.13, volume=0.15, host="PMMA")
+    """
+    if isinstance(what, Layer):
+        return what
+    if depth is not None and thickness_um is not None:
+        raise UsageError("coat: give either depth or thickness_um")
+    if depth is None and thickness_um is None:
+        if isinstance(what, str) and "@" in what and not of_medium:
+            return Layer(what)
+        raise UsageError("coat: a depth is needed: depth=0.1, thickness_um=40 or 'MEDIUM@DEPTH'")
+    return Layer(medium(what, **of_medium), _depth(depth, grey, thickness_um))
+
+
+def _depth(depth: DepthLike | None, grey: bool, thickness_um: float | None) -> Depth:
+    if thickness_um is not None:
+        return Depth.thickness_um(_number("thickness_um", thickness_um))
+    if isinstance(depth, Depth):
+        return depth
+    if isinstance(depth, str):
+        return Depth(depth)
+    value = _number("depth", depth)
+    return Depth.grey(value) if grey else Depth(value)
+
+
+def lambertian(albedo: ArrayLike, wavelengths_nm: ArrayLike | None = None) -> Substrate:
+    """A ground that reflects a share of the flux alike in all directions.
+
+    Parameters
+    ----------
+    albedo : float or array
+        In [0, 1]; one for each of `wavelengths_nm`, linear between them.
+    wavelengths_nm : array, optional
+        nm in vacuum, ascending.
+    """
+    values = numbers("albedo", albedo).reshape(-1).tolist()
+    nm = [] if wavelengths_nm is None else numbers("wavelengths_nm", wavelengths_nm).tolist()
+    if len(nm) != (0 if len(values) == 1 and wavelengths_nm is None else len(values)):
+        raise UsageError(f"albedo: {len(values)} values do not fit {len(nm)} wavelengths_nm")
+    return Substrate(values, nm)
+
+
+class Scene:
+    """A half-space or a ground, layers on it and, if wanted, a rough surface above them.
+
+    A scene does not change once it is made, and nothing is looked up or computed until it is
+    asked. It can be compared, copied and pickled.
+
+    Parameters
+    ----------
+    base : str or Medium, optional
+        What lies at the bottom, infinitely deep (see `medium`).
+    substrate : str, Substrate or float, optional
+        In place of a base: ``"black"``, ``"none"`` (a free film), ``"lambert:0.05"``,
+        ``"lambert:FILE.csv"``, `lambertian`, or the albedo of a Lambertian ground.
+    coats : list of Layer or str
+        In painting order, the last one on top: `coat` or ``"MEDIUM@DEPTH"``.
+    roughness : float
+        Beckmann slope parameter of a rough surface, in [1e-4, 4]; 0: no surface.
+    surface_distribution : str
+        Normals of the surface's mirrors: beckmann, ggx.
+    shadowing : str
+        smith-correlated, smith-separable, v-cavity.
+    fresnel : str
+        exact, schlick.
+    coupling : str
+        How the surface weakens the layers' light: paper (on the way in), reciprocal (both ways).
+    surface_index : complex, optional
+        n + ik of the surface; default: that of the top medium.
+    effective_radius_um : float
+        Of the particles that do not say their own: <r^3>/<r^2> in um, > 0.
+    effective_variance : float
+        Of the same, > 0 and up to 10.
+    size_distribution : str or (radii_um, number_density)
+        Law of the radii (see `medium`), or a table of ascending radii in um and densities n(r) in
+        any unit.
+    host : str or complex
+        What lies between the particles, of media that do not say it: a material, or n + ik.
+    k_floor : float
+        k of materials below this is raised to it.
+    mie_tolerance : float
+        Relative error of size averages; 0: a share of the whole tolerance.
+    layer_density_kg_m3 : float, optional
+        Bulk density of the layers, where mass fractions and thicknesses meet (snow: 50 to 550).
+    packing : str
+        independent, percus-yevick (crowded hard spheres).
+    interpolation : str
+        Of n and k between their rows: pchip, linear, linear-energy.
+    extrapolate : str
+        Where a material has no data: refuse, clamp (to the nearer end).
+    missing_k_zero : bool
+        k = 0 where n is known and k is not.
+    database : str
+        File of the user's materials; empty: the default one.
+
+    Raises
+    ------
+    UsageError
+        For words and numbers that no scene can have, with what is allowed.
+
+    Notes
+    -----
+    Values are f in 1/sr without the cosine. ``mu_in`` and ``mu_out`` are cosines from the outward
+    normal, both in (0, 1]; ``azimuth_deg`` is 0 on the mirror side and 180 back towards the source.
+    The first axis of results is the wavelength, unless that is a single number; the directions
+    broadcast like NumPy arrays behind it.
+
+    Examples
+    --------
+    >>> scene = Scene(base="TiO2", coats=[coat("Au", depth=0.5, radius_um=0.03)])
+    >>> scene.brdf(550, 0.5, mu_out[:, None], azimuth_deg[None, :])
+    >>> b = scene.solve([450, 550, 650])
+    >>> b(0.5, mu_out, 0.0)
+    """
+
+    _arguments: dict[str, Any]
+
+    def __init__(
+        self,
+        base: MediumLike | None = None,
+        *,
+        substrate: str | float | Substrate | None = None,
+        coats: Iterable[str | Layer] = (),
+        roughness: float = 0.0,
+        surface_distribution: str = "beckmann",
+        shadowing: str = "smith-correlated",
+        fresnel: str = "exact",
+        coupling: str = "paper",
+        surface_index: complex | None = None,
+        effective_radius_um: float = 50.0,
+        effective_variance: float = 0.2,
+        size_distribution: str | tuple[ArrayLike, ArrayLike] = "power-law",
+        host: str | complex = 1.0,
+        k_floor: float = 0.0,
+        mie_tolerance: float = 0.0,
+        layer_density_kg_m3: float | None = None,
+        packing: str = "independent",
+        interpolation: str = "pchip",
+        extrapolate: str = "refuse",
+        missing_k_zero: bool = False,
+        database: str = "",
+    ) -> None:
+        if (base is None) == (substrate is None):
+            raise UsageError("scene: give either base or substrate")
+        if isinstance(coats, (str, Layer)):
+            coats = [coats]
+        layers = [coat(each) for each in coats]
+        surface = None
+        roughness = _number("roughness", roughness)
+        if roughness != 0.0:
+            surface = _core.SurfaceOptions(
+                roughness,
+                choice(_core.MicrofacetDistribution, "surface_distribution", surface_distribution),
+                choice(_core.Shadowing, "shadowing", shadowing),
+                choice(_core.Fresnel, "fresnel", fresnel),
+            )
+        if substrate is not None and not isinstance(substrate, (str, Substrate)):
+            substrate = lambertian(substrate)
+        ground = Substrate(substrate) if isinstance(substrate, str) else substrate
+        bottom = None if base is None else _of_words(base)
+        if extrapolate not in ("refuse", "clamp"):
+            raise UsageError(f"extrapolate: unknown '{extrapolate}'; allowed: refuse, clamp")
+
+        if not isinstance(size_distribution, str):
+            radii, density = size_distribution
+            size_distribution = (
+                numbers("radii_um", radii).tolist(),
+                numbers("number_density", density).tolist(),
+            )
+        host = host if isinstance(host, str) else complex(complexes("host", host).reshape(-1)[0])
+        scene = _core.Scene(bottom, ground, layers, surface)
+        scene.set_particles(
+            _sizes(size_distribution, effective_radius_um, effective_variance),
+            host_words(host),
+            _number("k_floor", k_floor),
+            _number("mie_tolerance", mie_tolerance),
+            _optional("layer_density_kg_m3", layer_density_kg_m3),
+            choice(_core.Packing, "packing", packing),
+        )
+        scene.coupling = choice(_core.Coupling, "coupling", coupling)
+        scene.surface_index = None if surface_index is None else complex(surface_index)
+        scene.database = str(database)
+        scene.index = _core.IndexOptions(
+            choice(_core.Interpolation, "interpolation", interpolation),
+            extrapolate == "clamp",
+            bool(missing_k_zero),
+        )
+        scene.validate()
+        self._core = scene
+        self._arguments = {
+            "base": bottom,
+            "substrate": ground,
+            "coats": tuple(layers),
+            "roughness": roughness,
+            "surface_distribution": surface_distribution,
+            "shadowing": shadowing,
+            "fresnel": fresnel,
+            "coupling": coupling,
+            "surface_index": surface_index,
+            "effective_radius_um": effective_radius_um,
+            "effective_variance": effective_variance,
+            "size_distribution": size_distribution,
+            "host": host,
+            "k_floor": k_floor,
+            "mie_tolerance": mie_tolerance,
+            "layer_density_kg_m3": layer_density_kg_m3,
+            "packing": packing,
+            "interpolation": interpolation,
+            "extrapolate": extrapolate,
+            "missing_k_zero": missing_k_zero,
+            "database": str(database),
+        }
+
+    def replace(self, **changes: Any) -> Scene:
+        """The same scene with other arguments, e.g. ``scene.replace(roughness=0.3)``."""
+        arguments = {**self._arguments, **changes}
+        if "base" in changes and changes["base"] is not None:
+            arguments["substrate"] = changes.get("substrate")
+        if "substrate" in changes and changes["substrate"] is not None:
+            arguments["base"] = changes.get("base")
+        return Scene(**arguments)
+
+    def brdf(
+        self,
+        wavelengths_nm: ArrayLike,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        part: str = "total",
+        threads: int | None = None,
+        progress: Progress = None,
+        cache: bool | None = None,
+        **method: Any,
+    ) -> Any:
+        """The BRDF at these directions, exactly: nothing is interpolated.
+
+        For more than some thousand directions, `solve` once and ask the result.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+            In vacuum.
+        mu_in, mu_out : float or array
+            Cosines of incidence and reflection, in (0, 1].
+        azimuth_deg : float or array
+            0 = mirror side, 180 = back towards the source.
+        theta_in_deg, theta_out_deg : float or array
+            Angles from the normal, in [0, 90), in place of the cosines.
+        part : str
+            total, subsurface (layers alone), surface (lobe alone).
+        threads, progress, cache
+            As in `set_options`.
+        **method
+            As in `solve`: ``tolerance=1e-4``, ``streams=32``, ...
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            1/sr, without the cosine, of shape (wavelengths, *broadcast directions); attributes:
+            units, version, sources, error_estimate, tolerance, converged.
+
+        Warns
+        -----
+        NotConverged
+            Where the estimated error is above the tolerance.
+
+        Raises
+        ------
+        UsageError
+            For values out of range and shapes that do not broadcast.
+        InputError
+            For unknown names and wavelengths that a material does not cover.
+        KeyboardInterrupt
+            Ctrl-C ends the computation.
+        """
+        return direct_brdf(
+            self,
+            wavelengths_nm,
+            (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg),
+            part,
+            (threads, progress, cache),
+            method,
+        )
+
+    def solve(
+        self,
+        wavelengths_nm: ArrayLike,
+        *,
+        tolerance: float = 1e-3,
+        threads: int | None = None,
+        progress: Progress = None,
+        cache: bool | None = None,
+        table: bool = True,
+        **method: Any,
+    ) -> Brdf:
+        """Solve once, to be asked at any number of directions.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+            In vacuum.
+        tolerance : float
+            Largest error relative to the largest value at the same incidence, in (0, 1).
+        threads, progress, cache
+            As in `set_options`.
+        table : bool
+            False: the table is made when it is first asked for, which albedos and layers never do.
+        **method
+            streams (2 to 256; 0: by the tolerance), grid (auto, gauss, mapped-gauss, paper),
+            half_space_method (auto, fixed-point, doubling), coat_method (auto, first-order,
+            first-order-patched, exponential), coat_substeps, delta_m,
+            single_scattering_correction.
+
+        Returns
+        -------
+        Brdf
+
+        Raises
+        ------
+        UsageError, InputError
+            As `brdf`.
+        """
+        method = {"tolerance": tolerance, **method}
+        return Brdf(self, wavelengths_nm, method, (threads, progress, cache), table)
+
+    def albedo(
+        self,
+        wavelengths_nm: ArrayLike,
+        mu_in: ArrayLike | None = None,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        **options: Any,
+    ) -> Any:
+        """Plane albedo, the share of the light from one direction that is reflected.
+
+        Without a direction: the spherical albedo, of light from all directions alike.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+        mu_in : float or array, optional
+            Cosines of incidence, in (0, 1].
+        theta_in_deg : float or array, optional
+            In place of `mu_in`.
+        **options
+            As in `solve`.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape (wavelengths, *shape of mu_in).
+        """
+        call = tuple(options.pop(name, None) for name in ("threads", "progress", "cache"))
+        solved = Brdf(self, wavelengths_nm, options, call, with_table=False)
+        if mu_in is None and theta_in_deg is None:
+            return solved.spherical_albedo()
+        return solved.albedo(mu_in, theta_in_deg=theta_in_deg)
+
+    def layers(self, wavelengths_nm: ArrayLike, **options: Any) -> list[dict[str, Any]]:
+        """Single scattering by every layer at every wavelength, from the lowest up.
+
+        Returns
+        -------
+        list of dict
+            wavelength_nm, layer, optical_depth, single_scattering_albedo, asymmetry,
+            scattering_per_um, absorption_per_um, reduced_scattering_per_um, k_km and s_km
+            (Kubelka-Munk's, 1/um), mass_extinction_m2_per_kg; None where amounts or densities are
+            not known.
+        """
+        call = tuple(options.pop(name, None) for name in ("threads", "progress", "cache"))
+        return Brdf(self, wavelengths_nm, options, call, with_table=False).layers()
+
+    def __str__(self) -> str:
+        return str(self._core)
+
+    def __repr__(self) -> str:
+        return f"<miebrdf.Scene: {self}>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self._arguments == other._arguments
+
+    def __hash__(self) -> int:
+        return hash(str(self))
+
+    def __reduce__(self) -> Any:
+        return _scene_of, (self._arguments,)
+
+
+def _scene_of(arguments: dict[str, Any]) -> Scene:
+    return Scene(**arguments)
+
+
+def _sizes(law: Any, radius_um: float, variance: float) -> _core.SizeDistribution:
+    if isinstance(law, str):
+        return _core.SizeDistribution(
+            law, _number("effective_radius_um", radius_um), _number("effective_variance", variance)
+        )
+    return _core.SizeDistribution(radii_um=law[0], number_density=law[1])
+
+
+def media_forms() -> list[tuple[str, str, str]]:
+    """How media are written in words: (form, example, what it is)."""
+    return _core.media()

@@ -1,0 +1,285 @@
+// Scenes: <miebrdf/scene.h>. Values that can be compared, copied and pickled.
+#include <miebrdf/error.h>
+#include <miebrdf/scene.h>
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/complex.h>
+#include <pybind11/stl.h>
+#include "tools/python/bindings.h"
+
+namespace miebrdf::python {
+namespace {
+
+py::object law_of(const ParticleSizes& sizes) {
+    return sizes.distribution ? py::cast(mie::name_of(*sizes.distribution)) : py::none();
+}
+
+void set_law(ParticleSizes& sizes, const std::optional<std::string>& law) {
+    sizes.distribution.reset();
+    if (law) sizes.distribution = mie::parse_size_distribution(*law);
+}
+
+py::tuple state_of(const Species& s) {
+    py::object amount = py::none();
+    if (s.amount) amount = py::make_tuple(static_cast<int>(s.amount->kind), s.amount->value);
+    return py::make_tuple(s.kind, s.name, s.parameters, s.chi, s.wavelength_nm, s.index,
+                          s.sizes.effective_radius_um, s.sizes.effective_variance, law_of(s.sizes),
+                          s.density_g_cm3, amount);
+}
+
+Species species_of(const py::tuple& state) {
+    Species s;
+    s.kind = state[0].cast<std::string>();
+    s.name = state[1].cast<std::string>();
+    s.parameters = state[2].cast<std::vector<double>>();
+    s.chi = state[3].cast<std::vector<double>>();
+    s.wavelength_nm = state[4].cast<std::vector<double>>();
+    s.index = state[5].cast<std::vector<std::complex<double>>>();
+    s.sizes.effective_radius_um = state[6].cast<std::optional<double>>();
+    s.sizes.effective_variance = state[7].cast<std::optional<double>>();
+    set_law(s.sizes, state[8].cast<std::optional<std::string>>());
+    s.density_g_cm3 = state[9].cast<std::optional<double>>();
+    if (!state[10].is_none()) {
+        const auto amount = state[10].cast<std::pair<int, double>>();
+        s.amount = Amount{static_cast<Amount::Kind>(amount.first), amount.second};
+    }
+    return s;
+}
+
+py::tuple state_of(const Medium& medium) {
+    py::list species;
+    for (const Species& s : medium.species) species.append(state_of(s));
+    py::object host = py::none();
+    if (medium.host) host = py::make_tuple(medium.host->name, medium.host->index);
+    return py::make_tuple(species, host);
+}
+
+Medium medium_of(const py::tuple& state) {
+    Medium medium;
+    for (const py::handle species : state[0].cast<py::list>())
+        medium.species.push_back(species_of(species.cast<py::tuple>()));
+    if (!state[1].is_none()) {
+        const auto host = state[1].cast<std::pair<std::string, std::complex<double>>>();
+        medium.host = Host{host.first, host.second};
+    }
+    return medium;
+}
+
+/// Spheres of a refractive index of one's own.
+Medium medium_of_table(const std::string& name, std::vector<double> wavelength_nm,
+                       std::vector<std::complex<double>> index) {
+    Species species;
+    species.kind = "table";
+    species.name = name;
+    species.wavelength_nm = std::move(wavelength_nm);
+    species.index = std::move(index);
+    return species;
+}
+
+void bind_media(py::module_& module) {
+    py::class_<Medium>(
+        module, "Medium",
+        "What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture.")
+        .def(py::init([](const std::string& words) { return medium(words); }), py::arg("words"))
+        .def_static("of_table", &medium_of_table, py::arg("name"), py::arg("wavelength_nm"),
+                    py::arg("index"))
+        .def("__str__", [](const Medium& self) { return describe(self); })
+        .def("__repr__",
+             [](const Medium& self) { return "<miebrdf.Medium " + describe(self) + ">"; })
+        .def("__len__", [](const Medium& self) { return self.species.size(); })
+        .def("__eq__",
+             [](const Medium& self, const py::object& other) {
+                 return py::isinstance<Medium>(other) && self == other.cast<const Medium&>();
+             })
+        .def_property_readonly("needs_mie", [](const Medium& self) { return needs_mie(self); })
+        .def(
+            "with_sizes",  // of the last species
+            [](Medium self, std::optional<double> radius_um, std::optional<double> variance,
+               const std::optional<std::string>& law, std::optional<double> density_g_cm3) {
+                Species& last = self.species.back();
+                if (radius_um) last.sizes.effective_radius_um = radius_um;
+                if (variance) last.sizes.effective_variance = variance;
+                if (law) set_law(last.sizes, law);
+                if (density_g_cm3) last.density_g_cm3 = density_g_cm3;
+                return self;
+            },
+            py::arg("radius_um"), py::arg("variance"), py::arg("law"), py::arg("density_g_cm3"))
+        .def(
+            "with_amount",
+            [](Medium self, const std::string& kind, double value) {
+                const auto known = kind == "volume" ? Amount::Kind::volume_fraction
+                                   : kind == "mass" ? Amount::Kind::mass_fraction
+                                                    : Amount::Kind::number_per_cm3;
+                self.species.back().amount = Amount{known, value};
+                return self;
+            },
+            py::arg("kind"), py::arg("value"))
+        .def(
+            "in_host",
+            [](Medium self, const std::string& words) {
+                self.host = host(words);
+                return self;
+            },
+            py::arg("words"))
+        .def("__add__",
+             [](Medium self, const Medium& other) {
+                 self.species.insert(self.species.end(), other.species.begin(),
+                                     other.species.end());
+                 if (self.host && other.host && *self.host != *other.host) {
+                     throw UsageError("host", describe(*other.host),
+                                      "one host for all species, here " + describe(*self.host));
+                 }
+                 if (!self.host) self.host = other.host;
+                 return self;
+             })
+        .def(py::pickle([](const Medium& self) { return state_of(self); }, &medium_of));
+
+    py::class_<Depth>(module, "Depth",
+                      "How deep a layer is: words as in `miebrdf.coat`, or an optical depth.")
+        .def(py::init([](const std::string& words) { return depth(words); }), py::arg("words"))
+        .def(py::init([](double optical_depth) { return Depth(optical_depth); }),
+             py::arg("optical_depth"))
+        .def_static("grey", &grey, py::arg("optical_depth"))
+        .def_static(
+            "thickness_um", [](double value) { return Depth(Depth::Kind::thickness_um, value); },
+            py::arg("value"))
+        .def("__str__", [](const Depth& self) { return describe(self); })
+        .def("__repr__", [](const Depth& self) { return "<miebrdf.Depth " + describe(self) + ">"; })
+        .def(py::pickle(
+            [](const Depth& self) {
+                return py::make_tuple(static_cast<int>(self.kind), self.value, self.wavelength_nm);
+            },
+            [](const py::tuple& state) {
+                return Depth(static_cast<Depth::Kind>(state[0].cast<int>()),
+                             state[1].cast<double>(), state[2].cast<double>());
+            }));
+
+    py::class_<Layer>(module, "Layer", "A medium of some depth; `miebrdf.coat` makes one.")
+        .def(py::init([](const std::string& words) { return layer(words); }), py::arg("words"))
+        .def(py::init([](const Medium& medium, const Depth& depth) {
+                 return Layer{medium, depth};
+             }),
+             py::arg("medium"), py::arg("depth"))
+        .def_readonly("medium", &Layer::medium)
+        .def_readonly("depth", &Layer::depth)
+        .def("__str__",
+             [](const Layer& self) { return describe(self.medium) + "@" + describe(self.depth); })
+        .def("__eq__",
+             [](const Layer& self, const py::object& other) {
+                 if (!py::isinstance<Layer>(other)) return false;
+                 const auto& layer = other.cast<const Layer&>();
+                 return self.medium == layer.medium && self.depth == layer.depth;
+             })
+        .def(py::pickle([](const Layer& self) { return py::make_tuple(self.medium, self.depth); },
+                        [](const py::tuple& state) {
+                            return Layer{state[0].cast<Medium>(), state[1].cast<Depth>()};
+                        }));
+}
+
+void bind_ground(py::module_& module) {
+    py::class_<Substrate>(module, "Substrate",
+                          "What lies below the layers where there is no base: words as in "
+                          "`miebrdf.Scene`, or `miebrdf.lambertian`.")
+        .def(py::init([](const std::string& words) { return substrate(words); }), py::arg("words"))
+        .def(py::init([](std::vector<double> albedo, std::vector<double> wavelength_nm) {
+                 Substrate ground;
+                 ground.kind = Substrate::Kind::lambertian;
+                 ground.albedo = std::move(albedo);
+                 ground.wavelength_nm = std::move(wavelength_nm);
+                 return ground;
+             }),
+             py::arg("albedo"), py::arg("wavelength_nm"))
+        .def("__str__", [](const Substrate& self) { return describe(self); })
+        .def("__repr__",
+             [](const Substrate& self) { return "<miebrdf.Substrate " + describe(self) + ">"; })
+        .def("__eq__",
+             [](const Substrate& self, const py::object& other) {
+                 return py::isinstance<Substrate>(other) && self == other.cast<const Substrate&>();
+             })
+        .def(py::pickle(
+            [](const Substrate& self) {
+                return py::make_tuple(static_cast<int>(self.kind), self.albedo, self.wavelength_nm,
+                                      self.file);
+            },
+            [](const py::tuple& state) {
+                return Substrate{static_cast<Substrate::Kind>(state[0].cast<int>()),
+                                 state[1].cast<std::vector<double>>(),
+                                 state[2].cast<std::vector<double>>(),
+                                 state[3].cast<std::string>()};
+            }));
+
+    py::enum_<rte::MicrofacetDistribution>(module, "MicrofacetDistribution")
+        .value("beckmann", rte::MicrofacetDistribution::beckmann)
+        .value("ggx", rte::MicrofacetDistribution::ggx);
+    py::enum_<rte::Shadowing>(module, "Shadowing")
+        .value("smith_correlated", rte::Shadowing::smith_correlated)
+        .value("smith_separable", rte::Shadowing::smith_separable)
+        .value("v_cavity", rte::Shadowing::v_cavity);
+    py::enum_<rte::FresnelKind>(module, "Fresnel")
+        .value("exact", rte::FresnelKind::exact)
+        .value("schlick", rte::FresnelKind::schlick);
+    py::enum_<rte::SurfaceCoupling>(module, "Coupling")
+        .value("paper", rte::SurfaceCoupling::paper)
+        .value("reciprocal", rte::SurfaceCoupling::reciprocal);
+    py::enum_<Packing>(module, "Packing")
+        .value("independent", Packing::independent)
+        .value("percus_yevick", Packing::percus_yevick);
+    py::class_<rte::SurfaceOptions>(module, "SurfaceOptions")
+        .def(py::init([](double alpha, rte::MicrofacetDistribution distribution,
+                         rte::Shadowing shadowing, rte::FresnelKind fresnel) {
+                 return rte::SurfaceOptions{alpha, distribution, shadowing, fresnel, {}};
+             }),
+             py::arg("alpha"), py::arg("distribution"), py::arg("shadowing"), py::arg("fresnel"));
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+    bind_media(module);
+    bind_ground(module);
+    module.def("media", [] {
+        py::list forms;
+        for (const MediumForm& form : medium_forms())
+            forms.append(py::make_tuple(form.form, form.example, form.help));
+        return forms;
+    });
+    py::class_<Scene>(module, "Scene")
+        .def(py::init([](const std::optional<Medium>& base, const std::optional<Substrate>& ground,
+                         std::vector<Layer> layers,
+                         const std::optional<rte::SurfaceOptions>& surface) {
+                 Scene scene;
+                 if (base) scene.base = *base;
+                 scene.substrate = ground;
+                 scene.layers = std::move(layers);
+                 scene.surface = surface;
+                 return scene;
+             }),
+             py::arg("base"), py::arg("substrate"), py::arg("layers"), py::arg("surface"))
+        .def(
+            "set_particles",
+            [](Scene& self, const mie::SizeDistribution& sizes, const std::string& host_words,
+               double k_floor, double tolerance, std::optional<double> layer_density_kg_m3,
+               Packing packing) {
+                self.particles.sizes = sizes;
+                self.particles.host = host(host_words);
+                self.particles.k_floor = k_floor;
+                self.particles.tolerance = tolerance;
+                self.particles.layer_density_kg_m3 = layer_density_kg_m3;
+                self.particles.packing = packing;
+            },
+            py::arg("sizes"), py::arg("host"), py::arg("k_floor"), py::arg("tolerance"),
+            py::arg("layer_density_kg_m3"), py::arg("packing"))
+        .def_readwrite("coupling", &Scene::coupling)
+        .def_readwrite("surface_index", &Scene::surface_index)
+        .def_readwrite("database", &Scene::database)
+        .def_readwrite("index", &Scene::index)
+        .def("validate", [](const Scene& self) { validate(self); })
+        .def("__str__", [](const Scene& self) { return describe(self); });
+}
+
+}  // namespace miebrdf::python
