@@ -109,6 +109,7 @@ class SolvedScene {
         columns["spherical_transmittance"] = values.spherical_transmittance.empty()
                                                  ? py::object(py::none())
                                                  : array_of(values.spherical_transmittance);
+        columns["mirror_reflectance"] = table(values.mirror_reflectance);
         return py::make_tuple(columns, facts_of(values));
     }
 

@@ -204,13 +204,15 @@ void bind_ground(py::module_& module) {
         .def(py::pickle(
             [](const Substrate& self) {
                 return py::make_tuple(static_cast<int>(self.kind), self.albedo, self.wavelength_nm,
-                                      self.file);
+                                      self.file, self.mirror.name, self.mirror.index);
             },
             [](const py::tuple& state) {
-                return Substrate{static_cast<Substrate::Kind>(state[0].cast<int>()),
-                                 state[1].cast<std::vector<double>>(),
-                                 state[2].cast<std::vector<double>>(),
-                                 state[3].cast<std::string>()};
+                return Substrate{
+                    static_cast<Substrate::Kind>(state[0].cast<int>()),
+                    state[1].cast<std::vector<double>>(),
+                    state[2].cast<std::vector<double>>(),
+                    state[3].cast<std::string>(),
+                    {state[4].cast<std::string>(), state[5].cast<std::complex<double>>()}};
             }));
 
     py::enum_<rte::MicrofacetDistribution>(module, "MicrofacetDistribution")
@@ -274,6 +276,10 @@ void bind_scene(py::module_& module) {
             },
             py::arg("sizes"), py::arg("host"), py::arg("k_floor"), py::arg("tolerance"),
             py::arg("layer_density_kg_m3"), py::arg("packing"))
+        .def(
+            "set_boundary",
+            [](Scene& self, const std::string& words) { self.boundary = boundary(words); },
+            py::arg("words"))
         .def_readwrite("coupling", &Scene::coupling)
         .def_readwrite("surface_index", &Scene::surface_index)
         .def_readwrite("database", &Scene::database)

@@ -365,6 +365,24 @@ class Brdf:
         attributes = {"units": "1", **report.attributes()}
         return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
 
+    def mirror_reflectance(
+        self, mu_in: ArrayLike | None = None, *, theta_in_deg: ArrayLike | None = None
+    ) -> Any:
+        """What of the plane albedo goes into the mirror direction alone.
+
+        A delta function that values of the BRDF are without; only scenes with a smooth boundary or
+        a mirror have one.
+
+        Parameters and result are those of `albedo`.
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        name = "mirror_reflectance"
+        values, report = self._albedos(axes.arrays[0].reshape(-1).tolist(), name)
+        values = values.reshape([values.shape[0], *axes.shape])
+        report.warn()
+        attributes = {"units": "1", **report.attributes()}
+        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
+
     def spherical_albedo(self, *, transmitted: bool = False) -> Any:
         """Share that is reflected of light from all directions alike; one for each wavelength.
 
@@ -381,7 +399,12 @@ class Brdf:
         with Call(*self._call) as options:
             columns, facts = self._solved.albedo(mu_in, options)
         if columns[name] is None:
-            raise UsageError(f"{name}: only scenes on a substrate without a surface have one")
+            have = (
+                "with a smooth boundary or a mirror"
+                if name == "mirror_reflectance"
+                else "on a substrate without a surface"
+            )
+            raise UsageError(f"{name}: only scenes {have} have one")
         return columns[name], Report(**facts)
 
     def layers(self) -> list[dict[str, Any]]:

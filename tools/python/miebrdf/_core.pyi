@@ -205,6 +205,7 @@ class Scene:
         layers: Sequence[Layer],
         surface: SurfaceOptions | None,
     ) -> None: ...
+    def set_boundary(self, words: str) -> None: ...
     def set_particles(
         self,
         sizes: SizeDistribution,

@@ -258,6 +258,9 @@ class Scene:
         How the surface weakens the layers' light: paper (on the way in), reciprocal (both ways).
     surface_index : complex, optional
         n + ik of the surface; default: that of the top medium.
+    boundary : str, optional
+        Refracting boundary between air and the host of the top layer: smooth, rough:ALPHA,
+        rough:ALPHA,beckmann; ALPHA in [0.02, 1]. Not together with `roughness`.
     effective_radius_um : float
         Of the particles that do not say their own: <r^3>/<r^2> in um, > 0.
     effective_variance : float
@@ -326,6 +329,7 @@ class Scene:
         mie_tolerance: float = 0.0,
         layer_density_kg_m3: float | None = None,
         packing: str = "independent",
+        boundary: str | None = None,
         interpolation: str = "pchip",
         extrapolate: str = "refuse",
         missing_k_zero: bool = False,
@@ -368,6 +372,8 @@ class Scene:
             _optional("layer_density_kg_m3", layer_density_kg_m3),
             choice(_core.Packing, "packing", packing),
         )
+        if boundary is not None:
+            scene.set_boundary(boundary)
         scene.coupling = choice(_core.Coupling, "coupling", coupling)
         scene.surface_index = None if surface_index is None else complex(surface_index)
         scene.database = str(database)
@@ -396,6 +402,7 @@ class Scene:
             "mie_tolerance": mie_tolerance,
             "layer_density_kg_m3": layer_density_kg_m3,
             "packing": packing,
+            "boundary": boundary,
             "interpolation": interpolation,
             "extrapolate": extrapolate,
             "missing_k_zero": missing_k_zero,
