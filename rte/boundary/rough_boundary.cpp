@@ -104,11 +104,13 @@ LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
     const Eigen::Index air = g_.size() - n;
     const Eigen::Index requested = mu_air.size();
     std::vector<FacetWalk::Beam> beams;
-    Eigen::MatrixXd functions(air, requested);  // of the nodes in air
+    // Of the nodes in air, in even and in odd orders.
+    Eigen::MatrixXd functions[] = {Eigen::MatrixXd(air, requested),
+                                   Eigen::MatrixXd(air, requested)};
     for (Eigen::Index r = 0; r < requested; ++r) {
         if (!(mu_air[r] > 0.0 && mu_air[r] <= 1.0)) throw UsageError("mu_air", mu_air[r], "(0, 1]");
         beams.push_back(meet(true, mu_air[r]));
-        functions.col(r) = functions_.in_air_values(mu_air[r]);
+        for (const int m : {0, 1}) functions[m].col(r) = functions_.in_air_values(mu_air[r], m);
     }
     const std::vector<Eigen::MatrixXd> later = walk_.leaving(beams, grid_);
     LightFromAir light;
@@ -130,11 +132,11 @@ LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
     // 2 pi times the BRDF is the energy over g^2, between nodes by Lagrange functions; the mean of
     // both directions of light makes it reciprocal.
     const auto c = light.compensation.asDiagonal();
-    for (const Eigen::MatrixXd& energy : later) {
-        const Eigen::MatrixXd brdf = functions.transpose() *
+    for (std::size_t m = 0; m < later.size(); ++m) {
+        const Eigen::MatrixXd brdf = c * functions[m % 2].transpose() *
                                      g_.tail(air).cwiseAbs2().cwiseInverse().asDiagonal() *
-                                     energy.bottomRows(air) / (2.0 * std::numbers::pi);
-        light.multiple.push_back(0.5 * (c * (brdf + brdf.transpose()) * c));
+                                     later[m].bottomRows(air) * c / (2.0 * std::numbers::pi);
+        light.multiple.push_back(0.5 * (brdf + brdf.transpose()));
     }
     return light;
 }

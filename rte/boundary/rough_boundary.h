@@ -32,11 +32,11 @@ struct LightFromAir {
 /// One rough boundary on one grid; made once, used for all scenes of that index.
 ///
 /// Light that meets one facet is followed exactly, what meets more by FacetWalk. What both miss in
-/// the energy balance of order 0 (1e-3 and less where g counts) is put back evenly, so that nothing
+/// the energy balance of order 0 (2e-3 but for grazing light) is put back evenly, so that nothing
 /// is lost or won.
 class RoughBoundary {
   public:
-    /// The grid is RefractionGrid({index}, streams). 25 to 55 ms for 24 streams and 12 orders.
+    /// The grid is RefractionGrid({index}, streams). 35 to 90 ms for 24 streams and 12 orders.
     /// @param index  of the medium, 1.05 to 3; below, nearly all light passes straight on through
     ///               many facets, for which FacetWalk has too few nodes
     /// @param streams  4 to 256
