@@ -7,6 +7,7 @@
 
 #include <miebrdf/surface.h>
 #include "pipeline/solve/checks.h"
+#include "rte/boundary/rough_top.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
@@ -122,6 +123,11 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
     const rte::MultipleScattering multiple = rte::sum_fourier_orders(
         scaled, grids, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
     stack_ = scaled;
+    if (stack_.boundary && stack_.boundary->is_rough()) {
+        const Eigen::VectorXd scale =
+            rte::outer_lobe_scale(stack_.top_index, *stack_.boundary, requested.mu);
+        lobe_scale_.assign(scale.begin(), scale.end());
+    }
     smooth_ = tabulate(multiple, samples);
     report_.solver.fourier_orders = multiple.fourier_orders;
     report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
@@ -131,6 +137,8 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
 double WavelengthTable::lobe(const Direction& direction) const {
     return lobe_ ? lobe_->brdf(direction.mu_in, direction.mu_out, direction.azimuth_deg) : 0.0;
 }
+
+double WavelengthTable::lobe_scale(double mu) const { return at_cosine(lobe_scale_, mu); }
 
 double WavelengthTable::transmitted(double mu_in, double mu_out) const {
     return lobe_ ? at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out) : 1.0;
@@ -172,8 +180,9 @@ void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
         const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
         for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
             const double azimuth = std::acos(std::clamp(cos_azimuth[a], -1.0, 1.0));
-            reflection[a] =
-                std::numbers::pi * lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
+            reflection[a] = tables_[w].lobe_scale(mu_in) * tables_[w].lobe_scale(mu_out) *
+                            std::numbers::pi *
+                            lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
         }
         return;
     }

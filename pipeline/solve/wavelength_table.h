@@ -42,6 +42,8 @@ class WavelengthTable {
     double lobe(const Direction& direction) const;
     /// What the surface lets through of light from below; 1 without one.
     double transmitted(double mu_in, double mu_out) const;
+    /// By which a rough boundary's lobe of one facet is raised at a cosine.
+    double lobe_scale(double mu) const;
     bool has_surface() const { return lobe_.has_value(); }
 
     const WavelengthReport& report() const { return report_; }
@@ -52,6 +54,7 @@ class WavelengthTable {
     rte::ScaledStack stack_;
     SmoothPart smooth_;
     std::optional<rte::SurfaceLobe> lobe_;
+    std::vector<double> lobe_scale_;              ///< of a rough boundary, at the nodes
     std::vector<double> factor_in_, factor_out_;  ///< of the surface, at the nodes
     WavelengthReport report_;
 };

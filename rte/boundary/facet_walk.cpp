@@ -8,8 +8,8 @@
 namespace miebrdf::rte {
 namespace {
 
-// The walk is a correction: its beams need not be resolved as the first meeting is.
-constexpr double kWalkRefinement = 0.6;
+// As coarse as the distribution over directions allows; totals need less.
+constexpr double kWalkRefinement = 0.9;
 // It ends when this share of all beams is left.
 constexpr double kForgotten = 1e-5;
 constexpr int kMostFacets = 1000;
@@ -118,18 +118,18 @@ Eigen::MatrixXd FacetWalk::directions_after(const FacetScattering& light, bool f
 }
 
 /// Energy at the nodes of another grid: what varies slowly is the energy over g^2.
-Eigen::MatrixXd FacetWalk::onto(const RefractionGrid& grid) const {
+Eigen::MatrixXd FacetWalk::onto(const RefractionGrid& grid, int order) const {
     const ZenithGrid medium = grid.in_medium(index_);
     const ZenithGrid air = grid.in_medium(1.0);
     const Eigen::Index n = grid_.size();
     Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(medium.size() + air.size(), g2_.size());
     for (Eigen::Index p = 0; p < medium.size(); ++p) {
         energy.row(p).head(n) = index_ * index_ * medium.weights[p] * medium.mu[p] *
-                                functions_.inside_values(medium.mu[p]).transpose();
+                                functions_.inside_values(medium.mu[p], order).transpose();
     }
     for (Eigen::Index p = 0; p < air.size(); ++p) {
         energy.row(medium.size() + p).tail(g2_.size() - n) =
-            air.weights[p] * air.mu[p] * functions_.in_air_values(air.mu[p]).transpose();
+            air.weights[p] * air.mu[p] * functions_.in_air_values(air.mu[p], order).transpose();
     }
     return energy * g2_.cwiseInverse().asDiagonal();
 }
@@ -148,7 +148,7 @@ std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Beam>& beams,
         const double lambda = smith_lambda(surface_, beam.mu);
         met.push_back(heights(nodes, 1.0, 1.0 / (1.0 + lambda), 0.0, !beam.from_air));
     }
-    const Eigen::MatrixXd to_grid = onto(grid);
+    const Eigen::MatrixXd to_grid[] = {onto(grid, 0), onto(grid, 1)};
     std::vector<Eigen::MatrixXd> energy;
     for (int m = 0; m < order_count_; ++m) {
         // Rays that have just left a facet: rows are directions, columns heights by beams.
@@ -173,7 +173,7 @@ std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Beam>& beams,
             }
             if (!(rays.cwiseAbs().sum() > kForgotten * all)) break;
         }
-        energy.push_back(to_grid * left);
+        energy.push_back(to_grid[m % 2] * left);
     }
     return energy;
 }

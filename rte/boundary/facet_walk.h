@@ -24,7 +24,7 @@ namespace miebrdf::rte {
 /// (docs/maths-boundary.md has the errors).
 class FacetWalk {
   public:
-    static constexpr int kStreams = 16;
+    static constexpr int kStreams = 14;
     static constexpr int kHeights = 5;
 
     FacetWalk(double index, const RoughSurface& surface, int orders);
@@ -42,7 +42,7 @@ class FacetWalk {
 
   private:
     Eigen::MatrixXd directions_after(const FacetScattering& light, bool from_air) const;
-    Eigen::MatrixXd onto(const RefractionGrid& grid) const;
+    Eigen::MatrixXd onto(const RefractionGrid& grid, int order) const;
 
     double index_;
     RoughSurface surface_;

@@ -15,6 +15,8 @@ double unmapped(double c) {
     return 2.0 / 3.0 * (1.0 + 2.0 * std::cos(2.0 * std::numbers::pi / 3.0 - third));
 }
 
+double sine_of(double mu) { return std::sqrt(std::max(0.0, (1.0 - mu) * (1.0 + mu))); }
+
 double panel_variable(const RefractionPanel& panel, double cosine) {
     const double c = std::clamp(cosine / panel.widest, 0.0, 1.0);
     return panel.mapped ? unmapped(c) : c;
@@ -23,7 +25,9 @@ double panel_variable(const RefractionPanel& panel, double cosine) {
 }  // namespace
 
 PanelFunctions::PanelFunctions(const RefractionGrid& grid, double index)
-    : grid_(grid), index_(index), scale_(grid.size()) {
+    : grid_(grid), index_(index), q_(grid.size()), scale_(grid.size()) {
+    const Eigen::VectorXd mu = grid.in_medium(index).mu;
+    for (Eigen::Index p = 0; p < q_.size(); ++p) q_[p] = index * sine_of(mu[p]);
     for (const RefractionPanel& panel : grid.panels()) {
         for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
             double product = 1.0;
@@ -61,7 +65,7 @@ void PanelFunctions::evaluate(const Position& at, double* values) const {
 }
 
 template <typename Locate>
-Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders,
+Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders, double index,
                                         const Locate& locate) const {
     const auto count = Eigen::Index(rays.energy.size());
     Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(grid_.size(), count);
@@ -76,29 +80,35 @@ Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders,
         for (int m = 2; m < orders; ++m) {
             azimuths(m, ray) = 2.0 * cosine * azimuths(m - 1, ray) - azimuths(m - 2, ray);
         }
+        const double q = index * sine_of(rays.mu[k]);
+        for (int m = 1; m < orders; m += 2) azimuths(m, ray) *= q;
     }
-    return functions * azimuths.transpose();
+    Eigen::MatrixXd energy = functions * azimuths.transpose();
+    for (int m = 1; m < orders; m += 2) energy.col(m).array() /= q_.array();
+    return energy;
 }
 
-Eigen::VectorXd PanelFunctions::inside_values(double mu) const {
+Eigen::VectorXd PanelFunctions::inside_values(double mu, int order) const {
     Eigen::VectorXd values = Eigen::VectorXd::Zero(grid_.size());
     const Position at = inside_at(mu);
     evaluate(at, &values[grid_.panels()[at.panel].first]);
+    if (order % 2 == 1) values.array() *= index_ * sine_of(mu) / q_.array();
     return values;
 }
 
-Eigen::VectorXd PanelFunctions::in_air_values(double mu_air) const {
+Eigen::VectorXd PanelFunctions::in_air_values(double mu_air, int order) const {
     Eigen::VectorXd values(grid_.nodes_below(1.0));
     evaluate(in_air_at(mu_air), values.data());
+    if (order % 2 == 1) values.array() *= sine_of(mu_air) / q_.tail(values.size()).array();
     return values;
 }
 
 Eigen::MatrixXd PanelFunctions::inside(const ScatteredRays& rays, int orders) const {
-    return collect(rays, orders, [this](double mu) { return inside_at(mu); });
+    return collect(rays, orders, index_, [this](double mu) { return inside_at(mu); });
 }
 
 Eigen::MatrixXd PanelFunctions::in_air(const ScatteredRays& rays, int orders) const {
-    return collect(rays, orders, [this](double mu) { return in_air_at(mu); })
+    return collect(rays, orders, 1.0, [this](double mu) { return in_air_at(mu); })
         .bottomRows(grid_.nodes_below(1.0));
 }
 

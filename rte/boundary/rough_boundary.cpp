@@ -1,6 +1,7 @@
 #include "rte/boundary/rough_boundary.h"
 
-#include <numbers>
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <miebrdf/error.h>
@@ -104,37 +105,29 @@ LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
     const Eigen::Index air = g_.size() - n;
     const Eigen::Index requested = mu_air.size();
     std::vector<FacetWalk::Beam> beams;
-    Eigen::MatrixXd functions(air, requested);  // of the nodes in air
     for (Eigen::Index r = 0; r < requested; ++r) {
         if (!(mu_air[r] > 0.0 && mu_air[r] <= 1.0)) throw UsageError("mu_air", mu_air[r], "(0, 1]");
         beams.push_back(meet(true, mu_air[r]));
-        functions.col(r) = functions_.in_air_values(mu_air[r]);
     }
     const std::vector<Eigen::MatrixXd> later = walk_.leaving(beams, grid_);
     LightFromAir light;
     light.entering.assign(inside_.size(), Eigen::MatrixXd(requested, n));
     light.outer_reflectance.resize(requested);
     light.compensation.resize(requested);
+    light.lobe_scale.resize(requested);
     for (Eigen::Index r = 0; r < requested; ++r) {
         Eigen::MatrixXd energy = after_one_facet(beams[std::size_t(r)]);
+        const double one_facet = energy.col(0).tail(air).sum();
         for (int m = 0; m < order_count_; ++m) energy.col(m) += later[std::size_t(m)].col(r);
         const double c = 1.0 / energy.col(0).sum();
         energy *= c;
         light.compensation[r] = c;
         light.outer_reflectance[r] = energy.col(0).tail(air).sum();
+        light.lobe_scale[r] = std::sqrt(std::max(0.0, light.outer_reflectance[r]) / one_facet);
         for (int m = 0; m < order_count_; ++m) {
             light.entering[std::size_t(m)].row(r) =
                 energy.col(m).head(n).cwiseQuotient(d_).transpose();
         }
-    }
-    // 2 pi times the BRDF is the energy over g^2, between nodes by Lagrange functions; the mean of
-    // both directions of light makes it reciprocal.
-    const auto c = light.compensation.asDiagonal();
-    for (const Eigen::MatrixXd& energy : later) {
-        const Eigen::MatrixXd brdf = functions.transpose() *
-                                     g_.tail(air).cwiseAbs2().cwiseInverse().asDiagonal() *
-                                     energy.bottomRows(air) / (2.0 * std::numbers::pi);
-        light.multiple.push_back(0.5 * (c * (brdf + brdf.transpose()) * c));
     }
     return light;
 }

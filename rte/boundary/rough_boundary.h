@@ -21,22 +21,22 @@ struct LightFromAir {
     /// enters in order 0.
     std::vector<Eigen::MatrixXd> entering;
     Eigen::VectorXd outer_reflectance;  ///< energy that does not enter: 1 - D . e
-    /// c, close to 1, for SurfaceLobe of the same distribution with correlated Smith shadowing: the
-    /// light that is reflected without entering the medium has the BRDF
-    ///     c(mu_in) c(mu_out) SurfaceLobe + sum_m (2 - delta_m0) cos(m azimuth) multiple[m].
+    /// c, close to 1, by which the energy of each direction is scaled: what FacetWalk missed.
     Eigen::VectorXd compensation;
-    /// Light that met several facets; can be below 0 by what FacetWalk errs.
-    std::vector<Eigen::MatrixXd> multiple;  ///< requested x requested, symmetric, 1/sr
+    /// s for SurfaceLobe of the same distribution with correlated Smith shadowing: the light that
+    /// does not enter has the BRDF s(mu_in) s(mu_out) SurfaceLobe, s^2 = outer_reflectance over the
+    /// energy that one facet reflects.
+    Eigen::VectorXd lobe_scale;
 };
 
 /// One rough boundary on one grid; made once, used for all scenes of that index.
 ///
 /// Light that meets one facet is followed exactly, what meets more by FacetWalk. What both miss in
-/// the energy balance of order 0 (1e-3 and less where g counts) is put back evenly, so that nothing
+/// the energy balance of order 0 (2e-3 but for grazing light) is put back evenly, so that nothing
 /// is lost or won.
 class RoughBoundary {
   public:
-    /// The grid is RefractionGrid({index}, streams). 25 to 55 ms for 24 streams and 12 orders.
+    /// The grid is RefractionGrid({index}, streams). 35 to 90 ms for 24 streams and 12 orders.
     /// @param index  of the medium, 1.05 to 3; below, nearly all light passes straight on through
     ///               many facets, for which FacetWalk has too few nodes
     /// @param streams  4 to 256

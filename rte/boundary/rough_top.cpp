@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <list>
 #include <mutex>
-#include <numbers>
 
 namespace miebrdf::rte {
 namespace {
@@ -53,6 +52,14 @@ std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index,
     return made;
 }
 
+Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
+                                 const Eigen::VectorXd& mu_air) {
+    // Facets know nothing of the medium's nodes.
+    constexpr int streams = 16;
+    const RoughSurface surface{boundary.roughness, boundary.distribution};
+    return shared_rough_boundary(index, surface, streams, 1)->from_air(mu_air).lobe_scale;
+}
+
 RoughTop::RoughTop(double index, const Boundary& boundary, int streams,
                    const RequestedDirections& requested)
     : index_(index),
@@ -89,13 +96,6 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     const Eigen::MatrixXd out = gathered_rows(entering, requested_.out);
     const Eigen::MatrixXd in = gathered_rows(entering, requested_.in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();
-    const Eigen::MatrixXd& facets = light_.multiple[std::size_t(fourier_order)];
-    for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
-        for (Eigen::Index o = 0; o < result.multiple.rows(); ++o) {
-            result.multiple(o, i) += std::numbers::pi * facets(requested_.out[std::size_t(o)],
-                                                               requested_.in[std::size_t(i)]);
-        }
-    }
     result.glow_at_nodes.resize(0);
     if (fourier_order > 0) return;
     result.specular = light_.outer_reflectance;

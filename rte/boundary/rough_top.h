@@ -14,6 +14,10 @@ std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index,
                                                            const RoughSurface& surface, int streams,
                                                            int orders);
 
+/// LightFromAir::lobe_scale at any cosines.
+Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
+                                 const Eigen::VectorXd& mu_air);
+
 /// Not thread-safe.
 class RoughTop {
   public:
@@ -21,9 +25,8 @@ class RoughTop {
     RoughTop(double index, const Boundary& boundary, int streams,
              const RequestedDirections& requested);
 
-    /// Reflection of one Fourier order by `below` seen from air. The outer lobe of light that met
-    /// one facet only is left out of `multiple`, and is in `specular` (what does not enter) as
-    /// energy: shares of light that an albedo counts.
+    /// Reflection of one Fourier order by `below` seen from air. Light that does not enter is left
+    /// out of `multiple`; its share is in `specular`, because albedos count it.
     /// @param below   with nodes, in the cosines of the medium
     /// @param parts   `sky` stands for uniform light from everywhere
     /// @param result  overwritten

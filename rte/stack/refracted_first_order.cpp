@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 
+#include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/grid/refraction_grid.h"
 
@@ -116,11 +117,19 @@ SurfaceLobe outer_lobe(const Boundary& boundary, double index) {
 void StackFirstOrder::add_outer_lobe(std::vector<double>& reflection,
                                      const ScaledStack& stack) const {
     const SurfaceLobe lobe = outer_lobe(*stack.boundary, stack.top_index);
+    const auto scale_at = [&](const std::vector<double>& cosines) -> Eigen::VectorXd {
+        return outer_lobe_scale(
+            stack.top_index, *stack.boundary,
+            Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
+    };
+    const Eigen::VectorXd in = scale_at(directions_.mu_in), out = scale_at(directions_.mu_out);
     std::size_t next = 0;
-    for (const double mu_in : directions_.mu_in) {
-        for (const double mu_out : directions_.mu_out) {
+    for (std::size_t i = 0; i < directions_.mu_in.size(); ++i) {
+        for (std::size_t o = 0; o < directions_.mu_out.size(); ++o) {
+            const double scale = std::numbers::pi * in[Eigen::Index(i)] * out[Eigen::Index(o)];
             for (const double azimuth : directions_.azimuth_deg)
-                reflection[next++] += std::numbers::pi * lobe.brdf(mu_in, mu_out, azimuth);
+                reflection[next++] +=
+                    scale * lobe.brdf(directions_.mu_in[i], directions_.mu_out[o], azimuth);
         }
     }
 }

