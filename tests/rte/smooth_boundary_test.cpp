@@ -147,6 +147,43 @@ TEST_CASE("a clear film on a Lambertian ground is Saunderson's", "[rte][boundary
     }
 }
 
+TEST_CASE("half-spaces under a boundary agree with Monte Carlo", "[rte][boundary]") {
+    const support::ReferenceTable table("interface/monte_carlo_half_space.csv");
+    REQUIRE(table.size() == 24);
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        const auto optics =
+            rte::henyey_greenstein_optics(table.number(row, "albedo"), table.number(row, "g"));
+        const double mu_in = table.number(row, "mu_in"), mu_out = table.number(row, "mu_out");
+        const rte::Stack stack = half_space(optics, 1.5);
+        const rte::SolverOptions options{.streams = 24};
+        const double value =
+            mu_out == 0.0
+                ? rte::albedo(stack, {mu_in}, options).plane_albedo[0]
+                : rte::reflect(stack, {{mu_in}, {mu_out}, {table.number(row, "azimuth_deg")}},
+                               options)
+                      .reflection[0];
+        CAPTURE(row, value, table.number(row, "value"));
+        CHECK(std::abs(value - table.number(row, "value")) <= 4.0 * table.number(row, "sigma"));
+    }
+}
+
+TEST_CASE("slabs that nothing passes have the totals of adding-doubling", "[rte][boundary]") {
+    const support::ReferenceTable table("rte/iad_totals_refracting.csv");
+    int compared = 0;
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        const double n = table.number(row, "n");
+        if (n == 1.0) continue;
+        const auto optics =
+            rte::henyey_greenstein_optics(table.number(row, "albedo"), table.number(row, "g"));
+        const auto result = rte::albedo(half_space(optics, n), {1.0}, {.streams = 48});
+        CAPTURE(n, table.number(row, "albedo"), table.number(row, "g"));
+        // Five digits, by 32 directions, of a slab of depth 1e5 in place of a half-space.
+        CHECK(std::abs(result.plane_albedo[0] - table.number(row, "UR1")) <= 3e-5);
+        ++compared;
+    }
+    CHECK(compared >= 20);
+}
+
 TEST_CASE("boundaries conserve energy", "[rte][boundary]") {
     const double n = GENERATE(1.01, 1.1, 1.33, 1.5, 2.0, 3.0);
     const double tau = GENERATE(1e-6, 1e-3, 1.0, 1e3, 1e6);
