@@ -20,13 +20,15 @@ from . import _install
 _install.check()
 
 from . import colour, errors  # noqa: E402
-from ._brdf import Brdf, Report  # noqa: E402
+from ._brdf import Brdf  # noqa: E402
 from ._core import Depth, Layer, Medium, Substrate  # noqa: E402
+from ._directions import Report  # noqa: E402
 from ._files import FileCheck, check, formats  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
+from ._media import coat, lambertian, media_forms, medium  # noqa: E402
 from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
 from ._options import set_options  # noqa: E402
-from ._scene import Scene, coat, lambertian, media_forms, medium  # noqa: E402
+from ._scene import Scene  # noqa: E402
 from ._version import __version__  # noqa: E402
 from .errors import (  # noqa: E402
     Cancelled,

@@ -149,7 +149,7 @@ class Materials:
         UnknownMaterial
             A KeyError too; with the nearest names.
         """
-        from ._scene import choice
+        from ._media import choice
 
         if not isinstance(name, str):
             raise UsageError(f"materials: a name is needed, not {type(name).__name__}")

@@ -18,7 +18,7 @@ def _columns(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None, illuminant: str, first: int
 ) -> Floats:
     """Three columns of what the module computes, as the last axis."""
-    from ._scene import choice
+    from ._media import choice
 
     if wavelengths_nm is None:
         coordinates: Any = getattr(reflectance, "coords", {})
