@@ -27,7 +27,9 @@ RayTable::RayTable(const std::vector<BrdfTable>& tables, const TableSize& size)
     for (const BrdfTable& table : tables) {
         const BrdfTable::State& state = table.state();
         for (const double nm : table.wavelength_nm()) wavelength_nm_.push_back(nm);
-        for (const WavelengthTable& at : state.tables) stacks.push_back(at.media());
+        for (const WavelengthTable& at : state.tables)
+            stacks.push_back(at.has_optical_steps() ? std::vector<rte::ScaledMedium>()
+                                                    : at.media());
         for (const auto index : state.scene.surface_index) surface_index.push_back(index);
     }
     stride_ = lanes_for(wavelength_nm_.size()) * kLaneWidth;
@@ -36,25 +38,60 @@ RayTable::RayTable(const std::vector<BrdfTable>& tables, const TableSize& size)
     const std::vector<double> azimuth_deg = azimuth_nodes_deg(size.azimuths);
     std::size_t w = 0;
     for (const BrdfTable& table : tables) {
-        for (const WavelengthTable& at : table.state().tables)
-            fill(w++, at.smooth(), cosines, azimuth_deg);
+        const BrdfTable::State& state = table.state();
+        for (const SharpPart& sharp : state.sharp) {
+            for (std::size_t own = 0; own < sharp.wavelengths(); ++own) {
+                const WavelengthTable& at = sharp.table(own);
+                fill(w++, at.smooth(), once_of(sharp, own), cosines, azimuth_deg);
+            }
+        }
     }
     first_order_.emplace(stacks, first.solver.single_scattering_correction);
     if (first.scene.surface) {
         surface_.emplace(surface_index, *first.scene.surface, first.scene.coupling, size.cosines);
     }
+    if (first.scene.boundary) add_boundary(tables);
 }
 
-void RayTable::fill(std::size_t w, const SmoothPart& smooth, const std::vector<double>& cosines,
-                    const std::vector<double>& azimuth_deg) {
+void RayTable::add_boundary(const std::vector<BrdfTable>& tables) {
+    constexpr double mirror_alpha = 0.005;
+    const rte::Boundary& boundary = *tables.front().state().scene.boundary;
+    std::vector<std::complex<double>> index;
+    for (const BrdfTable& table : tables) {
+        const ResolvedScene& scene = table.state().scene;
+        for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w)
+            index.emplace_back(scene.top_index(w));
+    }
+    surface_.emplace(
+        index, rte::SurfaceOptions{
+                   .beckmann_alpha = boundary.is_rough() ? boundary.roughness : mirror_alpha,
+                   .distribution = boundary.is_rough() ? boundary.distribution
+                                                       : rte::MicrofacetDistribution::beckmann});
+}
+
+RayTable::ScatteredOnce RayTable::once_of(const SharpPart& sharp, std::size_t w) {
+    if (!sharp.table(w).has_optical_steps()) return {};
+    return [&sharp, w, scratch = std::make_shared<FirstOrder::Scratch>()](
+               double mu_in, double mu_out, std::span<const double> cos_azimuth,
+               std::span<double> reflection) {
+        sharp.scattered_once(w, mu_in, mu_out, cos_azimuth, reflection, *scratch);
+    };
+}
+
+void RayTable::fill(std::size_t w, const SmoothPart& smooth, const ScatteredOnce& once,
+                    const std::vector<double>& cosines, const std::vector<double>& azimuth_deg) {
+    std::vector<double> cos_azimuth, added(azimuth_deg.size(), 0.0);
+    for (const double azimuth : azimuth_deg)
+        cos_azimuth.push_back(std::cos(azimuth * std::numbers::pi / 180));
     std::size_t index = 0;
     std::vector<double> series;
     for (const double mu_in : cosines) {
         for (const double mu_out : cosines) {
             smooth.series_at(mu_in, mu_out, series);
-            for (const double azimuth : azimuth_deg) {
-                const double value = (mu_in + mu_out) *
-                                     cosine_sum(series, std::cos(azimuth * std::numbers::pi / 180));
+            if (once) once(mu_in, mu_out, cos_azimuth, added);
+            for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
+                const double value =
+                    (mu_in + mu_out) * (cosine_sum(series, cos_azimuth[a]) + added[a]);
                 if (!std::isfinite(value)) {
                     throw InputError(
                         fmt::format("no physical solution at {} nm; try other streams "
@@ -107,7 +144,7 @@ Lane RayTable::multiple(const Place& place, std::size_t lane) const {
 Lane RayTable::subsurface(const Place& place, std::size_t lane) const {
     Lane once = first_order_->reflection(place.once, lane);
     // What a surface lets through is in the table already.
-    if (surface_ && part_ == BrdfPart::total)
+    if (surface_ && surface_->weakens() && part_ == BrdfPart::total)
         once *= surface_->transmission(place.in, place.out, lane);
     // Interpolated values may undershoot where next to nothing is reflected.
     return ((multiple(place, lane) + once) * float(std::numbers::inv_pi)).max(0.0F);

@@ -3,14 +3,20 @@
 
 #include <miebrdf/brdf.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/render/first_order_table.h"
 #include "pipeline/render/render_brdf.h"
 #include "pipeline/render/surface_term.h"
 #include "pipeline/solve/smooth_part.h"
+
+namespace miebrdf {
+class SharpPart;
+}
 
 namespace miebrdf::render {
 
@@ -23,7 +29,9 @@ struct TableSize {
 /// BrdfTable, sampled. (mu_in + mu_out) R of light scattered more than once, which is smooth and
 /// bounded, is interpolated cubically in both cosines and azimuth (table_nodes.h); what has narrow
 /// features, light scattered once and the surface lobe, is evaluated at the very directions
-/// (first_order_table.h, surface_term.h).
+/// (first_order_table.h, surface_term.h). Under refracting boundaries and over mirrors light
+/// scattered once is in the table as well. The mirror reflection of a smooth boundary becomes a
+/// lobe of a slope parameter of 0.005.
 class RayTable : public RenderBrdf {
   public:
     /// @param tables  one, or several that differ in media and share their surface options; their
@@ -40,14 +48,22 @@ class RayTable : public RenderBrdf {
     const std::vector<double>& wavelength_nm() const { return wavelength_nm_; }
 
   private:
+    using ScatteredOnce =
+        std::function<void(double mu_in, double mu_out, std::span<const double> cos_azimuth,
+                           std::span<double> reflection)>;
     /// Neighbours in the table, the same at all wavelengths.
     struct Place;
     Place place(double mu_in, double mu_out, double cos_azimuth) const;
     Lane multiple(const Place& place, std::size_t lane) const;
     Lane subsurface(const Place& place, std::size_t lane) const;
+    static ScatteredOnce once_of(const SharpPart& sharp, std::size_t w);
     /// Column w of the table.
-    void fill(std::size_t w, const SmoothPart& smooth, const std::vector<double>& cosines,
-              const std::vector<double>& azimuth_deg);
+    /// @param once  R of light scattered once that the table is to hold too; empty: none
+    void fill(std::size_t w, const SmoothPart& smooth, const ScatteredOnce& once,
+              const std::vector<double>& cosines, const std::vector<double>& azimuth_deg);
+    /// What a boundary reflects without letting it in, at every wavelength of the tables: a lobe, a
+    /// very narrow one for the mirror reflection of a smooth boundary.
+    void add_boundary(const std::vector<BrdfTable>& tables);
 
     std::vector<double> wavelength_nm_;
     BrdfPart part_ = BrdfPart::total;

@@ -30,8 +30,7 @@ std::vector<float> beckmann_masking() {
 }  // namespace
 
 SurfaceTerm::SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
-                         const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling,
-                         int cosines)
+                         const rte::SurfaceOptions& options)
     : options_(options),
       shadowing_(options),
       stride_(lanes_for(refractive_index.size()) * kLaneWidth) {
@@ -39,22 +38,30 @@ SurfaceTerm::SurfaceTerm(const std::vector<std::complex<double>>& refractive_ind
     if (distribution == rte::MicrofacetDistribution::beckmann)
         beckmann_masking_ = beckmann_masking();
     const auto count = Eigen::Index(refractive_index.size());
-    const std::vector<double> nodes = cosine_nodes(cosines);
     square_.setOnes(Eigen::Index(stride_));
     product_.setOnes(Eigen::Index(stride_));
     normal_.resize(count);
-    in_.resize(nodes.size() * stride_);
-    out_.resize(nodes.size() * stride_);
     for (Eigen::Index w = 0; w < count; ++w) {
         const std::complex<double> index = refractive_index[std::size_t(w)];
         const std::complex<double> squared = index * index;
         square_[w] = squared.real();
         product_[w] = squared.imag() * squared.imag();
         normal_[w] = rte::normal_reflectance(index);
-        const rte::SurfaceTransmission transmission({index, options}, coupling);
+    }
+}
+
+SurfaceTerm::SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
+                         const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling,
+                         int cosines)
+    : SurfaceTerm(refractive_index, options) {
+    const std::vector<double> nodes = cosine_nodes(cosines);
+    in_.resize(nodes.size() * stride_);
+    out_.resize(nodes.size() * stride_);
+    for (std::size_t w = 0; w < refractive_index.size(); ++w) {
+        const rte::SurfaceTransmission transmission({refractive_index[w], options}, coupling);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            in_[i * stride_ + std::size_t(w)] = float(transmission.in(nodes[i]));
-            out_[i * stride_ + std::size_t(w)] = float(transmission.out(nodes[i]));
+            in_[i * stride_ + w] = float(transmission.in(nodes[i]));
+            out_[i * stride_ + w] = float(transmission.out(nodes[i]));
         }
     }
 }

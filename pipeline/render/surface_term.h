@@ -23,9 +23,14 @@ class SurfaceTerm {
     /// @param cosines           number of nodes
     SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
                 const rte::SurfaceOptions& options, rte::SurfaceCoupling coupling, int cosines);
+    /// The lobe alone, of a boundary whose transmission is in the light from below already.
+    SurfaceTerm(const std::vector<std::complex<double>>& refractive_index,
+                const rte::SurfaceOptions& options);
 
     double beckmann_alpha() const { return options_.beckmann_alpha; }
 
+    /// Whether light from below is weakened by `transmission`.
+    bool weakens() const { return !in_.empty(); }
     /// Share of light that enters and leaves, for cosine_taps of the two directions.
     Lane transmission(const CubicTaps& in, const CubicTaps& out, std::size_t lane) const;
     /// Adds the lobe R_s [1/sr].

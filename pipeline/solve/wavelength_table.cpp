@@ -68,6 +68,19 @@ std::vector<FirstOrder> first_order_of(std::span<const WavelengthTable> tables,
     return first_order;
 }
 
+// The lobe of a rough boundary, as R.
+void add_rough_lobe(const WavelengthTable& table, double mu_in, double mu_out,
+                    const std::vector<double>& cos_azimuth, std::vector<double>& reflection) {
+    const rte::ScaledStack& stack = table.stack();
+    if (!stack.boundary || !stack.boundary->is_rough()) return;
+    const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
+    const double scale = std::numbers::pi * table.lobe_scale(mu_in) * table.lobe_scale(mu_out);
+    for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
+        const double azimuth = std::acos(std::clamp(cos_azimuth[a], -1.0, 1.0));
+        reflection[a] += scale * lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
+    }
+}
+
 }  // namespace
 
 const Directions& probe_directions() {
@@ -157,7 +170,8 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
     } else {
         std::vector<double> own(directions.size());
         for (std::size_t w = 0; w < count; ++w) {
-            evaluate_steps(w, mu_in, mu_out, cos_azimuth, own, scratch.first_order);
+            scattered_once(w, mu_in, mu_out, cos_azimuth, own, scratch.first_order);
+            add_rough_lobe(tables_[w], mu_in, mu_out, cos_azimuth, own);
             for (std::size_t d = 0; d < directions.size(); ++d) values[d * count + w] = own[d];
         }
     }
@@ -172,18 +186,12 @@ void SharpPart::evaluate(std::span<const Direction> directions, std::span<double
     }
 }
 
-void SharpPart::evaluate_steps(std::size_t w, double mu_in, double mu_out,
+void SharpPart::scattered_once(std::size_t w, double mu_in, double mu_out,
                                std::span<const double> cos_azimuth, std::span<double> reflection,
                                FirstOrder::Scratch& scratch) const {
     const rte::ScaledStack& stack = tables_[w].stack();
     if (stack.boundary && stack.boundary->is_rough()) {
-        const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
-        for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-            const double azimuth = std::acos(std::clamp(cos_azimuth[a], -1.0, 1.0));
-            reflection[a] = tables_[w].lobe_scale(mu_in) * tables_[w].lobe_scale(mu_out) *
-                            std::numbers::pi *
-                            lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
-        }
+        std::fill(reflection.begin(), reflection.end(), 0.0);
         return;
     }
     if (!rte::has_straight_paths(stack)) {

@@ -76,17 +76,19 @@ class SharpPart {
     SharpPart(std::span<const WavelengthTable> tables, const SolverOptions& solver);
 
     std::size_t wavelengths() const { return tables_.size(); }
+    const WavelengthTable& table(std::size_t w) const { return tables_[w]; }
 
     /// BRDF at directions that share their cosines (set_cosines): values[d * wavelengths() + w].
     void evaluate(std::span<const Direction> directions, std::span<double> values,
                   EvaluationScratch& scratch) const;
 
-  private:
-    /// Light scattered once at one wavelength with boundaries or mirrors.
-    void evaluate_steps(std::size_t w, double mu_in, double mu_out,
+    /// R of light scattered once at one wavelength with boundaries or mirrors; none below a rough
+    /// boundary, which lets no beam through.
+    void scattered_once(std::size_t w, double mu_in, double mu_out,
                         std::span<const double> cos_azimuth, std::span<double> reflection,
                         FirstOrder::Scratch& scratch) const;
 
+  private:
     std::span<const WavelengthTable> tables_;
     /// Of all wavelengths together, or one for each where boundaries bend light by wavelength.
     std::vector<FirstOrder> first_order_;
