@@ -113,7 +113,7 @@ Path shifted_path(Complex m, double smallest, double largest, double highest, do
             damping > 12 ? 0.0 : width * std::abs(m.real() - 1) / std::numbers::pi;
         constexpr double kMostPerPiece = 2000;  // large grains of ice have thousands of periods
         const int pieces = 1 + static_cast<int>(2.2 * periods / kMostPerPiece);
-        const int count = static_cast<int>(56 + 2.2 * periods / pieces) / kLaneCount * kLaneCount;
+        const int count = static_cast<int>(72 + 2.2 * periods / pieces) / kLaneCount * kLaneCount;
         for (int piece = 0; piece < pieces; ++piece) {
             const math::Quadrature rule = math::gauss_legendre(count, from + width * piece / pieces,
                                                                from + width * (piece + 1) / pieces);

@@ -30,8 +30,8 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
             ++files;
         }
     }
-    CHECK(files == 103);
-    CHECK(database.list().size() == 102);
+    CHECK(files == 101);
+    CHECK(database.list().size() == 100);
     CHECK(database.integrity_problems().empty());
     // Rows of GAP.NK, and wavelengths where a table resampled at 5 nm was off by half.
     const RefractiveIndex gap = database.refractive_index("GaP");
@@ -136,7 +136,8 @@ TEST_CASE("every material says where it comes from and what it covers", "[materi
         CHECK_FALSE(material.title.empty());
         CHECK_FALSE(material.source.empty());
         CHECK_FALSE(material.reference.empty());
-        CHECK(material.shortest_nm <= 450);
+        // The only source of kaolinite within reach is of the infrared.
+        if (material.name != "kaolinite") CHECK(material.shortest_nm <= 450);
         CHECK(material.longest_nm >= 700);
         CHECK(material.datasets >= 1);
     }
@@ -178,9 +179,9 @@ TEST_CASE("search finds words of name, alias, title and provenance", "[materials
     CHECK(database.info("TiO2_anatase").formula == "TiO2");
     CHECK(names("no such words").empty());
     CHECK(names("\"*('").empty());  // no character has a meaning of its own
-    // 17 of the 93 do not reach from 360 to 840 nm.
+    // 19 of the 100 do not reach from 360 to 840 nm.
     CHECK(database.search(SearchFilter{.text = "", .covers_from_nm = 360, .covers_to_nm = 840})
-              .size() == 76);
+              .size() == 81);
     CHECK(database
               .search(SearchFilter{
                   .text = "rutile", .covers_from_nm = {}, .covers_to_nm = {}, .needs_k = true})

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
 
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
-#include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/colour_table.h"
+#include "tools/miebrdf/number_table.h"
 #include "tools/miebrdf/run_command.h"
 
 namespace miebrdf::program {
@@ -24,60 +23,23 @@ Brdf scene_of_file(const std::string& path, Request request, const Control& cont
     return solved(request, control);
 }
 
-/// Columns of numbers by name, from CSV with a header; comment lines begin with #.
-class NumberTable {
-  public:
-    explicit NumberTable(const std::string& path) : path_(path) {
-        std::ifstream file(path);
-        if (!file) throw InputError(fmt::format("reference '{}' cannot be read", path));
-        std::string line;
-        for (int number = 1; std::getline(file, line); ++number) {
-            if (!line.empty() && line.back() == '\r') line.pop_back();
-            if (line.empty() || line[0] == '#') continue;
-            const std::vector<std::string> fields = split_list(line);
-            if (names_.empty()) {
-                names_ = fields;
-                columns_.resize(fields.size());
-                continue;
-            }
-            if (fields.size() != names_.size()) {
-                throw InputError(fmt::format("reference '{}', line {}: {} fields under {} names",
-                                             path, number, fields.size(), names_.size()));
-            }
-            for (std::size_t c = 0; c < fields.size(); ++c) {
-                try {
-                    columns_[c].push_back(parse_number(fields[c], names_[c]));
-                } catch (const UsageError& error) {
-                    throw InputError(
-                        fmt::format("reference '{}', line {}: {}", path, number, error.what()));
-                }
-            }
-        }
-        if (columns_.empty() || columns_[0].empty() || find("wavelength_nm") == nullptr) {
-            throw InputError(
-                fmt::format("reference '{}': allowed: a scene file (.toml), a table of results, or "
-                            "a spectrum (CSV with the header wavelength_nm,reflectance)",
-                            path));
-        }
+/// @throws InputError  for a table without wavelengths
+NumberTable read_reference(const std::string& path) {
+    NumberTable table(path);
+    if (table.find("wavelength_nm") == nullptr) {
+        throw InputError(
+            fmt::format("reference '{}': allowed: a scene file (.toml), a table of results, or a "
+                        "spectrum (CSV with the header wavelength_nm,reflectance)",
+                        path));
     }
+    return table;
+}
 
-    const std::vector<double>* find(const std::string& name) const {
-        const auto found = std::find(names_.begin(), names_.end(), name);
-        return found == names_.end() ? nullptr : &columns_[std::size_t(found - names_.begin())];
-    }
-
-    /// The only column beside the wavelengths; null where there are several.
-    const std::vector<double>* spectrum() const {
-        return names_.size() == 2 ? &columns_[names_[0] == "wavelength_nm" ? 1 : 0] : nullptr;
-    }
-
-    const std::string& path() const { return path_; }
-
-  private:
-    std::string path_;
-    std::vector<std::string> names_;
-    std::vector<std::vector<double>> columns_;
-};
+/// The only column beside the wavelengths; null where there are several.
+const std::vector<double>* spectrum_of(const NumberTable& table) {
+    const std::vector<std::string>& names = table.names();
+    return names.size() == 2 ? table.find(names[names[0] == "wavelength_nm" ? 1 : 0]) : nullptr;
+}
 
 /// Values by ascending wavelength, those of rows that `wanted` chooses.
 template <typename Wanted>
@@ -102,7 +64,7 @@ void add(ReferenceSpectra& all, const std::map<double, double>& spectrum) {
 }
 
 ReferenceSpectra repeated(const NumberTable& table, std::size_t rows) {
-    const std::vector<double>* values = table.spectrum();
+    const std::vector<double>* values = spectrum_of(table);
     if (values == nullptr) {
         throw InputError(fmt::format(
             "reference '{}': which column? allowed: those of a table of `albedo`, or a column "
@@ -197,7 +159,7 @@ ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion
                         spectra_of(brdf.albedo(question.mu_in), question.diffuse_fraction)},
                        path);
     }
-    const NumberTable table(path);
+    const NumberTable table = read_reference(path);
     return checked(table.find("plane_albedo") != nullptr ? rows_of_albedos(table, question)
                                                          : repeated(table, rows),
                    path);
@@ -225,7 +187,7 @@ ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuest
     try {
         file = open_brdf_file(path);
     } catch (const InputError&) {
-        const NumberTable table(path);  // perhaps a spectrum
+        const NumberTable table = read_reference(path);  // perhaps a spectrum
         return checked(repeated(table, mu_in.size() * mu_out.size() * azimuth_deg.size()), path);
     }
     ReferenceSpectra all;

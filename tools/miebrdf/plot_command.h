@@ -35,6 +35,8 @@ void add_medium_plots(CLI::App& plot, Shell& shell);
 void add_scene_plots(CLI::App& plot, Shell& shell);
 /// A scene's BRDF by several methods: profile.
 void add_profile_plot(CLI::App& plot, Shell& shell);
+/// Columns of tables: columns.
+void add_columns_plot(CLI::App& plot, Shell& shell);
 /// Colour maps of a scene: hemisphere, slice.
 void add_map_plots(CLI::App& plot, Shell& shell);
 

@@ -1,0 +1,103 @@
+// miebrdf plot columns: columns of tables against each other, results beside measurements.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+
+#include <miebrdf/error.h>
+#include "pipeline/plot/chart.h"
+#include "tools/miebrdf/number_table.h"
+#include "tools/miebrdf/plot_command.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct ColumnsArguments {
+    std::vector<std::string> tables, points;
+    std::string x = "wavelength_nm", y, x_label, y_label, y_range;
+    PlotArguments plot;
+};
+
+/// A file, or LABEL=FILE.
+struct Labelled {
+    std::string label, path;
+};
+Labelled labelled(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals != std::string::npos && !std::filesystem::exists(text))
+        return {text.substr(0, equals), text.substr(equals + 1)};
+    return {std::filesystem::path(text).stem().string(), text};
+}
+
+const std::vector<double>& column(const NumberTable& table, const std::string& name) {
+    if (const std::vector<double>* found = table.find(name)) return *found;
+    throw UsageError(fmt::format("table '{}' has no column '{}'; it has: {}", table.path(), name,
+                                 fmt::join(table.names(), ", ")));
+}
+
+int run(const ColumnsArguments& arguments, const Shell& shell) {
+    arguments.plot.check(shell);
+    plot::Panel panel;
+    panel.x.label = arguments.x_label.empty() ? arguments.x : arguments.x_label;
+    panel.y.label = arguments.y_label.empty() ? arguments.y : arguments.y_label;
+    if (!arguments.y_range.empty()) {
+        const auto [low, high] = parse_range(arguments.y_range, false);
+        panel.y.lowest = low;
+        panel.y.highest = high;
+    }
+    const auto add = [&](const std::string& text, plot::Mark mark) {
+        const auto [label, path] = labelled(text);
+        const NumberTable table(path);
+        panel.curves.push_back(
+            {label, column(table, arguments.x), column(table, arguments.y), mark, {}, {}});
+        // Points of the n-th table belong to the n-th curve of the same label.
+        for (std::size_t c = 0; mark == plot::Mark::points && c + 1 < panel.curves.size(); ++c) {
+            if (panel.curves[c].label != label) continue;
+            panel.curves.back().colour = int(c);
+            panel.curves.back().label.clear();
+        }
+    };
+    for (const std::string& table : arguments.tables) add(table, plot::Mark::line);
+    for (const std::string& table : arguments.points) add(table, plot::Mark::points);
+    arguments.plot.save(
+        plot::draw_chart(
+            {panel}, arguments.plot.caption(shell, panel.y.label + " against " + panel.x.label)),
+        shell);
+    return kGood;
+}
+
+}  // namespace
+
+void add_columns_plot(CLI::App& plot, Shell& shell) {
+    auto arguments = std::make_shared<ColumnsArguments>();
+    auto* command = plot.add_subcommand(
+        "columns", "columns of CSV tables: results as lines, others as points beside them");
+    command
+        ->add_option("tables", arguments->tables,
+                     "tables whose rows become a line each: FILE.csv, or LABEL=FILE.csv")
+        ->type_name("TABLE")
+        ->required();
+    command->add_option("--y", arguments->y, "column that is shown")->type_name("NAME")->required();
+    command->add_option("--x", arguments->x, "column along the abscissa")
+        ->type_name("NAME")
+        ->capture_default_str();
+    command
+        ->add_option("--points", arguments->points,
+                     "a table shown as points, in the colour of the line of the same label; repeat "
+                     "it for more")
+        ->type_name("TABLE")
+        ->allow_extra_args(false);
+    command->add_option("--x-label", arguments->x_label, "label of the abscissa")
+        ->type_name("TEXT");
+    command->add_option("--y-label", arguments->y_label, "label of the ordinate")
+        ->type_name("TEXT");
+    command->add_option("--range", arguments->y_range, "ends of the ordinate: LOW,HIGH")
+        ->type_name("RANGE");
+    arguments->plot.add_to(*command);
+    shell.add_common_options(*command, Writes::file);
+    command->footer(
+        "Example:\n  miebrdf plot columns clean.csv 'sooty=soot.csv' --y plane_albedo -o snow.png");
+    shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
+}
+
+}  // namespace miebrdf::program
