@@ -339,7 +339,7 @@ TEST_CASE("amounts that cannot be are refused with the reason", "[pipeline][mixt
 TEST_CASE("grounds that cannot be are refused", "[pipeline][ground][errors]") {
     CHECK_THROWS_WITH(substrate("lambert:1.2"), Catch::Contains("1.2"));
     CHECK_THROWS_WITH(substrate("lambert:soil.csv"), Catch::Contains("soil.csv"));
-    CHECK_THROWS_WITH(substrate("grass"), Catch::Contains("black") && Catch::Contains("--base"));
+    CHECK_THROWS_WITH(substrate("grass"), Catch::Contains("black") && Catch::Contains("is a base"));
     const support::TemporaryFolder folder;
     for (const char* text :
          {"a,b\n500,0.2\n", "wavelength_nm,albedo\n500\n", "",

