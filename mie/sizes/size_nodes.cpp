@@ -32,6 +32,9 @@ Ramp ramp(double tau) {
 constexpr int kSmoothStart = 16;       // nodes of the first pass where efficiencies are smooth
 constexpr int kSmoothLimit = 256;      // more than this is for the even rule
 constexpr double kFirstSpacing = 3.4;  // of the even rule, in ripple periods
+// Nodes of its first pass at most: where there are thousands of periods, ripple averages out over
+// fewer sizes than one for each of them, and each pass says how far.
+constexpr int kMostFirst = 256;
 
 }  // namespace
 
@@ -115,7 +118,10 @@ void SizeRefinement::take(SizeNodes nodes) {
 void SizeRefinement::start_even() {
     rule_ = Rule::even;
     pass_ = 0;
-    first_count_ = even_count_ = coarsest_even_count(index_, width_);
+    // Halved: the spacings that the ripple likes come later in the same series.
+    first_count_ = coarsest_even_count(index_, width_);
+    while (first_count_ > kMostFirst) first_count_ /= 2;
+    even_count_ = first_count_;
     take(nested_size_nodes(distribution_, range_, first_count_, 0));
 }
 

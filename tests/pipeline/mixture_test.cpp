@@ -64,7 +64,7 @@ double relative(double value, double truth) { return std::abs(value / truth - 1.
 
 /// Large clear spheres ripple: a smaller tolerance of the average over sizes takes minutes.
 double plane_albedo(Scene scene, double nm, double mu_in) {
-    scene.particles.tolerance = 1e-4;
+    scene.particles.tolerance = 5e-5;
     const auto values = solve(scene, {nm}, {.tolerance = 5e-4}).albedo({mu_in});
     CHECK(values.converged());
     return values.at(0, 0);

@@ -158,3 +158,31 @@ TEST_CASE("colours, grounds and skies that cannot be are refused with what is al
         CHECK_THAT(run.err, Catch::Contains(wrong.complaint));
     }
 }
+
+TEST_CASE("columns of tables become a chart, and wrong ones a message", "[program][plot]") {
+    const support::TemporaryFolder folder;
+    const std::string line = folder.write("line.csv", "# note\nx,y\n1,0.2\n2,0.4\n3,\n4,0.3\n");
+    const std::string points = folder.write("points.csv", "x,y\n2,0.5\n");
+    const auto chart = support::run_program("plot columns a=" + line + " --points a=" + points +
+                                            " --x x --y y --range 0,1 --title Chart");
+    CAPTURE(chart.err);
+    CHECK(chart.exit_code == 0);
+    CHECK_THAT(chart.out, Catch::Contains("<svg") && Catch::Contains("Chart"));
+    const std::string text = folder.write("text.csv", "x,y\n1,two\n");
+    const std::string empty = folder.write("empty.csv", "x,y\n");
+    struct Case {
+        std::string arguments, complaint;
+        int exit_code;
+    };
+    for (const Case& wrong : std::vector<Case>{{"nosuch.csv --y y", "nosuch.csv", 3},
+                                               {line + " --x x --y z", "x,y", 2},
+                                               {text + " --x x --y y", "two", 3},
+                                               {empty + " --x x --y y", "no rows", 3},
+                                               {line + " --x x --y y --range 1,0", "1,0", 2}}) {
+        const auto run = support::run_program("plot columns " + wrong.arguments);
+        CAPTURE(wrong.arguments, run.err);
+        CHECK(run.exit_code == wrong.exit_code);
+        CHECK(run.out.empty());
+        CHECK_THAT(run.err, Catch::Contains(wrong.complaint));
+    }
+}

@@ -40,7 +40,7 @@ void check_error(const support::ProgramRun& run, int exit_code, const std::strin
 TEST_CASE("materials list, search and show", "[program][materials]") {
     const Bench bench;
     const support::CsvOutput list(bench.run("list").out);
-    CHECK(list.size() == 93);
+    CHECK(list.size() == 100);
     CHECK(list.columns().front() == "name");
     const support::CsvOutput found(
         bench.run("search \"titanium dioxide\" --covers 400:700 --has-k").out);
@@ -161,7 +161,7 @@ TEST_CASE("materials datasets: one line each", "[program][materials]") {
     CHECK(both.text(0, "dataset") == "H2O_ice/Warren-2008");
     CHECK(both.text(0, "default") == "yes");
     CHECK(both.text(1, "source") == "SNICAR:rfidx_ice_v2:Pic16");
-    const support::CsvOutput far(bench.run("datasets ice --covers 400:2000").out);
+    const support::CsvOutput far(bench.run("datasets ice --covers 100:2000").out);
     CHECK(far.size() == 1);
     const auto none = bench.run("datasets SiON --covers 400:2000");
     CHECK(none.exit_code == kCheckFailed);
@@ -172,8 +172,8 @@ TEST_CASE("long lists are cut on request, and a search that finds nothing propos
           "[program][materials]") {
     const Bench bench;
     CHECK(support::CsvOutput(bench.run("list --limit 5").out).size() == 5);
-    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 93"));
-    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 93);
+    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 100"));
+    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 100);
     CHECK(support::CsvOutput(bench.run("search \"\"").out).size() == 50);
     CHECK_THAT(bench.run("search polystirene").err, Catch::Contains("did you mean polystyrene"));
     CHECK(support::CsvOutput(bench.run("search TiO\xe2\x82\x82").out).text(0, "name") == "TiO2");

@@ -32,7 +32,7 @@ Labelled labelled(const std::string& text) {
 const std::vector<double>& column(const NumberTable& table, const std::string& name) {
     if (const std::vector<double>* found = table.find(name)) return *found;
     throw UsageError(fmt::format("table '{}' has no column '{}'; it has: {}", table.path(), name,
-                                 fmt::join(table.names(), ", ")));
+                                 fmt::join(table.names(), ",")));
 }
 
 int run(const ColumnsArguments& arguments, const Shell& shell) {
