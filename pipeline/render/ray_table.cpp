@@ -54,7 +54,7 @@ RayTable::RayTable(const std::vector<BrdfTable>& tables, const TableSize& size)
 }
 
 void RayTable::add_boundary(const std::vector<BrdfTable>& tables) {
-    constexpr double mirror_alpha = 0.005;
+    constexpr double mirror_alpha = 0.02;
     const rte::Boundary& boundary = *tables.front().state().scene.boundary;
     std::vector<std::complex<double>> index;
     for (const BrdfTable& table : tables) {

@@ -31,7 +31,7 @@ struct TableSize {
 /// features, light scattered once and the surface lobe, is evaluated at the very directions
 /// (first_order_table.h, surface_term.h). Under refracting boundaries and over mirrors light
 /// scattered once is in the table as well. The mirror reflection of a smooth boundary becomes a
-/// lobe of a slope parameter of 0.005.
+/// lobe of a slope parameter of 0.02.
 class RayTable : public RenderBrdf {
   public:
     /// @param tables  one, or several that differ in media and share their surface options; their
