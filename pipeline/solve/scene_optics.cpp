@@ -162,12 +162,7 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
 
 Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,
                           const Directions& directions) {
-    Directions inside = directions;
-    const double index = scene.top_index(wavelength);
-    for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
-        for (double& mu : *cosines) mu = rte::refracted_cosine(index, mu);
-    }
-    return inside;
+    return rte::refracted(directions, scene.top_index(wavelength));
 }
 
 double hiding_tolerance(const ResolvedScene& scene, double tolerance) {

@@ -5,6 +5,8 @@
 #include <list>
 #include <mutex>
 
+#include "rte/fourier/fourier_mode.h"
+
 namespace miebrdf::rte {
 namespace {
 
@@ -18,12 +20,6 @@ struct KeptBoundary {
     int streams;
     std::shared_ptr<const RoughBoundary> boundary;
 };
-
-Eigen::MatrixXd gathered_rows(const Eigen::MatrixXd& table, const std::vector<int>& which) {
-    Eigen::MatrixXd rows(Eigen::Index(which.size()), table.cols());
-    for (std::size_t k = 0; k < which.size(); ++k) rows.row(Eigen::Index(k)) = table.row(which[k]);
-    return rows;
-}
 
 }  // namespace
 
@@ -93,8 +89,9 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     const Eigen::MatrixXd seen_once = solver.solve(X);  // (I - X Gamma)^-1 X
     const Eigen::MatrixXd seen = 0.5 * (seen_once + seen_once.transpose());
     const double n2 = index_ * index_;
-    const Eigen::MatrixXd out = gathered_rows(entering, requested_.out);
-    const Eigen::MatrixXd in = gathered_rows(entering, requested_.in);
+    math::ScratchMatrix out, in;
+    gather_rows(entering, requested_.out, out);
+    gather_rows(entering, requested_.in, in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();
     result.glow_at_nodes.resize(0);
     if (fourier_order > 0) return;

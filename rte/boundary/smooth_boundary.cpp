@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rte/fourier/eigenmodes.h"
+#include "rte/fourier/fourier_mode.h"
 #include "rte/math/matrices.h"
 #include "rte/surface/fresnel.h"
 
@@ -16,13 +17,6 @@ double dielectric_reflectance(double here, double beyond, double mu) {
     const double ratio = here / beyond;
     const double mu2 = 1.0 - ratio * ratio * (1.0 - mu) * (1.0 + mu);
     return mu2 > 0.0 ? fresnel_reflectance(ratio, std::sqrt(mu2)) : 1.0;
-}
-
-// Rows of a table, from the left.
-Eigen::MatrixXd rows_of(const Eigen::MatrixXd& table, const std::vector<int>& which) {
-    Eigen::MatrixXd rows(Eigen::Index(which.size()), table.cols());
-    for (std::size_t k = 0; k < which.size(); ++k) rows.row(Eigen::Index(k)) = table.row(which[k]);
-    return rows;
 }
 
 // G = Gamma^(1/2) (I - Gamma^(1/2) X Gamma^(1/2))^-1 Gamma^(1/2). False if it has no physical
@@ -79,8 +73,9 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
     const Eigen::VectorXd passed = (1.0 - r) / (1.0 - r * mirror);
     result.specular = r + (1.0 - r) * mirror * passed.array();
 
-    const Eigen::MatrixXd out = rows_of(below.rows, requested.out);
-    const Eigen::MatrixXd in = rows_of(below.rows, requested.in);
+    math::ScratchMatrix out, in;
+    gather_rows(below.rows, requested.out, out);
+    gather_rows(below.rows, requested.in, in);
     result.multiple = below.multiple;
     result.multiple.noalias() += 0.5 * (out * G) * in.transpose();
     for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {

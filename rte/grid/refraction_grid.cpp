@@ -109,6 +109,14 @@ double refracted_cosine(double index, double mu_air) {
     return std::sqrt((index - 1.0) * (index + 1.0) + mu_air * mu_air) / index;
 }
 
+Directions refracted(const Directions& in_air, double index) {
+    Directions inside = in_air;
+    for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
+        for (double& mu : *cosines) mu = refracted_cosine(index, mu);
+    }
+    return inside;
+}
+
 RequestedDirections refracted(const RequestedDirections& in_air, double index) {
     RequestedDirections inside = in_air;
     for (double& mu : inside.mu) mu = refracted_cosine(index, mu);

@@ -46,6 +46,8 @@ class RefractionGrid {
 
 /// The cosine in a medium of index n >= 1 behind a smooth boundary: n^2 (1 - mu^2) = 1 - mu_air^2.
 double refracted_cosine(double index, double mu_air);
+/// Directions in air as they are in a medium.
+Directions refracted(const Directions& in_air, double index);
 /// The same cosines of a request in a medium.
 RequestedDirections refracted(const RequestedDirections& in_air, double index);
 

@@ -46,11 +46,7 @@ void require_options(const SolverOptions& options) {
 double brightness_of(const ScaledStack& stack, const Directions& directions) {
     if (!stack.refracts()) return least_brightness(stack.media, directions);
     constexpr double boundary_returns = 0.01;
-    Directions inside = directions;
-    for (auto* cosines : {&inside.mu_in, &inside.mu_out}) {
-        for (double& mu : *cosines) mu = refracted_cosine(stack.top_index, mu);
-    }
-    return boundary_returns * least_brightness(stack.media, inside);
+    return boundary_returns * least_brightness(stack.media, refracted(directions, stack.top_index));
 }
 
 Attempt reflect_with(const Stack& stack, const Directions& directions,

@@ -148,10 +148,7 @@ void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack&
 
 void StackFirstOrder::add_straight(std::vector<double>& reflection, const ScaledStack& stack) {
     if (straight_ == nullptr) {
-        inside_ = directions_;
-        for (auto* cosines : {&inside_.mu_in, &inside_.mu_out}) {
-            for (double& mu : *cosines) mu = refracted_cosine(stack.top_index, mu);
-        }
+        inside_ = refracted(directions_, stack.top_index);
         straight_ = std::make_unique<FirstOrderSum>(inside_, options_);
     }
     if (stack.top_index == 1.0) {
