@@ -103,15 +103,4 @@ struct ResolvedScene {
 ///         material does not cover
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm);
 
-/// A material's n + ik and where it comes from.
-struct ResolvedIndex {
-    std::vector<std::complex<double>> index;
-    std::string source;
-};
-/// @param species   a material, index: or table
-/// @param database  file of the user's materials; empty: the default one
-/// @throws InputError  as resolve()
-ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
-                            const std::string& database = {}, double k_floor = 0.0);
-
 }  // namespace miebrdf

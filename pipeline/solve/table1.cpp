@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include <miebrdf/surface.h>
+#include "pipeline/solve/named_index.h"
 #include "pipeline/solve/parallel.h"
-#include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf {
 

@@ -46,6 +46,30 @@ Eigen::MatrixXd conserving(Eigen::MatrixXd s, const Eigen::VectorXd& g) {
     return s;
 }
 
+/// Of the parabola through three points, at x.
+std::array<double, 3> lagrange_weights(const std::array<double, 3>& at, double x) {
+    std::array<double, 3> weights;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double a = at[(k + 1) % 3], b = at[(k + 2) % 3];
+        weights[k] = (x - a) * (x - b) / ((at[k] - a) * (at[k] - b));
+    }
+    return weights;
+}
+
+Eigen::VectorXd flux_weights_of(const RefractionGrid& grid, double index) {
+    const ZenithGrid medium = grid.in_medium(index);
+    return (medium.weights.array() * medium.mu.array()).sqrt();
+}
+
+/// n D inside and then, for the same n sin(theta), in air: g^2 = n^2 mu w is the same on both
+/// sides.
+Eigen::VectorXd equilibrium(const RefractionGrid& grid, double index) {
+    const Eigen::VectorXd inside = index * flux_weights_of(grid, index);
+    Eigen::VectorXd g(grid.size() + grid.nodes_below(1.0));
+    g << inside, inside.tail(grid.nodes_below(1.0));
+    return g;
+}
+
 }  // namespace
 
 RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, int streams, int orders)
@@ -53,16 +77,14 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, int stre
       surface_(surface),
       order_count_(orders),
       grid_({index}, streams),
-      functions_(grid_, index),
-      walk_(index, surface, orders) {
+      functions_(std::in_place, grid_, index),
+      walk_(std::in_place, index, surface, orders),
+      d_(flux_weights_of(grid_, index)),
+      g_(equilibrium(grid_, index)) {
     const ZenithGrid medium = grid_.in_medium(index);
     const ZenithGrid air = grid_.in_medium(1.0);
     const Eigen::Index n = medium.size();
-    const Eigen::Index all = n + air.size();
-    d_ = (medium.weights.array() * medium.mu.array()).sqrt();
-    g_.resize(all);  // g^2 = n^2 mu w is the same on both sides
-    g_ << index * d_, index * d_.tail(air.size());
-
+    const Eigen::Index all = g_.size();
     std::vector<FacetWalk::Beam> beams;
     for (Eigen::Index q = 0; q < all; ++q) {
         const bool from_air = q >= n;
@@ -73,19 +95,47 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, int stre
         const Eigen::MatrixXd column = after_one_facet(beams[std::size_t(q)]);
         for (int m = 0; m < orders; ++m) once[std::size_t(m)].col(q) = column.col(m);
     }
-    const std::vector<Eigen::MatrixXd> later = walk_.leaving(beams, grid_);
-    for (std::size_t m = 0; m < std::size_t(orders); ++m) {
-        Eigen::MatrixXd s = symmetrised(once[m] + later[m], g_);
-        if (m == 0) {
-            s = conserving(std::move(s), g_);
-            const auto inside = g_.head(n);
-            const auto outside = g_.tail(air.size());
-            internal_ = inside.dot(s.topLeftCorner(n, n) * inside) / inside.squaredNorm();
-            external_ = outside.dot(s.bottomRightCorner(air.size(), air.size()) * outside) /
-                        outside.squaredNorm();
-        }
-        inside_.push_back(s.topLeftCorner(n, n));
+    const std::vector<Eigen::MatrixXd> later = walk_->leaving(beams, grid_);
+    keep(symmetrised(once[0] + later[0], g_));
+    for (std::size_t m = 1; m < std::size_t(orders); ++m) {
+        inside_.push_back(symmetrised(once[m] + later[m], g_).topLeftCorner(n, n));
     }
+}
+
+RoughBoundary::RoughBoundary(double index,
+                             std::array<std::shared_ptr<const RoughBoundary>, 3> neighbours)
+    : index_(index),
+      surface_(neighbours[0]->surface_),
+      order_count_(std::min({neighbours[0]->order_count_, neighbours[1]->order_count_,
+                             neighbours[2]->order_count_})),  // some may have more
+      grid_({index}, int(neighbours[0]->grid_.size())),
+      d_(flux_weights_of(grid_, index)),
+      g_(equilibrium(grid_, index)) {
+    check_rough_boundary(index, surface_, int(grid_.size()), order_count_);
+    const auto weights = lagrange_weights(
+        {neighbours[0]->index_, neighbours[1]->index_, neighbours[2]->index_}, index);
+    for (std::size_t k = 0; k < 3; ++k) neighbours_.push_back({neighbours[k], weights[k]});
+    const auto between = [&](const auto& matrix_of) {
+        Eigen::MatrixXd sum = neighbours_[0].weight * matrix_of(*neighbours_[0].boundary);
+        for (std::size_t k = 1; k < 3; ++k) {
+            sum += neighbours_[k].weight * matrix_of(*neighbours_[k].boundary);
+        }
+        return sum;
+    };
+    keep(between([](const RoughBoundary& one) { return one.order_0_; }));
+    for (int m = 1; m < order_count_; ++m) {
+        inside_.push_back(between([m](const RoughBoundary& one) { return one.inside(m); }));
+    }
+}
+
+void RoughBoundary::keep(Eigen::MatrixXd order_0) {
+    order_0_ = conserving(std::move(order_0), g_);
+    const Eigen::Index n = d_.size(), air = nodes_in_air();
+    const auto inside = g_.head(n);
+    const auto outside = g_.tail(air);
+    internal_ = inside.dot(order_0_.topLeftCorner(n, n) * inside) / inside.squaredNorm();
+    external_ = outside.dot(order_0_.bottomRightCorner(air, air) * outside) / outside.squaredNorm();
+    inside_.push_back(order_0_.topLeftCorner(n, n));
 }
 
 FacetWalk::Beam RoughBoundary::meet(bool from_air, double mu) const {
@@ -94,40 +144,68 @@ FacetWalk::Beam RoughBoundary::meet(bool from_air, double mu) const {
 
 Eigen::MatrixXd RoughBoundary::after_one_facet(const FacetWalk::Beam& beam) const {
     const FacetScattering light = unhidden(beam.first, surface_, beam.mu);
-    Eigen::MatrixXd energy(grid_.size() + grid_.nodes_below(1.0), order_count_);
-    energy << functions_.inside(beam.from_air ? light.refracted : light.reflected, order_count_),
-        functions_.in_air(beam.from_air ? light.reflected : light.refracted, order_count_);
+    Eigen::MatrixXd energy(g_.size(), order_count_);
+    energy << functions_->inside(beam.from_air ? light.refracted : light.reflected, order_count_),
+        functions_->in_air(beam.from_air ? light.reflected : light.refracted, order_count_);
     return energy;
 }
 
-LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
-    const Eigen::Index n = d_.size();
-    const Eigen::Index air = g_.size() - n;
+RoughBoundary::EnergyFromAir RoughBoundary::followed(const Eigen::VectorXd& mu_air) const {
     const Eigen::Index requested = mu_air.size();
     std::vector<FacetWalk::Beam> beams;
-    for (Eigen::Index r = 0; r < requested; ++r) {
-        if (!(mu_air[r] > 0.0 && mu_air[r] <= 1.0)) throw UsageError("mu_air", mu_air[r], "(0, 1]");
-        beams.push_back(meet(true, mu_air[r]));
+    for (const double mu : mu_air) {
+        if (!(mu > 0.0 && mu <= 1.0)) throw UsageError("mu_air", mu, "(0, 1]");
+        beams.push_back(meet(true, mu));
     }
-    const std::vector<Eigen::MatrixXd> later = walk_.leaving(beams, grid_);
-    LightFromAir light;
-    light.entering.assign(inside_.size(), Eigen::MatrixXd(requested, n));
-    light.outer_reflectance.resize(requested);
-    light.compensation.resize(requested);
-    light.lobe_scale.resize(requested);
+    EnergyFromAir energy{mu_air, walk_->leaving(beams, grid_), Eigen::VectorXd(requested)};
+    for (Eigen::MatrixXd& order : energy.by_order) order.transposeInPlace();
     for (Eigen::Index r = 0; r < requested; ++r) {
-        Eigen::MatrixXd energy = after_one_facet(beams[std::size_t(r)]);
-        const double one_facet = energy.col(0).tail(air).sum();
-        for (int m = 0; m < order_count_; ++m) energy.col(m) += later[std::size_t(m)].col(r);
-        const double c = 1.0 / energy.col(0).sum();
-        energy *= c;
-        light.compensation[r] = c;
-        light.outer_reflectance[r] = energy.col(0).tail(air).sum();
-        light.lobe_scale[r] = std::sqrt(std::max(0.0, light.outer_reflectance[r]) / one_facet);
+        const Eigen::MatrixXd first = after_one_facet(beams[std::size_t(r)]);
+        energy.one_facet[r] = first.col(0).tail(nodes_in_air()).sum();
         for (int m = 0; m < order_count_; ++m) {
-            light.entering[std::size_t(m)].row(r) =
-                energy.col(m).head(n).cwiseQuotient(d_).transpose();
+            energy.by_order[std::size_t(m)].row(r) += first.col(m).transpose();
         }
+    }
+    return energy;
+}
+
+RoughBoundary::EnergyFromAir RoughBoundary::interpolated(const Eigen::VectorXd& mu_air) const {
+    EnergyFromAir sum{mu_air, {}, Eigen::VectorXd::Zero(mu_air.size())};
+    sum.by_order.assign(inside_.size(), Eigen::MatrixXd::Zero(mu_air.size(), g_.size()));
+    for (const Neighbour& neighbour : neighbours_) {
+        const auto energy = neighbour.boundary->energy_from_air(mu_air);
+        sum.one_facet += neighbour.weight * energy->one_facet;
+        for (std::size_t m = 0; m < inside_.size(); ++m) {
+            sum.by_order[m] += neighbour.weight * energy->by_order[m];
+        }
+    }
+    return sum;
+}
+
+std::shared_ptr<const RoughBoundary::EnergyFromAir> RoughBoundary::energy_from_air(
+    const Eigen::VectorXd& mu_air) const {
+    const std::lock_guard lock(mutex_);
+    const bool is_known =
+        last_ != nullptr && last_->mu_air.size() == mu_air.size() && last_->mu_air == mu_air;
+    if (!is_known) {
+        last_ = std::make_shared<const EnergyFromAir>(neighbours_.empty() ? followed(mu_air)
+                                                                          : interpolated(mu_air));
+    }
+    return last_;
+}
+
+LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
+    const auto energy = energy_from_air(mu_air);
+    const Eigen::Index air = nodes_in_air();
+    const Eigen::VectorXd c = energy->by_order[0].rowwise().sum().cwiseInverse();
+    LightFromAir light;
+    light.compensation = c;
+    light.outer_reflectance = c.cwiseProduct(energy->by_order[0].rightCols(air).rowwise().sum());
+    light.lobe_scale =
+        (light.outer_reflectance.cwiseMax(0.0).cwiseQuotient(energy->one_facet)).cwiseSqrt();
+    for (const Eigen::MatrixXd& order : energy->by_order) {
+        light.entering.push_back(c.asDiagonal() * order.leftCols(d_.size()) *
+                                 d_.cwiseInverse().asDiagonal());
     }
     return light;
 }

@@ -3,6 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "rte/boundary/facet_scattering.h"
@@ -44,6 +48,12 @@ class RoughBoundary {
     /// @throws UsageError  for an argument out of range
     RoughBoundary(double index, const RoughSurface& surface, int streams, int orders);
 
+    /// The same for an index between three others, by a parabola through their matrices: hosts have
+    /// an index that changes slowly with the wavelength, and matrices take thousands of times
+    /// longer to make than to interpolate.
+    /// @param neighbours  of the same surface, streams and orders, with three different indices
+    RoughBoundary(double index, std::array<std::shared_ptr<const RoughBoundary>, 3> neighbours);
+
     double index() const { return index_; }
     const RoughSurface& surface() const { return surface_; }
     const RefractionGrid& grid() const { return grid_; }
@@ -61,20 +71,41 @@ class RoughBoundary {
     double external_diffuse_reflectance() const { return external_; }
 
   private:
+    /// Energies of beams from air: for each order, requested x (nodes inside, nodes in air).
+    struct EnergyFromAir {
+        Eigen::VectorXd mu_air;
+        std::vector<Eigen::MatrixXd> by_order;
+        Eigen::VectorXd one_facet;  ///< what a single facet reflects, before any scaling
+    };
+    struct Neighbour {
+        std::shared_ptr<const RoughBoundary> boundary;
+        double weight;
+    };
+
+    Eigen::Index nodes_in_air() const { return grid_.nodes_below(1.0); }
     FacetWalk::Beam meet(bool from_air, double mu) const;
     /// Energy of a beam that leaves after its first facet, (nodes inside, nodes in air) x orders.
     Eigen::MatrixXd after_one_facet(const FacetWalk::Beam& beam) const;
+    void keep(Eigen::MatrixXd order_0);
+    std::shared_ptr<const EnergyFromAir> energy_from_air(const Eigen::VectorXd& mu_air) const;
+    EnergyFromAir followed(const Eigen::VectorXd& mu_air) const;
+    EnergyFromAir interpolated(const Eigen::VectorXd& mu_air) const;
 
     double index_;
     RoughSurface surface_;
     int order_count_;
     RefractionGrid grid_;
-    PanelFunctions functions_;
-    FacetWalk walk_;
-    Eigen::VectorXd d_;  ///< D inside
-    Eigen::VectorXd g_;  ///< n D of the nodes inside, then the same of those in air
+    std::optional<PanelFunctions> functions_;  ///< these two only where rays are followed
+    std::optional<FacetWalk> walk_;
+    std::vector<Neighbour> neighbours_;  ///< and these where matrices are interpolated
+    Eigen::VectorXd d_;                  ///< D inside
+    Eigen::VectorXd g_;                  ///< n D of the nodes inside, then the same of those in air
     std::vector<Eigen::MatrixXd> inside_;
+    Eigen::MatrixXd order_0_;  ///< all parts
     double internal_ = 0.0, external_ = 0.0;
+    /// The last request: all wavelengths of a scene ask the neighbours for the same directions.
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const EnergyFromAir> last_;
 };
 
 }  // namespace miebrdf::rte

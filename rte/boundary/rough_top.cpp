@@ -2,8 +2,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <list>
 #include <mutex>
+#include <utility>
 
 #include "rte/fourier/fourier_mode.h"
 
@@ -15,60 +18,85 @@ constexpr int kFirstOrders = 12;
 // 31 wavelengths with three numbers of nodes each.
 constexpr std::size_t kMostKept = 100;
 
+// Between these indices matrices follow a parabola, 3e-5 off at most. Closer to 1, where it would
+// be 1e-4, they are followed; hosts are not found there.
+constexpr double kFirstIndex = 1.2, kIndexStep = 0.01;
+constexpr int kLastStep = 180;  // index 3
+
 struct KeptBoundary {
-    RoughSurface surface;
+    Boundary kind;
     int streams;
     std::shared_ptr<const RoughBoundary> boundary;
 };
 
+class KeptBoundaries {
+  public:
+    std::shared_ptr<const RoughBoundary> find(double index, const Boundary& kind, int streams,
+                                              int orders) {
+        const std::lock_guard lock(mutex_);
+        const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const KeptBoundary& one) {
+            return one.boundary->index() == index && one.kind == kind && one.streams == streams &&
+                   one.boundary->orders() >= orders;
+        });
+        if (found == kept_.end()) return nullptr;
+        kept_.splice(kept_.begin(), kept_, found);
+        return kept_.front().boundary;
+    }
+
+    void keep(KeptBoundary made) {
+        const std::lock_guard lock(mutex_);
+        kept_.push_front(std::move(made));
+        if (kept_.size() > kMostKept) kept_.pop_back();
+    }
+
+  private:
+    std::mutex mutex_;
+    std::list<KeptBoundary> kept_;  // the last used first
+};
+
+std::shared_ptr<const RoughBoundary> between_steps(double index, Boundary kind, int streams,
+                                                   int orders) {
+    const int cell = int(std::floor((index - kFirstIndex) / (2 * kIndexStep)));
+    const int first = std::clamp(2 * cell, 0, kLastStep - 2);
+    kind.matrices = BoundaryMatrices::followed;
+    std::array<std::shared_ptr<const RoughBoundary>, 3> neighbours;
+    for (int k = 0; k < 3; ++k) {
+        neighbours[std::size_t(k)] =
+            shared_rough_boundary(kFirstIndex + (first + k) * kIndexStep, kind, streams, orders);
+    }
+    return std::make_shared<const RoughBoundary>(index, std::move(neighbours));
+}
+
 }  // namespace
 
-std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index,
-                                                           const RoughSurface& surface, int streams,
-                                                           int orders) {
-    static std::mutex mutex;
-    static std::list<KeptBoundary> kept;  // the last used first
-    const auto is_wanted = [&](const KeptBoundary& one) {
-        return one.boundary->index() == index && one.surface.alpha == surface.alpha &&
-               one.surface.distribution == surface.distribution && one.streams == streams &&
-               one.boundary->orders() >= orders;
-    };
-    {
-        const std::lock_guard lock(mutex);
-        const auto found = std::find_if(kept.begin(), kept.end(), is_wanted);
-        if (found != kept.end()) {
-            kept.splice(kept.begin(), kept, found);
-            return kept.front().boundary;
-        }
-    }
-    auto made = std::make_shared<const RoughBoundary>(index, surface, streams, orders);
-    const std::lock_guard lock(mutex);
-    kept.push_front({surface, streams, made});
-    if (kept.size() > kMostKept) kept.pop_back();
+std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& kind,
+                                                           int streams, int orders) {
+    static KeptBoundaries kept;
+    if (auto known = kept.find(index, kind, streams, orders)) return known;
+    const RoughSurface surface{kind.roughness, kind.distribution};
+    auto made = kind.matrices == BoundaryMatrices::interpolated && index >= kFirstIndex
+                    ? between_steps(index, kind, streams, orders)
+                    : std::make_shared<const RoughBoundary>(index, surface, streams, orders);
+    kept.keep({kind, streams, made});
     return made;
 }
 
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
                                  const Eigen::VectorXd& mu_air) {
-    // Facets know nothing of the medium's nodes.
-    constexpr int streams = 16;
-    const RoughSurface surface{boundary.roughness, boundary.distribution};
-    return shared_rough_boundary(index, surface, streams, 1)->from_air(mu_air).lobe_scale;
+    constexpr int streams = 16;  // facets know nothing of the medium's nodes
+    return shared_rough_boundary(index, boundary, streams, 1)->from_air(mu_air).lobe_scale;
 }
 
 RoughTop::RoughTop(double index, const Boundary& boundary, int streams,
                    const RequestedDirections& requested)
-    : index_(index),
-      surface_{boundary.roughness, boundary.distribution},
-      streams_(streams),
-      requested_(requested) {}
+    : index_(index), kind_(boundary), streams_(streams), requested_(requested) {}
 
 void RoughTop::need_orders(int count) {
     if (boundary_ != nullptr && boundary_->orders() >= count) return;
     // What a request at the zenith alone and an albedo need is order 0.
     int orders = boundary_ == nullptr && count == 1 ? 1 : kFirstOrders;
     while (orders < count) orders *= 2;
-    boundary_ = shared_rough_boundary(index_, surface_, streams_, orders);
+    boundary_ = shared_rough_boundary(index_, kind_, streams_, orders);
     light_ = boundary_->from_air(requested_.mu);
 }
 

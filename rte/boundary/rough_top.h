@@ -10,9 +10,8 @@ namespace miebrdf::rte {
 
 /// Boundaries that were made before in this process, with at least that many orders; the most
 /// recently used ones are kept (some MB). Thread-safe.
-std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index,
-                                                           const RoughSurface& surface, int streams,
-                                                           int orders);
+std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& boundary,
+                                                           int streams, int orders);
 
 /// LightFromAir::lobe_scale at any cosines.
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
@@ -36,7 +35,7 @@ class RoughTop {
     void need_orders(int count);
 
     double index_;
-    RoughSurface surface_;
+    Boundary kind_;
     int streams_;
     const RequestedDirections& requested_;
     std::shared_ptr<const RoughBoundary> boundary_;

@@ -121,12 +121,14 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
     const bool has_mirrors = stack.has_mirrors();
+    const bool is_rough = stack.boundary && stack.boundary->is_rough();
     for (const double index : grids.indices()) {
-        requested_.push_back(refracted(requested, index));
+        // No beam enters through a rough boundary: what lies below is met from its nodes alone.
+        requested_.push_back(is_rough ? RequestedDirections{} : refracted(requested, index));
         if (has_mirrors) requested_.back() = with_cosines_beside(requested_.back());
     }
     memory_.modes.resize(requested_.size());
-    if (stack.boundary && stack.boundary->is_rough()) {
+    if (is_rough) {
         rough_top_.emplace(stack.top_index, *stack.boundary, int(grids.refraction().size()),
                            requested);
     }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pipeline/scene/moments_file.h"
+#include "pipeline/solve/named_index.h"
 #include "pipeline/solve/resolved_scene.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rte/boundary/rough_top.h"
 #include "rte/math/quadrature.h"
 #include "rte/surface/fresnel.h"
 #include "tests/support/catch.h"
@@ -270,4 +271,35 @@ TEST_CASE("rough boundary refuses nonsense with the value", "[rte][boundary][err
     CHECK_THROWS_WITH(RoughBoundary(1.5, {0.2, ggx}, 16, 0), Catch::Contains("orders"));
     const RoughBoundary boundary(1.5, {0.2, ggx}, 8, 1);
     CHECK_THROWS_WITH(boundary.from_air(cosines({0.0})), Catch::Contains("mu_air"));
+}
+
+TEST_CASE("rough boundary: matrices between indices follow a parabola", "[rte][boundary]") {
+    const double index = GENERATE(1.1, 1.206, 1.334, 1.4963, 2.337, 2.9969);
+    const auto distribution =
+        GENERATE(MicrofacetDistribution::ggx, MicrofacetDistribution::beckmann);
+    const double alpha = GENERATE(0.02, 0.2, 0.6);
+    constexpr int streams = 16, orders = 6;
+    const rte::Boundary kind{alpha, distribution, rte::BoundaryMatrices::interpolated};
+    const auto between = rte::shared_rough_boundary(index, kind, streams, orders);
+    const RoughBoundary followed(index, {alpha, distribution}, streams, orders);
+    const auto mu = cosines({0.05, 0.3, 0.8, 1.0});
+    const auto light = between->from_air(mu), expected = followed.from_air(mu);
+    CAPTURE(index, alpha);
+    const double bound = 3e-5;  // the third difference over steps of .01
+    for (int m = 0; m < orders; ++m) {
+        const MatrixXd x = smooth_medium(followed, m);
+        const MatrixXd a = seen_from_air(*between, light, m, x);
+        const MatrixXd b = seen_from_air(followed, expected, m, x);
+        CAPTURE(m, (a - b).cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
+        CHECK((a - b).cwiseAbs().maxCoeff() <= bound);
+    }
+    CHECK((light.outer_reflectance - expected.outer_reflectance).cwiseAbs().maxCoeff() <= bound);
+    CHECK((light.lobe_scale - expected.lobe_scale).cwiseAbs().maxCoeff() <= bound);
+    // Energy is kept exactly all the same.
+    const VectorXd D = flux_weights(*between);
+    const VectorXd energy = light.entering[0] * D + light.outer_reflectance;
+    CHECK((energy.array() - 1).abs().maxCoeff() <= 1e-13);
+    const double n2 = index * index;
+    CHECK(std::abs((1 - between->internal_diffuse_reflectance()) * n2 -
+                   (1 - between->external_diffuse_reflectance())) <= 1e-12);
 }

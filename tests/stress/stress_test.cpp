@@ -30,6 +30,7 @@ TEST_CASE("stress: spheres", "[stress]") { require_all(stress::spheres, 200); }
 TEST_CASE("stress: ensembles", "[stress]") { require_all(stress::ensembles, 100); }
 TEST_CASE("stress: half-spaces", "[stress]") { require_all(stress::half_spaces, 200); }
 TEST_CASE("stress: coats", "[stress]") { require_all(stress::coats, 80); }
+TEST_CASE("stress: boundaries", "[stress]") { require_all(stress::boundaries, 280); }
 TEST_CASE("stress: surfaces", "[stress]") { require_all(stress::surfaces, 80); }
 TEST_CASE("stress: materials", "[stress]") { require_all(stress::materials, 30); }
 TEST_CASE("stress: refusals", "[stress]") { require_all(stress::refusals, 60); }

@@ -78,23 +78,31 @@ std::optional<double> kubelka_munk_reflectance(const SimpleStack& stack) {
     if (!(S > 0)) return std::nullopt;
     const double ratio = K / S;
     const double base = 1 / (1 + ratio + std::sqrt(ratio * (ratio + 2)));
-    if (!stack.coat) return base;
-    const auto [coat_K, coat_S] = kubelka_munk_coefficients(*stack.coat);
-    if (!(coat_S > 0)) return std::nullopt;
-    const double a = 1 + coat_K / coat_S;
-    const double b = std::sqrt((a - 1) * (a + 1));
-    const double depth = coat_S * stack.coat->optical_depth;
-    // b coth(b S X) tends to 1 / (S X) without absorption.
-    const double coth = b * depth > 1e-8 ? b / std::tanh(b * depth) : 1 / depth;
-    return (1 - base * (a - coth)) / (a - base + coth);
+    return stack.coat ? kubelka_munk_film(*stack.coat, base) : base;
 }
 
-std::optional<double> diffusion_reflectance(const SimpleStack& stack) {
+std::optional<double> kubelka_munk_film(const SimpleLayer& film, double ground) {
+    const auto [K, S] = kubelka_munk_coefficients(film);
+    if (!(S > 0)) return std::nullopt;
+    const double a = 1 + K / S;
+    const double b = std::sqrt((a - 1) * (a + 1));
+    const double depth = S * film.optical_depth;
+    // b coth(b S X) tends to 1 / (S X) without absorption.
+    const double coth = b * depth > 1e-8 ? b / std::tanh(b * depth) : 1 / depth;
+    return (1 - ground * (a - coth)) / (a - ground + coth);
+}
+
+double saunderson(double body, double outer, double internal) {
+    return outer + (1 - outer) * (1 - internal) * body / (1 - internal * body);
+}
+
+std::optional<double> diffusion_reflectance(const SimpleStack& stack, double internal) {
     if (stack.coat) return std::nullopt;
     const double a = stack.base.single_scattering_albedo, g = stack.base.asymmetry;
     const double reduced = a * (1 - g) / (1 - a * g);
     const double s = std::sqrt(3 * (1 - a) / (1 - a * g));
-    return reduced / 2 * (1 + std::exp(-4.0 / 3 * s)) * std::exp(-s);
+    const double higher = (1 + internal) / (1 - internal);
+    return reduced / 2 * (1 + std::exp(-4.0 / 3 * higher * s)) * std::exp(-s);
 }
 
 double two_stream_plane_albedo(const SimpleStack& stack, double mu_in) {

@@ -26,11 +26,23 @@ struct SimpleStack {
 /// Meant for diffuse light and weak absorption; nothing (empty) where S <= 0.
 std::optional<double> kubelka_munk_reflectance(const SimpleStack& stack);
 
+/// The same for a film on a ground of the given diffuse reflectance.
+std::optional<double> kubelka_munk_film(const SimpleLayer& film, double ground);
+
+/// Saunderson 1942: a boundary over a body that reflects `body` of diffuse light inside:
+/// R = r + (1 - r) (1 - r_int) body / (1 - r_int body). Exact for a Lambertian ground below a clear
+/// film.
+/// @param outer     Fresnel reflectance r of the incident light
+/// @param internal  r_int, of diffuse light from inside
+double saunderson(double body, double outer, double internal);
+
 /// Diffusion theory's total diffuse reflectance of a half-space at normal incidence (Farrell,
 /// Patterson & Wilson 1992; Jensen et al. 2001, eq. 14, index matched):
-/// a'/2 (1 + exp(-4/3 s)) exp(-s), s = sqrt(3 (1 - a')), a' = a (1 - g) / (1 - a g).
+/// a'/2 (1 + exp(-4/3 A s)) exp(-s), s = sqrt(3 (1 - a')), a' = a (1 - g) / (1 - a g);
+/// A = (1 + r_int) / (1 - r_int) puts the extrapolated boundary higher where a surface reflects.
 /// Meant for a' near 1. Knows no coat: empty if there is one.
-std::optional<double> diffusion_reflectance(const SimpleStack& stack);
+/// @param internal  r_int, of diffuse light from inside
+std::optional<double> diffusion_reflectance(const SimpleStack& stack, double internal = 0);
 
 /// Two fluxes and a beam: the delta-Eddington form of Meador & Weaver 1980 (table 1; eq. 14, 15),
 /// scaled by f = g^2 (Joseph, Wiscombe & Weinman 1976). Plane albedo at mu_in; a coat is added to

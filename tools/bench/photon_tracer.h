@@ -2,34 +2,13 @@
 // It shares no code and no equation with rte/: photons move, scatter and leave.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "tools/bench/traced_boundary.h"
+
 namespace miebrdf::bench {
-
-/// Random numbers as a function of (seed, stream, position): the same for any order of evaluation.
-using PhiloxCounter = std::array<std::uint32_t, 4>;
-using PhiloxKey = std::array<std::uint32_t, 2>;
-
-/// Philox4x32-10 (Salmon, Moraes, Dror & Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3").
-PhiloxCounter philox(PhiloxCounter counter, PhiloxKey key);
-
-/// Uniform numbers of one stream, for instance of one photon.
-class RandomStream {
-  public:
-    RandomStream(std::uint64_t seed, std::uint64_t stream);
-
-    /// In (0, 1), both ends excluded: 53 random bits, shifted by half a unit, so that logarithms
-    /// are finite.
-    double uniform();
-
-  private:
-    PhiloxKey key_;
-    PhiloxCounter counter_;
-    PhiloxCounter block_ = {};
-    int used_ = 4;
-};
 
 /// A phase function to draw scattering angles from, normalised so that its mean over the sphere
 /// is 1.
@@ -72,6 +51,9 @@ struct TracedLayer {
 struct TracedStack {
     TracedLayer base;
     std::vector<TracedLayer> coats;  ///< in painting order: the last one is on top
+    TracedBoundary boundary = {};    ///< on top; all layers have its index
+    /// Of a Lambertian ground in place of the base; 0: black.
+    std::optional<double> ground_albedo = {};
 };
 
 /// A direction in which reflected light is looked at; conventions of docs/conventions.md.
@@ -109,11 +91,15 @@ struct TracedReflection {
 /// Free paths are exponential in optical depth; absorption is a weight, ended by Russian roulette.
 /// The plane albedo is the weight that leaves. R at a detector is the sum over collisions of
 /// w P(Theta) exp(-t / mu_out) / (4 mu_out), t the optical depth below the top (next-event or local
-/// estimate; Marchuk et al. 1980, "The Monte Carlo Methods in Atmospheric Optics", ch. 2).
-/// Photon i uses random stream i of the seed, so results are reproducible bit by bit.
+/// estimate; Marchuk et al. 1980, "The Monte Carlo Methods in Atmospheric Optics", ch. 2); behind a
+/// smooth boundary, with the cosine inside and times its transmittance / n^2. What a smooth
+/// boundary reflects of the incident light is in the plane albedo and in no detector. Photon i uses
+/// random stream i of the seed, so results are reproducible bit by bit.
 ///
 /// @param mu_in  in (0, 1]
-/// @throws std::invalid_argument  for a cosine, albedo, optical depth or count out of range
+/// @throws std::invalid_argument  for a cosine, albedo, optical depth or count out of range, and
+/// for
+///         detectors behind a rough boundary, which hides where light goes
 TracedReflection trace_photons(const TracedStack& stack, double mu_in,
                                const std::vector<Detector>& detectors,
                                const TracerOptions& options = {});

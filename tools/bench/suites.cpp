@@ -1,13 +1,14 @@
 #include "tools/bench/suites.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <miebrdf/error.h>
 
 namespace miebrdf::bench {
 
 const std::vector<std::string>& suite_names() {
-    static const std::vector<std::string> names = {"mie",     "half-space", "coat",
+    static const std::vector<std::string> names = {"mie",     "half-space", "coat", "boundary",
                                                    "surface", "pipeline",   "rules"};
     return names;
 }
@@ -16,11 +17,12 @@ std::vector<BenchCase> suite(const std::string& name) {
     if (name == "mie") return mie_suite();
     if (name == "half-space") return half_space_suite();
     if (name == "coat") return coat_suite();
+    if (name == "boundary") return boundary_suite();
     if (name == "surface") return surface_suite();
     if (name == "pipeline") return pipeline_suite();
     if (name == "rules") return rules_suite();
-    throw UsageError(fmt::format(
-        "unknown suite '{}'; allowed: mie, half-space, coat, surface, pipeline, rules", name));
+    throw UsageError(
+        fmt::format("unknown suite '{}'; allowed: {}", name, fmt::join(suite_names(), ", ")));
 }
 
 Results run_cases(const std::vector<BenchCase>& cases, const MeasureOptions& options,

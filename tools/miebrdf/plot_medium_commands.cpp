@@ -4,6 +4,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
+#include "pipeline/solve/named_index.h"
 #include "tools/miebrdf/materials_command.h"
 #include "tools/miebrdf/plot_command.h"
 #include "tools/miebrdf/scene_options.h"

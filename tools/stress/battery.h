@@ -65,6 +65,7 @@ void spheres(const Options& options, std::vector<Check>& checks);
 void ensembles(const Options& options, std::vector<Check>& checks);
 void half_spaces(const Options& options, std::vector<Check>& checks);
 void coats(const Options& options, std::vector<Check>& checks);
+void boundaries(const Options& options, std::vector<Check>& checks);
 void surfaces(const Options& options, std::vector<Check>& checks);
 void materials(const Options& options, std::vector<Check>& checks);
 void refusals(const Options& options, std::vector<Check>& checks);

@@ -48,11 +48,19 @@ inline constexpr double kLeastRoughIndex = 1.05;  ///< behind a rough boundary
 /// A relative step of the index below this is no boundary.
 inline constexpr double kLeastIndexStep = 1e-3;
 
+/// Where the matrices of a rough boundary come from.
+enum class BoundaryMatrices {
+    followed,      ///< rays are followed for this very index
+    interpolated,  ///< a parabola through indices .01 apart: for hosts whose index varies with the
+                   ///< wavelength, of which few matrices serve many wavelengths
+};
+
 /// A refracting boundary between air and the medium below it.
 struct Boundary {
     /// Slope parameter of the microfacets, in [0.02, 1]; 0: smooth.
     double roughness = 0.0;
     MicrofacetDistribution distribution = MicrofacetDistribution::ggx;
+    BoundaryMatrices matrices = BoundaryMatrices::followed;
 
     bool is_rough() const { return roughness > 0.0; }
     bool operator==(const Boundary&) const = default;

@@ -1,0 +1,243 @@
+#include "pipeline/solve/resolver.h"
+
+#include <fmt/format.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pipeline/cache/job_key.h"
+#include "pipeline/scene/medium_kinds.h"
+#include "pipeline/scene/species_keys.h"
+#include "pipeline/solve/amounts.h"
+#include "pipeline/solve/packing.h"
+
+namespace miebrdf {
+namespace {
+
+/// Particles of the index of their host scatter nothing, and an albedo has no meaning.
+void require_contrast(const ResolvedSpecies& species) {
+    // Quotients of equal numbers are 1; what differs by rounding alone is no contrast either.
+    constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+    for (const Particles& at : species.particles) {
+        if (std::abs(at.index / at.host_index - 1.0) > kRounding) continue;
+        throw UsageError(fmt::format(
+            "{}: its refractive index at {} nm is that of its host, {}: without contrast nothing "
+            "scatters; give another medium or another host_index",
+            describe(species.species), at.wavelength_nm, at.host_index));
+    }
+}
+
+/// Only numbers count: two names for the same figures are the same species.
+std::string key_of(const ResolvedSpecies& species, std::size_t w) {
+    JobKey key("species");
+    if (species.needs_mie()) {
+        const Particles& at = species.particles[w];
+        key.add(at.index).add(at.wavelength_nm).add(species.sizes).add(at.host_index);
+    } else {
+        key.add(std::string_view(species.species.kind)).add(species.species.parameters);
+        key.add(species.species.chi);
+    }
+    return key.hash();
+}
+
+std::string key_of(const ResolvedMedium& medium, std::size_t w) {
+    const double host = medium.host_absorption[w];
+    const ResolvedSpecies& first = medium.species.front();
+    if (medium.species.size() == 1 && host == 0.0 && !first.crowded) return first.key[w];
+    JobKey key("mixture");
+    for (const ResolvedSpecies& species : medium.species)
+        key.add(std::string_view(species.key[w])).add(species.volume_fraction);
+    return key.add(host).add(first.crowded).hash();
+}
+
+/// Notes beyond this: absorption of the host within a particle's size is no longer small.
+constexpr double kWeakHost = 0.01;
+
+/// Beyond this share of the volume, what neighbours change is said.
+constexpr double kCrowded = 0.05;
+
+}  // namespace
+
+bool has_mirror(const Scene& scene) {
+    return scene.substrate && scene.substrate->kind == Substrate::Kind::mirror;
+}
+
+bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0; }
+
+Resolver::Resolver(const Scene& scene, double some_nm)
+    : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index) {}
+
+ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm) {
+    ResolvedMedium resolved{.medium = medium};
+    const bool needs_host = needs_mie(medium) || scene_.boundary || has_mirror(scene_);
+    const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
+    for (const Species& species : medium.species)
+        resolved.species.push_back(this->species(species, wavelength_nm, host));
+    set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
+    if (needs_mie(medium)) set_host_absorption(host, wavelength_nm, resolved);
+    resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
+    for (const std::complex<double> index : host.index) resolved.host_index.push_back(index.real());
+    set_packing(resolved);
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+        resolved.key.push_back(key_of(resolved, w));
+    return resolved;
+}
+
+ResolvedDepth Resolver::depth(const Layer& layer, const ResolvedMedium& medium) {
+    ResolvedDepth resolved{.depth = layer.depth, .optical_depth = layer.depth.value};
+    const Depth& depth = layer.depth;
+    if (depth.kind != Depth::Kind::optical_depth) {
+        require_particles(layer);
+        resolved.column_um = column_um(depth, medium);
+    } else if (medium.needs_mie() && depth.wavelength_nm > 0.0 && !std::isinf(depth.value)) {
+        resolved.reference = reference(layer);
+    }
+    return resolved;
+}
+
+ResolvedIndex Resolver::index(const Species& species, const std::vector<double>& wavelength_nm) {
+    return resolve_index(species, wavelength_nm, scene_.particles.k_floor, materials_);
+}
+
+ResolvedIndex Resolver::mirror(const Host& of, const std::vector<double>& wavelength_nm) {
+    if (of.name.empty()) return {std::vector(wavelength_nm.size(), of.index), ""};
+    const Species material{.kind = "material", .name = of.name};
+    return resolve_index(material, wavelength_nm, 0.0, materials_);
+}
+
+std::vector<double> Resolver::real_index(const Host& host,
+                                         const std::vector<double>& wavelength_nm) {
+    std::vector<double> real;
+    for (const std::complex<double> index : look_up(host, wavelength_nm).index)
+        real.push_back(index.real());
+    return real;
+}
+
+void Resolver::add_once(std::vector<std::string>& lines, std::string line) {
+    if (std::find(lines.begin(), lines.end(), line) == lines.end())
+        lines.push_back(std::move(line));
+}
+
+Resolver::HostAt Resolver::look_up(const Host& host, const std::vector<double>& wavelength_nm) {
+    HostAt at{.name = describe(host)};
+    if (host.name.empty()) {
+        at.index.assign(wavelength_nm.size(), host.index);
+        return at;
+    }
+    const Species material{.kind = "material", .name = host.name};
+    try {
+        ResolvedIndex found = resolve_index(material, wavelength_nm, 0.0, materials_);
+        at.index = std::move(found.index);
+        add_source("host " + found.source);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("host '{}': {}", host.name, error.what()));
+    }
+    at.density_g_cm3 = materials_.open().info(host.name).density_g_cm3;
+    return at;
+}
+
+std::optional<double> Resolver::density_of(const Species& species) {
+    if (species.density_g_cm3 || species.kind != "material") return species.density_g_cm3;
+    return materials_.open().info(species.name).density_g_cm3;
+}
+
+ResolvedSpecies Resolver::species(const Species& species, const std::vector<double>& wavelength_nm,
+                                  const HostAt& host) {
+    ResolvedSpecies resolved{.species = species};
+    if (needs_mie(species)) {
+        ResolvedIndex index = this->index(species, wavelength_nm);
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+            resolved.particles.push_back({wavelength_nm[w], index.index[w], host.index[w].real()});
+        }
+        resolved.sizes = sizes_of(species, scene_.particles);
+        resolved.effective_radius_um = mie::effective_radius_of(resolved.sizes);
+        resolved.density_g_cm3 = density_of(species);
+        require_contrast(resolved);
+        add_source(std::move(index.source));
+    } else {
+        add_source(describe(species));
+    }
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+        resolved.key.push_back(key_of(resolved, w));
+    return resolved;
+}
+
+void Resolver::set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
+                                   ResolvedMedium& medium) {
+    medium.host_absorption.assign(wavelength_nm.size(), 0.0);
+    for (std::size_t w = 0; w < host.index.size(); ++w) {
+        const double k = host.index[w].imag();
+        if (k == 0.0) continue;
+        if (!medium.has_amounts) {
+            throw UsageError(fmt::format(
+                "medium '{}': its host {} absorbs (k {:.3g} at {} nm), so what absorbs between "
+                "the particles depends on how many there are; give amounts, e.g. volume=15%, "
+                "or a host that does not absorb, e.g. index:{:.4g}",
+                describe(medium.medium), host.name, k, wavelength_nm[w], host.index[w].real()));
+        }
+        const double per_um = 4.0e3 * std::numbers::pi * k / wavelength_nm[w];
+        medium.host_absorption[w] = per_um * std::max(0.0, 1.0 - filled_volume(medium));
+        note_strong_host(host, k, wavelength_nm[w], medium);
+    }
+}
+
+void Resolver::note_strong_host(const HostAt& host, double k, double nm,
+                                const ResolvedMedium& medium) {
+    for (const ResolvedSpecies& species : medium.species) {
+        const double kx = 2.0e3 * std::numbers::pi * species.effective_radius_um * k / nm;
+        if (kx <= kWeakHost) continue;
+        add_once(notes_, fmt::format("host {} absorbs noticeably within the particles of {}: Mie "
+                                     "theory takes it as transparent (k x > {})",
+                                     host.name, describe(species.species), kWeakHost));
+    }
+}
+
+void Resolver::set_packing(ResolvedMedium& medium) {
+    if (!medium.needs_mie()) return;
+    const bool asked = scene_.particles.packing == Packing::percus_yevick;
+    if (asked && !medium.has_amounts) {
+        throw UsageError(fmt::format(
+            "medium '{}': packing percus-yevick needs amounts; give volume=, mass= (with "
+            "layer_density_kg_m3) or number=",
+            describe(medium.medium)));
+    }
+    for (ResolvedSpecies& species : medium.species) {
+        species.crowded = asked;
+        if (asked || !medium.has_amounts || species.volume_fraction <= kCrowded) continue;
+        if (const auto change = crowding(species, 0)) note_crowding(species, *change);
+    }
+}
+
+void Resolver::note_crowding(const ResolvedSpecies& species, double change) {
+    add_once(notes_,
+             fmt::format("{} fills {:.3g} % of the volume: independent scattering is assumed; "
+                         "hard spheres would have {:.3g} times the reduced scattering at {} nm "
+                         "(packing percus-yevick)",
+                         describe(species.species), 100.0 * species.volume_fraction, change,
+                         species.particles.front().wavelength_nm));
+}
+
+void Resolver::require_particles(const Layer& layer) {
+    if (needs_mie(layer.medium)) return;
+    throw UsageError(
+        fmt::format("coat {}@{}: its optics are given without an extinction; give an optical depth",
+                    describe(layer.medium), describe(layer.depth)));
+}
+
+ResolvedMedium Resolver::reference(const Layer& layer) {
+    try {
+        return medium(layer.medium, {layer.depth.wavelength_nm});
+    } catch (const InputError& error) {
+        throw InputError(fmt::format(
+            "coat {0}@{1}: an optical depth holds at {2} nm, where this material is not known "
+            "({3}); give it at another wavelength, e.g. {4}[{5}nm], or the same at all, "
+            "{4}[grey]",
+            describe(layer.medium), describe(layer.depth), layer.depth.wavelength_nm, error.what(),
+            layer.depth.value, some_nm_));
+    }
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,63 @@
+// Looks up what a scene names: media, depths, hosts, mirrors.
+#pragma once
+
+#include "pipeline/solve/named_index.h"
+#include "pipeline/solve/resolved_scene.h"
+
+namespace miebrdf {
+
+/// Looks up the parts of one scene.
+class Resolver {
+  public:
+    /// @param some_nm  a wavelength at which the scene is wanted, for advice
+    Resolver(const Scene& scene, double some_nm);
+
+    /// @throws UsageError, InputError  as resolve() of resolved_scene.h
+    ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm);
+    ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium);
+    /// n + ik of a species, of a mirror and (n alone) of a host at every wavelength.
+    ResolvedIndex index(const Species& species, const std::vector<double>& wavelength_nm);
+    ResolvedIndex mirror(const Host& of, const std::vector<double>& wavelength_nm);
+    std::vector<double> real_index(const Host& host, const std::vector<double>& wavelength_nm);
+
+    /// What is added twice is kept once.
+    void add_note(std::string note) { add_once(notes_, std::move(note)); }
+    void add_source(std::string source) { add_once(sources_, std::move(source)); }
+    std::vector<std::string> take_sources() { return std::move(sources_); }
+    std::vector<std::string> take_notes() { return std::move(notes_); }
+
+  private:
+    struct HostAt {
+        std::string name = {};
+        std::vector<std::complex<double>> index = {};
+        std::optional<double> density_g_cm3 = {};
+    };
+
+    static void add_once(std::vector<std::string>& lines, std::string line);
+    HostAt look_up(const Host& host, const std::vector<double>& wavelength_nm);
+    std::optional<double> density_of(const Species& species);
+    ResolvedSpecies species(const Species& species, const std::vector<double>& wavelength_nm,
+                            const HostAt& host);
+    /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself
+    /// takes the real part of the host's index).
+    void set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
+                             ResolvedMedium& medium);
+    void note_strong_host(const HostAt& host, double k, double nm, const ResolvedMedium& medium);
+    void set_packing(ResolvedMedium& medium);
+    void note_crowding(const ResolvedSpecies& species, double change);
+    static void require_particles(const Layer& layer);
+    /// The medium of a layer at the wavelength of its depth.
+    ResolvedMedium reference(const Layer& layer);
+
+    const Scene& scene_;
+    double some_nm_;
+    Materials materials_;
+    std::vector<std::string> sources_, notes_;
+};
+
+/// Whether a scene lies on a mirror.
+bool has_mirror(const Scene& scene);
+/// Whether there is anything but air between particles.
+bool has_host(const Host& host);
+
+}  // namespace miebrdf
