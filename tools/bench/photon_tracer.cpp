@@ -137,25 +137,22 @@ class Tracer {
                 depth = 0;
                 continue;
             }
+            const TracedLayer* layer = nullptr;  // or the ground
             if (ground_albedo_ && depth >= bottom_) {
                 depth = bottom_;
                 weight *= *ground_albedo_;
                 look_at_ground(weight);
-                d = diffusely_up(random);
             } else {
-                const TracedLayer& layer = layer_at(depth);
-                weight *= layer.single_scattering_albedo;
-                look(layer.law, d, depth, weight);
-                const double cos_theta = layer.law.sample(random.uniform());
-                d = scattered(d, cos_theta, 2 * M_PI * random.uniform());
-                const double norm = 1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-                d = {d.x * norm, d.y * norm, d.z * norm};
+                layer = &layer_at(depth);
+                weight *= layer->single_scattering_albedo;
+                look(layer->law, d, depth, weight);
             }
             if (weight == 0) return fate;
             if (weight < kRouletteBelow) {
                 if (random.uniform() > kSurvival) return fate;
                 weight /= kSurvival;
             }
+            d = layer == nullptr ? diffusely_up(random) : turned(d, layer->law, random);
         }
         fate.inside = weight;
         return fate;
@@ -182,6 +179,13 @@ class Tracer {
         const BoundaryExit exit = meet_boundary(boundary_, false, d, random);
         d = exit.direction;
         return !exit.into_medium;
+    }
+
+    static RayDirection turned(RayDirection d, const ScatteringLaw& law, RandomStream& random) {
+        const double cos_theta = law.sample(random.uniform());
+        d = scattered(d, cos_theta, 2 * M_PI * random.uniform());
+        const double norm = 1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+        return {d.x * norm, d.y * norm, d.z * norm};
     }
 
     static RayDirection diffusely_up(RandomStream& random) {
