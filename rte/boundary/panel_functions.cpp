@@ -40,9 +40,14 @@ PanelFunctions::PanelFunctions(const RefractionGrid& grid, double index)
 }
 
 PanelFunctions::Position PanelFunctions::inside_at(double mu) const {
-    const double mu_air2 = index_ * index_ * mu * mu - (index_ - 1.0) * (index_ + 1.0);
-    if (mu_air2 > 0.0) return in_air_at(std::sqrt(mu_air2));
-    return {0, panel_variable(grid_.panels().front(), mu)};
+    const std::vector<RefractionPanel>& panels = grid_.panels();
+    for (std::size_t k = panels.size(); k-- > 1;) {
+        // n^2 (1 - mu^2) = high^2 (1 - c^2): c is the cosine where this panel ends.
+        const double high = panels[k].high;
+        const double c2 = index_ * index_ * mu * mu - (index_ - high) * (index_ + high);
+        if (c2 > 0.0) return {k, panel_variable(panels[k], std::sqrt(c2) / high)};
+    }
+    return {0, panel_variable(panels.front(), mu)};
 }
 
 PanelFunctions::Position PanelFunctions::in_air_at(double mu_air) const {

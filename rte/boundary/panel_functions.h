@@ -9,11 +9,11 @@
 namespace miebrdf::rte {
 
 /// The Lagrange functions of a grid for one index: each belongs to one node, is a polynomial of the
-/// Gauss variable t in its panel and 0 in the other. In odd Fourier orders, where radiance has the
-/// factor sin(theta), so have they: (q / q_p) l_p, q = n sin(theta).
+/// Gauss variable t in its panel and 0 in all others. In odd Fourier orders, where radiance has the
+/// factor sin(theta), so have they: (q / q_p) l_p, q = n sin(theta). `index` is the largest of the
+/// grid.
 class PanelFunctions {
   public:
-    /// @param grid  RefractionGrid({index}, streams)
     PanelFunctions(const RefractionGrid& grid, double index);
 
     /// Functions of all nodes, and in air of the last ones.

@@ -9,13 +9,16 @@
 namespace miebrdf::rte {
 namespace {
 
-void check_rough_boundary(double index, const RoughSurface& surface, int streams, int orders) {
+const RefractionGrid& checked(const RefractionGrid& grid, double index, const RoughSurface& surface,
+                              int orders) {
     if (!(index >= 1.05 && index <= 3.0)) throw UsageError("index", index, "1.05 to 3");
     if (!(surface.alpha >= 1e-6 && surface.alpha <= 1.0)) {
         throw UsageError("alpha", surface.alpha, "1e-6 to 1");
     }
-    if (!(streams >= 4 && streams <= 256)) throw UsageError("streams", streams, "4 to 256");
+    const auto nodes = int(grid.size());
+    if (!(nodes >= 4 && nodes <= 256)) throw UsageError("streams", nodes, "4 to 256");
     if (!(orders >= 1)) throw UsageError("orders", orders, "at least 1");
+    return grid;
 }
 
 /// From the energies K_pq that go from q to p: reciprocal light has K_pq g_q / g_p = K_qp g_p /
@@ -72,11 +75,12 @@ Eigen::VectorXd equilibrium(const RefractionGrid& grid, double index) {
 
 }  // namespace
 
-RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, int streams, int orders)
-    : index_((check_rough_boundary(index, surface, streams, orders), index)),
+RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const RefractionGrid& grid,
+                             int orders)
+    : index_(index),
       surface_(surface),
       order_count_(orders),
-      grid_({index}, streams),
+      grid_(checked(grid, index, surface, orders)),
       functions_(std::in_place, grid_, index),
       walk_(std::in_place, index, surface, orders),
       d_(flux_weights_of(grid_, index)),
@@ -111,7 +115,7 @@ RoughBoundary::RoughBoundary(double index,
       grid_({index}, int(neighbours[0]->grid_.size())),
       d_(flux_weights_of(grid_, index)),
       g_(equilibrium(grid_, index)) {
-    check_rough_boundary(index, surface_, int(grid_.size()), order_count_);
+    checked(grid_, index, surface_, order_count_);
     const auto weights = lagrange_weights(
         {neighbours[0]->index_, neighbours[1]->index_, neighbours[2]->index_}, index);
     for (std::size_t k = 0; k < 3; ++k) neighbours_.push_back({neighbours[k], weights[k]});

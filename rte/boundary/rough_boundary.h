@@ -40,18 +40,24 @@ struct LightFromAir {
 /// is lost or won.
 class RoughBoundary {
   public:
-    /// The grid is RefractionGrid({index}, streams). 35 to 90 ms for 24 streams and 12 orders.
+    /// 35 to 90 ms for 24 nodes and 12 orders.
     /// @param index  of the medium, 1.05 to 3; below, nearly all light passes straight on through
     ///               many facets, for which FacetWalk has too few nodes
-    /// @param streams  4 to 256
+    /// @param grid   whose largest index this is: RefractionGrid({index}, streams), or what a grid
+    ///               of several media has within() it; 4 to 256 nodes
     /// @param orders  at least 1: Fourier orders 0 ... orders - 1
     /// @throws UsageError  for an argument out of range
-    RoughBoundary(double index, const RoughSurface& surface, int streams, int orders);
+    RoughBoundary(double index, const RoughSurface& surface, const RefractionGrid& grid,
+                  int orders);
+    /// The grid of one medium.
+    RoughBoundary(double index, const RoughSurface& surface, int streams, int orders)
+        : RoughBoundary(index, surface, RefractionGrid({index}, streams), orders) {}
 
     /// The same for an index between three others, by a parabola through their matrices: hosts have
     /// an index that changes slowly with the wavelength, and matrices take thousands of times
     /// longer to make than to interpolate.
-    /// @param neighbours  of the same surface, streams and orders, with three different indices
+    /// @param neighbours  of the same surface, nodes and orders, of one medium each, with three
+    ///                    different indices
     RoughBoundary(double index, std::array<std::shared_ptr<const RoughBoundary>, 3> neighbours);
 
     double index() const { return index_; }

@@ -25,18 +25,17 @@ constexpr int kLastStep = 180;  // index 3
 
 struct KeptBoundary {
     Boundary kind;
-    int streams;
     std::shared_ptr<const RoughBoundary> boundary;
 };
 
 class KeptBoundaries {
   public:
-    std::shared_ptr<const RoughBoundary> find(double index, const Boundary& kind, int streams,
-                                              int orders) {
+    std::shared_ptr<const RoughBoundary> find(double index, const Boundary& kind,
+                                              const RefractionGrid& grid, int orders) {
         const std::lock_guard lock(mutex_);
         const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const KeptBoundary& one) {
-            return one.boundary->index() == index && one.kind == kind && one.streams == streams &&
-                   one.boundary->orders() >= orders;
+            return one.boundary->index() == index && one.kind == kind &&
+                   one.boundary->grid() == grid && one.boundary->orders() >= orders;
         });
         if (found == kept_.end()) return nullptr;
         kept_.splice(kept_.begin(), kept_, found);
@@ -61,8 +60,9 @@ std::shared_ptr<const RoughBoundary> between_steps(double index, Boundary kind, 
     kind.matrices = BoundaryMatrices::followed;
     std::array<std::shared_ptr<const RoughBoundary>, 3> neighbours;
     for (int k = 0; k < 3; ++k) {
+        const double step = kFirstIndex + (first + k) * kIndexStep;
         neighbours[std::size_t(k)] =
-            shared_rough_boundary(kFirstIndex + (first + k) * kIndexStep, kind, streams, orders);
+            shared_rough_boundary(step, kind, RefractionGrid({step}, streams), orders);
     }
     return std::make_shared<const RoughBoundary>(index, std::move(neighbours));
 }
@@ -70,33 +70,38 @@ std::shared_ptr<const RoughBoundary> between_steps(double index, Boundary kind, 
 }  // namespace
 
 std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& kind,
-                                                           int streams, int orders) {
+                                                           const RefractionGrid& grid, int orders) {
     static KeptBoundaries kept;
-    if (auto known = kept.find(index, kind, streams, orders)) return known;
+    if (auto known = kept.find(index, kind, grid, orders)) return known;
     const RoughSurface surface{kind.roughness, kind.distribution};
-    auto made = kind.matrices == BoundaryMatrices::interpolated && index >= kFirstIndex
-                    ? between_steps(index, kind, streams, orders)
-                    : std::make_shared<const RoughBoundary>(index, surface, streams, orders);
-    kept.keep({kind, streams, made});
+    // Panels of several media move with each of their indices.
+    const bool is_one_medium = grid.panels().size() == 2;
+    const bool is_interpolated =
+        kind.matrices == BoundaryMatrices::interpolated && is_one_medium && index >= kFirstIndex;
+    auto made = is_interpolated
+                    ? between_steps(index, kind, int(grid.size()), orders)
+                    : std::make_shared<const RoughBoundary>(index, surface, grid, orders);
+    kept.keep({kind, made});
     return made;
 }
 
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
                                  const Eigen::VectorXd& mu_air) {
     constexpr int streams = 16;  // facets know nothing of the medium's nodes
-    return shared_rough_boundary(index, boundary, streams, 1)->from_air(mu_air).lobe_scale;
+    const RefractionGrid grid({index}, streams);
+    return shared_rough_boundary(index, boundary, grid, 1)->from_air(mu_air).lobe_scale;
 }
 
-RoughTop::RoughTop(double index, const Boundary& boundary, int streams,
+RoughTop::RoughTop(double index, const Boundary& boundary, const RefractionGrid& grid,
                    const RequestedDirections& requested)
-    : index_(index), kind_(boundary), streams_(streams), requested_(requested) {}
+    : index_(index), kind_(boundary), grid_(grid), requested_(requested) {}
 
 void RoughTop::need_orders(int count) {
     if (boundary_ != nullptr && boundary_->orders() >= count) return;
     // What a request at the zenith alone and an albedo need is order 0.
     int orders = boundary_ == nullptr && count == 1 ? 1 : kFirstOrders;
     while (orders < count) orders *= 2;
-    boundary_ = shared_rough_boundary(index_, kind_, streams_, orders);
+    boundary_ = shared_rough_boundary(index_, kind_, grid_, orders);
     light_ = boundary_->from_air(requested_.mu);
 }
 

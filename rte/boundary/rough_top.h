@@ -10,8 +10,9 @@ namespace miebrdf::rte {
 
 /// Boundaries that were made before in this process, with at least that many orders; the most
 /// recently used ones are kept (some MB). Thread-safe.
+/// @param grid  as RoughBoundary's
 std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& boundary,
-                                                           int streams, int orders);
+                                                           const RefractionGrid& grid, int orders);
 
 /// LightFromAir::lobe_scale at any cosines.
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
@@ -20,8 +21,9 @@ Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
 /// Not thread-safe.
 class RoughTop {
   public:
+    /// @param grid       as RoughBoundary's
     /// @param requested  in air; must outlive this
-    RoughTop(double index, const Boundary& boundary, int streams,
+    RoughTop(double index, const Boundary& boundary, const RefractionGrid& grid,
              const RequestedDirections& requested);
 
     /// Reflection of one Fourier order by `below` seen from air. Light that does not enter is left
@@ -36,7 +38,7 @@ class RoughTop {
 
     double index_;
     Boundary kind_;
-    int streams_;
+    RefractionGrid grid_;
     const RequestedDirections& requested_;
     std::shared_ptr<const RoughBoundary> boundary_;
     LightFromAir light_;

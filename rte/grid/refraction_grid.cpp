@@ -74,6 +74,21 @@ RefractionGrid::RefractionGrid(std::vector<double> indices, int count) {
     }
 }
 
+RefractionGrid RefractionGrid::within(double index) const {
+    RefractionGrid part = *this;
+    const Eigen::Index count = nodes_below(index);
+    part.t_ = t_.tail(count);
+    part.weight_ = weight_.tail(count);
+    std::erase_if(part.panels_, [&](const RefractionPanel& panel) { return panel.high > index; });
+    for (RefractionPanel& panel : part.panels_) panel.first -= size() - count;
+    return part;
+}
+
+// Nodes follow from their number.
+bool RefractionGrid::operator==(const RefractionGrid& other) const {
+    return panels_ == other.panels_;
+}
+
 Eigen::Index RefractionGrid::nodes_below(double index) const {
     Eigen::Index count = 0;
     for (const RefractionPanel& panel : panels_) {

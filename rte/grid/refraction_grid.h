@@ -17,6 +17,8 @@ struct RefractionPanel {
     /// widest * t; t are Gauss nodes on (0, 1).
     bool mapped = false;
     double widest = 1.0;  ///< (1 - low^2 / high^2)^(1/2)
+
+    bool operator==(const RefractionPanel&) const = default;
 };
 
 /// Nodes in q, descending, so that the cosine ascends in every medium. One panel for each interval
@@ -28,6 +30,11 @@ class RefractionGrid {
     /// @param count    nodes in all; every panel gets at least one
     /// Air (index 1) is above them.
     RefractionGrid(std::vector<double> indices, int count);
+
+    /// The part with n sin(theta) below one of the indices: what light of that medium has.
+    RefractionGrid within(double index) const;
+
+    bool operator==(const RefractionGrid& other) const;
 
     Eigen::Index size() const { return t_.size(); }
     const std::vector<RefractionPanel>& panels() const { return panels_; }

@@ -160,17 +160,10 @@ void require_index(double index) {
 }
 
 // Below the least index nearly all light passes the facets straight on.
-void require_one_host(const Stack& stack) {
+void require_rough_index(const Stack& stack) {
     const double top = top_index(stack);
     if (!(top - 1.0 < kLeastIndexStep || top >= kLeastRoughIndex))
         throw UsageError("host_index", top, "1, or 1.05 to 3 below a rough boundary");
-    const bool same_base = stack.base_kind != BaseKind::half_space || stack.base_index == top;
-    const bool same = same_base && std::all_of(stack.coats.begin(), stack.coats.end(),
-                                               [=](const Coat& coat) { return coat.index == top; });
-    if (!same) {
-        throw UsageError(
-            "below a rough boundary all layers need the same host; give one, or a smooth boundary");
-    }
 }
 
 // Indices matter for boundaries and mirrors only.
@@ -184,7 +177,7 @@ void validate_indices(const Stack& stack) {
     }
     if (stack.boundary) {
         validate(*stack.boundary);
-        if (stack.boundary->is_rough()) require_one_host(stack);
+        if (stack.boundary->is_rough()) require_rough_index(stack);
     }
     if (stack.base_kind == BaseKind::half_space || stack.coats.empty())
         require_index(stack.base_index);

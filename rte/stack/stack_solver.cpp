@@ -129,8 +129,8 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
     }
     memory_.modes.resize(requested_.size());
     if (is_rough) {
-        rough_top_.emplace(stack.top_index, *stack.boundary, int(grids.refraction().size()),
-                           requested);
+        rough_top_.emplace(stack.top_index, *stack.boundary,
+                           grids.refraction().within(stack.top_index), requested);
     }
 }
 

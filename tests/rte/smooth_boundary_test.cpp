@@ -293,6 +293,30 @@ TEST_CASE("a rough boundary conserves energy and tends to the smooth one", "[rte
         CHECK(std::abs(close.reflection[o] - limit.reflection[o]) <= 5e-3 * limit.reflection[o]);
 }
 
+TEST_CASE("below a rough boundary layers may have several hosts", "[rte][boundary]") {
+    const double below = GENERATE(1.33, 1.6), above = GENERATE(1.0, 1.45);
+    const auto two_hosts = [&](double albedo, double roughness) {
+        rte::Stack stack = half_space(rte::henyey_greenstein_optics(albedo, 0.5), below);
+        stack.coats = {{rte::henyey_greenstein_optics(albedo, 0.3), 0.4, 1.45}};
+        if (above == 1.0) {  // the denser one on top
+            stack.base_index = 1.2;
+            stack.coats.front().index = below;
+        }
+        stack.boundary->roughness = roughness;
+        return stack;
+    };
+    CAPTURE(below, above);
+    // Three panels share the nodes.
+    const auto white = rte::albedo(two_hosts(1.0, 0.2), {0.1, 0.5, 1.0}, {.streams = 36});
+    for (const double albedo : white.plane_albedo) CHECK(std::abs(albedo - 1.0) <= 1e-8);
+    // The slope parameter is not 0 yet.
+    const rte::Directions away{{0.7}, {0.5, 0.9}, {120}};
+    const auto limit = rte::reflect(two_hosts(0.95, 0.0), away, {.streams = 36});
+    const auto close = rte::reflect(two_hosts(0.95, 0.02), away, {.streams = 36});
+    for (std::size_t o = 0; o < 2; ++o)
+        CHECK(std::abs(close.reflection[o] - limit.reflection[o]) <= 1e-2 * limit.reflection[o]);
+}
+
 TEST_CASE("what a rough boundary reflects in all directions adds up to its albedo",
           "[rte][boundary]") {
     rte::Stack stack = half_space(rte::henyey_greenstein_optics(0.9, 0.4), 1.5);
