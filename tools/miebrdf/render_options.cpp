@@ -118,10 +118,22 @@ std::string value_at(const std::string& word, std::size_t k, std::size_t count) 
     return result;
 }
 
+/// Mixtures and hosts ("A + B in PMMA") have spaces of their own.
 std::vector<Word> words_of(const std::string& text) {
-    std::vector<Word> words;
+    std::vector<std::string> parts;
+    bool is_open = false;  // what follows "+" or "in" belongs to the medium before it
     for (const std::string& part : CLI::detail::split_up(text)) {
         if (part.empty()) continue;
+        const bool joins = part == "+" || part == "in";
+        if ((joins || is_open) && !parts.empty()) {
+            parts.back() += ' ' + part;
+        } else {
+            parts.push_back(part);
+        }
+        is_open = joins;
+    }
+    std::vector<Word> words;
+    for (const std::string& part : parts) {
         const std::size_t equals = part.find('=');
         if (equals == std::string::npos) {
             words.push_back({part, ""});
