@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <miebrdf/error.h>
@@ -18,10 +19,10 @@
 namespace miebrdf::report {
 namespace {
 
-/// What the basis columns may leave out, over the size of a row: little beside interpolation.
-constexpr double kRankTolerance = 5e-5;
-/// Orders at the end of a series that add up to less than this share of its mean are left out.
-constexpr double kOrderTolerance = 5e-5;
+/// What the basis columns may leave out, over the largest value at an incidence.
+constexpr double kRankTolerance = 2e-4;
+/// What the orders at the end of a series may add up to that are left out, likewise.
+constexpr double kOrderTolerance = 2e-4;
 /// Slope parameter of the lobe that shows the mirror reflection of a smooth boundary in pictures.
 constexpr double kMirrorAlpha = 0.02;
 /// Most azimuthal orders of light scattered once that is put into the series.
@@ -67,9 +68,8 @@ void add_series(const std::vector<double>& samples, double factor, std::vector<d
     }
 }
 
-/// Orders before a tail of less than the tolerance, over the first of the series; at least one.
-std::size_t needed_orders(const std::vector<double>& series, double tolerance) {
-    const double allowed = tolerance * std::abs(series.front());
+/// Orders before a tail that adds up to no more than is allowed; at least one.
+std::size_t needed_orders(const std::vector<double>& series, double allowed) {
     double tail = 0.0;
     std::size_t count = series.size();
     while (count > 1 && tail + std::abs(series[count - 1]) <= allowed)
@@ -173,13 +173,13 @@ void PageTable::add_once(const BrdfTable::State& state, const Control& control) 
         table = every_other;
         scale = row_scale(table);
     }
-    once_ = reduce_rank(table, std::move(scale), kRankTolerance);
+    once_ = reduce_rank(table, std::move(scale), Eigen::VectorXd::Ones(table.cols()),
+                        kRankTolerance);
 }
 
 void PageTable::add_multiple(const BrdfTable::State& state, int cosines, const Control& control) {
     pair_cosines_ = cosines;
     const std::vector<double> nodes = half_sine_nodes(cosines);
-    const auto pairs = std::size_t(cosines * (cosines + 1) / 2);
     std::vector<std::vector<std::vector<double>>> series(wavelengths_);  // [wavelength][pair]
     std::vector<double> cos_azimuth;
     const int samples = 2 * kMostOnceOrders;
@@ -216,28 +216,64 @@ void PageTable::add_multiple(const BrdfTable::State& state, int cosines, const C
             }
         }
     });
+    keep_orders(series, cosines);
+}
+
+/// Errors of a pair of cosines count beside the largest value at either incidence; what is small
+/// everywhere at a wavelength counts beside its own.
+void PageTable::keep_orders(const std::vector<std::vector<std::vector<double>>>& series,
+                            int cosines) {
+    const std::vector<double> nodes = half_sine_nodes(cosines);
+    const auto pairs = std::size_t(cosines * (cosines + 1) / 2);
+    const auto each_pair = [&](const auto& action) {
+        std::size_t p = 0;
+        for (int i = 0; i < cosines; ++i) {
+            for (int o = i; o < cosines; ++o, ++p)
+                action(p, std::size_t(i), std::size_t(o), nodes[std::size_t(i)] + nodes[std::size_t(o)]);
+        }
+    };
+    Eigen::MatrixXd largest = Eigen::MatrixXd::Zero(cosines, Eigen::Index(wavelengths_));
+    for (std::size_t w = 0; w < wavelengths_; ++w) {
+        each_pair([&](std::size_t p, std::size_t i, std::size_t o, double mu_sum) {
+            if (i == 0 || o == 0) return;  // the horizon is no direction
+            const double mean = std::abs(series[w][p].front()) / mu_sum;
+            for (const std::size_t at : {i, o}) {
+                double& most = largest(Eigen::Index(at), Eigen::Index(w));
+                most = std::max(most, mean);
+            }
+        });
+    }
+    largest.row(0) = largest.row(1);
+    Eigen::VectorXd of_wavelength = largest.row(cosines - 1);
+    const auto unit = [&](std::size_t i, std::size_t o, double mu_sum, std::size_t w) {
+        return mu_sum * std::min(largest(Eigen::Index(i), Eigen::Index(w)),
+                                 largest(Eigen::Index(o), Eigen::Index(w)));
+    };
     orders_.assign(pairs, 1);
     first_row_.assign(pairs, 0);
     int rows = 0;
-    for (std::size_t p = 0; p < pairs; ++p) {
-        for (std::size_t w = 0; w < wavelengths_; ++w)
-            orders_[p] = std::max(orders_[p], int(needed_orders(series[w][p], kOrderTolerance)));
+    each_pair([&](std::size_t p, std::size_t i, std::size_t o, double mu_sum) {
+        for (std::size_t w = 0; w < wavelengths_; ++w) {
+            const double allowed = kOrderTolerance * unit(i, o, mu_sum, w);
+            orders_[p] = std::max(orders_[p], int(needed_orders(series[w][p], allowed)));
+        }
         first_row_[p] = rows;
         rows += orders_[p];
-    }
+    });
     Eigen::MatrixXd table = Eigen::MatrixXd::Zero(rows, Eigen::Index(wavelengths_));
     Eigen::VectorXd scale(rows);
-    for (std::size_t p = 0; p < pairs; ++p) {
+    each_pair([&](std::size_t p, std::size_t i, std::size_t o, double mu_sum) {
+        double least = std::numeric_limits<double>::infinity();
         for (std::size_t w = 0; w < wavelengths_; ++w) {
+            const double own = of_wavelength[Eigen::Index(w)];
             const auto count = std::min(series[w][p].size(), std::size_t(orders_[p]));
             for (std::size_t m = 0; m < count; ++m)
                 table(first_row_[p] + Eigen::Index(m), Eigen::Index(w)) = series[w][p][m];
+            if (own > 0.0) least = std::min(least, unit(i, o, mu_sum, w) / own);
         }
-        // What matters of an order is how large it is beside the mean of its pair.
-        const double mean = table.row(first_row_[p]).cwiseAbs().maxCoeff();
-        scale.segment(first_row_[p], orders_[p]).setConstant(mean);
-    }
-    multiple_ = reduce_rank(table, std::move(scale), kRankTolerance);
+        scale.segment(first_row_[p], orders_[p]).setConstant(std::isfinite(least) ? least : 0.0);
+    });
+    multiple_ = reduce_rank(table, std::move(scale), std::move(of_wavelength), kRankTolerance);
 }
 
 }  // namespace miebrdf::report

@@ -12,26 +12,7 @@ extern const char miebrdf_report_page_end[];
 }
 
 namespace miebrdf::report {
-namespace {
-
-/// JSON that may stand inside a <script>: nothing in it can end the element.
-std::string inside_script(const nlohmann::json& data) {
-    const std::string text = data.dump();
-    std::string safe;
-    safe.reserve(text.size());
-    for (const char c : text) {
-        if (c == '<') {
-            safe += "\\u003c";
-        } else {
-            safe += c;
-        }
-    }
-    return safe;
-}
-
-}  // namespace
-
-std::string make_page(const nlohmann::json& data, const std::string& title) {
+std::string make_page(const std::string& data, const std::string& title) {
     const std::string_view page(miebrdf_report_page,
                                 std::size_t(miebrdf_report_page_end - miebrdf_report_page));
     constexpr std::string_view kTitle = "@TITLE@", kData = "@DATA@";
@@ -41,7 +22,7 @@ std::string make_page(const nlohmann::json& data, const std::string& title) {
     std::string text(page.substr(0, title_at));
     text += escape_markup(title);
     text += page.substr(title_at + kTitle.size(), data_at - title_at - kTitle.size());
-    text += inside_script(data);
+    text += data;
     text += page.substr(data_at + kData.size());
     return text;
 }

@@ -59,7 +59,7 @@ PageTable::PageTable(const BrdfTable& table, double tolerance, const Control& co
     if (state.scene.surface) add_surface(state);
     if (state.scene.boundary) add_boundary(state);
     add_once(state, control);
-    for (const int cosines : {17, 25, 49}) {
+    for (const int cosines : {17, 25, 33, 49}) {
         add_multiple(state, cosines, control);
         error_ = measure(table);
         if (error_ <= tolerance) return;
@@ -128,7 +128,8 @@ Eigen::VectorXd PageTable::scattered_more(const Direction& direction) const {
             }
         }
     }
-    return multiple_.coefficients.transpose() * in_basis / (direction.mu_in + direction.mu_out);
+    return multiple_.column_scale.cwiseProduct(multiple_.coefficients.transpose() * in_basis) /
+           (direction.mu_in + direction.mu_out);
 }
 
 Eigen::VectorXd PageTable::scattered_once(const Direction& direction) const {

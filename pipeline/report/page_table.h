@@ -70,6 +70,8 @@ class PageTable {
     void add_boundary(const BrdfTable::State& state);
     void add_once(const BrdfTable::State& state, const Control& control);
     void add_multiple(const BrdfTable::State& state, int cosines, const Control& control);
+    /// @param series  [wavelength][pair], (mu_in + mu_out) times the coefficients
+    void keep_orders(const std::vector<std::vector<std::vector<double>>>& series, int cosines);
     void add_lobe(const Direction& direction, std::vector<double>& brdf) const;
     Eigen::VectorXd scattered_once(const Direction& direction) const;
     Eigen::VectorXd scattered_more(const Direction& direction) const;

@@ -22,54 +22,55 @@ using nlohmann::json;
 /// Of the phase functions shown: a line's width in a chart over seven decades is 1 %.
 constexpr double kPhaseTolerance = 1e-3;
 
-json table_json(const PageTable& table) {
+/// Nodes of what a uniform sky makes of a scene, and what stands for the horizon there.
+constexpr int kSkyCosines = 17;
+constexpr double kLeastCosine = 1e-3;
+
+json table_json(const PageTable& table, PageBytes& bytes) {
     json all = {{"cosines", table.pair_cosines()},
-                {"orders", table.orders()},
-                {"multiple", packed(table.multiple())},
+                {"orders", bytes.add(std::span<const int>(table.orders()))},
+                {"multiple", bytes.add(table.multiple())},
                 {"angles", table.angles()},
                 {"slants", table.slants()},
                 {"first_q", PageTable::kFirstQ},
                 {"last_q", PageTable::kLastQ}};
-    if (table.angles() > 0) all["once"] = packed(table.once());
+    if (table.angles() > 0) all["once"] = bytes.add(table.once());
     if (!table.in().empty()) {
-        all["in"] = packed(table.in());
-        all["out"] = packed(table.out());
+        all["in"] = bytes.add(table.in());
+        all["out"] = bytes.add(table.out());
     }
     if (const auto& lobe = table.lobe()) {
         static constexpr const char* kShadowing[] = {"correlated", "separable", "v-cavity"};
         all["lobe"] = {{"ggx", lobe->ggx},
                        {"alpha", lobe->alpha},
                        {"shadowing", kShadowing[int(lobe->shadowing)]},
-                       {"masking", packed(lobe->masking)},
-                       {"fresnel", packed(lobe->fresnel)},
+                       {"masking", bytes.add(std::span<const double>(lobe->masking))},
+                       {"fresnel", bytes.add(lobe->fresnel)},
                        {"only_in_pictures", lobe->only_in_pictures}};
-        if (!lobe->scale.empty()) all["lobe"]["scale"] = packed(lobe->scale);
+        if (!lobe->scale.empty()) all["lobe"]["scale"] = bytes.add(lobe->scale);
     }
     return all;
 }
 
 /// Share of uniform light from the whole sky that leaves towards mu_out, over that of a white
-/// Lambertian surface, [angle][wavelength].
+/// Lambertian surface, [wavelength] at the nodes of cosines.
 ///
 /// By reciprocity it is the plane albedo at mu_out. The paper's coupling to a surface is not
 /// reciprocal: there the layers' part is integrated over all incidences, and the lobe's, which is
 /// reciprocal, is what the surface does not let in.
-std::vector<std::vector<double>> sky_reflection(const PageTable& table, const AlbedoValues& albedo,
-                                                const Scene& scene) {
+std::vector<std::vector<double>> sky_reflection(const PageTable& table, const Brdf& brdf) {
     const std::size_t count = table.wavelengths();
-    std::vector<std::vector<double>> sky;
-    if (!scene.surface || scene.coupling != rte::SurfaceCoupling::paper) {
-        for (std::size_t a = 0; a < albedo.mu_in.size(); ++a) {
-            std::vector<double>& row = sky.emplace_back();
-            for (std::size_t w = 0; w < count; ++w) row.push_back(albedo.plane_albedo[w][a]);
-        }
-        return sky;
-    }
+    std::vector<double> nodes = half_sine_nodes(kSkyCosines);
+    nodes.front() = kLeastCosine;
+    const Scene& scene = brdf.scene();
+    if (!scene.surface || scene.coupling != rte::SurfaceCoupling::paper)
+        return brdf.albedo(nodes).plane_albedo;
+    std::vector<std::vector<double>> sky(count);
     // Midpoint rules in angles: smooth, and 0 at both ends by the cosine and the sine.
     constexpr int kZeniths = 24, kAzimuths = 16;
     std::vector<double> values;
-    for (const double mu_out : albedo.mu_in) {
-        std::vector<double>& row = sky.emplace_back(count, 0.0);
+    for (const double mu_out : nodes) {
+        std::vector<double> row(count, 0.0);
         for (int z = 0; z < kZeniths; ++z) {
             const double theta = 0.5 * std::numbers::pi * (z + 0.5) / kZeniths;
             const double weight = 0.5 * std::numbers::pi / kZeniths * std::sin(theta) *
@@ -80,15 +81,16 @@ std::vector<std::vector<double>> sky_reflection(const PageTable& table, const Al
                 for (std::size_t w = 0; w < count; ++w) row[w] += weight * values[w];
             }
         }
-        for (std::size_t w = 0; w < count; ++w) row[w] += 1.0 - table.let_in(w, mu_out);
+        for (std::size_t w = 0; w < count; ++w)
+            sky[w].push_back(row[w] + 1.0 - table.let_in(w, mu_out));
     }
     return sky;
 }
 
-json albedo_json(const AlbedoValues& albedo) {
-    json all = {{"plane", packed(albedo.plane_albedo)},
-                {"spherical", packed(albedo.spherical_albedo)}};
-    if (!albedo.mirror_reflectance.empty()) all["mirror"] = packed(albedo.mirror_reflectance);
+json albedo_json(const AlbedoValues& albedo, PageBytes& bytes) {
+    json all = {{"plane", bytes.add(albedo.plane_albedo)},
+                {"spherical", bytes.add(std::span<const double>(albedo.spherical_albedo))}};
+    if (!albedo.mirror_reflectance.empty()) all["mirror"] = bytes.add(albedo.mirror_reflectance);
     return all;
 }
 
@@ -114,7 +116,7 @@ std::string place_of(const Scene& scene, std::size_t medium) {
 }
 
 json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const Control& control,
-                bool& converged) {
+                PageBytes& bytes, bool& converged) {
     const ResolvedScene& scene = brdf.state().resolved;
     std::vector<std::size_t> media(scene.media.size() - scene.first_medium());
     std::iota(media.begin(), media.end(), scene.first_medium());
@@ -126,19 +128,20 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
     json all = json::array();
     for (std::size_t m = 0; m < media.size(); ++m) {
         const ResolvedMedium& medium = scene.media[media[m]];
-        std::vector<double> albedo, asymmetry, log_phase;
+        std::vector<double> albedo, asymmetry;
+        std::vector<int> log_phase;  // thousandths
         for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w) {
             const MediumOptics& at = optics[w][media[m]];
             converged = converged && at.converged;
             albedo.push_back(at.optics.single_scattering_albedo);
             asymmetry.push_back(at.asymmetry);
-            for (const double p : at.phase) log_phase.push_back(std::log10(std::max(p, 1e-30)));
+            for (const double p : at.phase) log_phase.push_back(int(std::lround(1e3 * std::log10(std::max(p, 1e-30)))));
         }
         json one = {{"place", place_of(brdf.scene(), media[m])},
                     {"name", describe(medium.medium)},
-                    {"albedo", packed(albedo)},
-                    {"asymmetry", packed(asymmetry)},
-                    {"log_phase", packed(log_phase)},
+                    {"albedo", bytes.add(std::span<const double>(albedo))},
+                    {"asymmetry", bytes.add(std::span<const double>(asymmetry))},
+                    {"log_phase", bytes.add(std::span<const int>(log_phase))},
                     {"species", json::array()}};
         for (const ResolvedSpecies& species : medium.species) {
             if (!species.needs_mie()) continue;
@@ -148,14 +151,14 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
                 k.push_back(particles.index.imag());
             }
             one["species"].push_back(
-                {{"name", describe(species.species)}, {"n", packed(n)}, {"k", packed(k)}});
+                {{"name", describe(species.species)}, {"n", bytes.add(std::span<const double>(n))}, {"k", bytes.add(std::span<const double>(k))}});
         }
         std::vector<double> depth;
         for (const LayerOptics& layer : layers) {
             if (layer.layer == one["place"]) depth.push_back(layer.optical_depth);
         }
         if (std::all_of(depth.begin(), depth.end(), [](double d) { return std::isfinite(d); }))
-            one["depth"] = packed(depth);
+            one["depth"] = bytes.add(std::span<const double>(depth));
         all.push_back(std::move(one));
     }
     return all;
@@ -204,11 +207,11 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
                         {"converged", converged},
                         {"error_estimate", solved.report().error_estimate()},
                         {"interpolation_error", table.interpolation_error()},
-                        {"table", table_json(table)},
-                        {"albedo", albedo_json(albedo)},
-                        {"sky", packed(sky_reflection(table, albedo, brdf.scene()))},
+                        {"table", table_json(table, data.bytes)},
+                        {"albedo", albedo_json(albedo, data.bytes)},
+                        {"sky", data.bytes.add(sky_reflection(table, brdf))},
                         {"omissions", omissions_json(plan)}};
-            one["media"] = media_json(brdf, phase_angles, control, data.converged);
+            one["media"] = media_json(brdf, phase_angles, control, data.bytes, data.converged);
             variants.push_back(std::move(one));
         }
         const std::vector<double>& wavelength_nm = scene.variants.front().brdf.wavelength_nm();
@@ -219,7 +222,7 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
                        {"illuminants", colour_weights(wavelength_nm)},
                        {"variants", std::move(variants)}});
     }
-    data.json = {{"version", std::string("miebrdf ") + kVersion},
+    data.root = {{"version", std::string("miebrdf ") + kVersion},
                  {"scenes", std::move(all)},
                  {"albedo_angles_deg", albedo_angles_deg()},
                  {"phase_angles_deg", phase_angles}};

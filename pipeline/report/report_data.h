@@ -1,4 +1,4 @@
-// What a report page shows, as JSON: BRDF, albedos, colours and single scattering of scenes.
+// What a report page shows: BRDF, albedos, colours and single scattering of scenes.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "pipeline/report/packed.h"
 
 namespace miebrdf::report {
 
@@ -32,10 +34,11 @@ struct ReportScene {
 };
 
 /// Largest interpolation error that a page aims at, relative to the largest value at an incidence.
-inline constexpr double kPageTolerance = 5e-4;
+inline constexpr double kPageTolerance = 7e-4;
 
 struct ReportData {
-    nlohmann::json json;
+    nlohmann::json root;
+    PageBytes bytes;  ///< the arrays that it names
     bool converged = true;
     double interpolation_error = 0.0;  ///< largest of all scenes (PageTable::interpolation_error)
 };

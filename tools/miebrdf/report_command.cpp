@@ -114,7 +114,7 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
             title += (title.empty() ? "" : " | ") + describe(named.request.scene);
     }
     const report::ReportData data = report::collect(scenes, shell.control());
-    const std::string page = report::make_page(data.json, title);
+    const std::string page = report::make_page(data.bytes.compressed(data.root), title);
     shell.write_text(page);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     Table files{.facts = {{"converged", std::string(data.converged ? "yes" : "no")},
