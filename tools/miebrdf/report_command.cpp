@@ -30,6 +30,19 @@ struct NamedRequest {
     Request request;
 };
 
+/// A scene in a few words: its materials without their sizes.
+std::string short_name(Scene scene) {
+    const auto shorten = [](Medium& medium) {
+        for (Species& species : medium.species) {
+            species.sizes = {};
+            species.density_g_cm3.reset();
+        }
+    };
+    shorten(scene.base);
+    for (Layer& layer : scene.layers) shorten(layer.medium);
+    return describe(scene);
+}
+
 /// `FILE.toml`, the scene of its first result, or `FILE.toml#2`, that of its second.
 NamedRequest read_named_scene(const std::string& text, const ReportArguments& arguments) {
     const std::size_t mark = text.rfind('#');
@@ -58,7 +71,10 @@ NamedRequest read_named_scene(const std::string& text, const ReportArguments& ar
 std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
     const bool typed = arguments.scene.given("base") || arguments.scene.given("substrate");
     std::vector<NamedRequest> all;
-    if (typed) all.push_back({"scene", arguments.scene.parse()});
+    if (typed) {
+        const Request request = arguments.scene.parse();
+        all.push_back({short_name(request.scene), request});
+    }
     for (const std::string& file : arguments.files) all.push_back(read_named_scene(file, arguments));
     if (all.empty()) {
         throw UsageError(
@@ -111,7 +127,7 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
     for (const NamedRequest& named : report_requests(arguments)) {
         scenes.push_back(solve_family(named, arguments, shell));
         if (arguments.title.empty())
-            title += (title.empty() ? "" : " | ") + describe(named.request.scene);
+            title += (title.empty() ? "" : " beside ") + named.name;
     }
     const report::ReportData data = report::collect(scenes, shell.control());
     const std::string page = report::make_page(data.bytes.compressed(data.root), title);

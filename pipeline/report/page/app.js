@@ -4,8 +4,8 @@ const App = (() => {
   const PI = Math.PI, { tag, cosine } = Panels;
 
   const view = {
-    member: 0, wavelength: 550, light: 'd65', show: 'colour', thetaIn: 30, thetaOut: 0, azimuth: 0, wholeThetaIn: 30,
-    object: 'sphere', exposure: 0, sky: 0, yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30,
+    member: 0, wavelength: 550, light: 'd65', show: 'colour', thetaIn: 30, thetaOut: 45, azimuth: 0, wholeThetaIn: 30,
+    object: 'sphere', exposure: 0, sky: 0.1, yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30,
     lobeYaw: 20, lobePitch: 25, lobeScale: 'linear', normal: null,
   };
 
@@ -72,7 +72,8 @@ const App = (() => {
     const coloured = scenes.every((scene) => scene.illuminants), two = scenes.length > 1;
     if (!coloured) view.show = 'wavelength';
     for (const id of ['objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
-    $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.description] : [s.description])));
+    $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
+    $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, two ? `${s.name}: ${s.description}` : s.description)));
     const nm = scenes[0].nm;
     view.wavelength = nm[scenes[0].near(550)];
 
@@ -117,7 +118,7 @@ const App = (() => {
       stage.setAttribute('aria-label', `${scene.description}, lit. Arrow keys turn it, with Shift they move the lamp.`);
       const canvas = tag('canvas'), marker = tag('div', { class: 'marker' });
       stage.append(canvas, marker);
-      card.append(tag('h3', {}, two ? scene.name : scene.description), stage);
+      card.append(tag('h3', {}, scene.name), stage);
       $('objects').append(card);
       const made = ObjectView.make(canvas, wants3d);
       marker.hidden = true;

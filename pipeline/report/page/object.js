@@ -51,7 +51,7 @@ const ObjectView = (() => {
   }
 
   // Radiance of a white surface that faces the lamp = 1; linear RGB at a normal in the camera's frame.
-  function shade(table, lobe, lamp, gamma, skyLight, normal) {
+  function shade(table, solved, lamp, gamma, skyLight, normal) {
     const out = normal[2], into = normal[0] * lamp[0] + normal[1] * lamp[1] + normal[2] * lamp[2];
     const rgb = [0, 0, 0];
     if (out <= 0) return rgb;
@@ -70,9 +70,9 @@ const ObjectView = (() => {
       const sixX = Brdf.sixNodes(Brdf.place((longitude - gamma + PI / 2) / (PI - gamma)) * (NX - 1), NX);
       const sixY = Brdf.sixNodes(Brdf.place(cosLatitude) * (NY - 1), NY), factor = into / (into + out);
       sum(sixX, sixY, 0, factor);
-      if (lobe) {
+      if (solved.lobe) {
         const cosHalf = Math.min(1, (into + out) / (2 * Math.cos(gamma / 2)));
-        sum(sixX, sixY, NY, factor * lobe.density(cosHalf));
+        sum(sixX, sixY, NY, factor * solved.density(cosHalf));
       }
     }
     if (skyLight > 0) {
@@ -235,7 +235,7 @@ const ObjectView = (() => {
         for (let column = 0; column < n; ++column) {
           const x = 1.06 * (2 * (column + 0.5) / n - 1), y = 1.06 * (1 - 2 * (row + 0.5) / n), r2 = x * x + y * y;
           if (r2 >= 1) continue;
-          const rgb = shade(this.table, scene.solved.lobe, lamp, gamma, view.sky, [x, y, Math.sqrt(1 - r2)]);
+          const rgb = shade(this.table, scene.solved, lamp, gamma, view.sky, [x, y, Math.sqrt(1 - r2)]);
           const at = 4 * (row * n + column);
           for (let c = 0; c < 3; ++c) image.data[at + c] = 255 * Colour.encode(gain * rgb[c]) + 0.5;
           image.data[at + 3] = 255;

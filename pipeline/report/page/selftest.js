@@ -36,7 +36,7 @@ const SelfTest = (() => {
   function interpolation({ scenes, objects, view, pictureWeights }) {
     const lamp = ObjectView.lampInView(view), gamma = Math.acos(lamp[2]);
     return scenes.map((scene, s) => {
-      const weights = pictureWeights(scene), lobe = scene.solved.lobe;
+      const weights = pictureWeights(scene);
       let worst = 0, largest = 0;
       for (let y = -0.95; y < 1; y += 0.1) {
         for (let x = -0.95; x < 1; x += 0.1) {
@@ -47,7 +47,7 @@ const SelfTest = (() => {
           const sines = Math.sqrt((1 - into * into) * (1 - out * out));
           const azimuth = Math.acos(Math.min(1, Math.max(-1, (into * out - lamp[2]) / sines))) * 180 / Math.PI;
           const exact = scene.solved.evaluate(into, out, azimuth, true);
-          const here = ObjectView.shade(objects[s].drawn.table, lobe, lamp, gamma, 0, normal);
+          const here = ObjectView.shade(objects[s].drawn.table, scene.solved, lamp, gamma, 0, normal);
           for (let c = 0; c < 3; ++c) {
             let sum = 0;
             for (let w = 0; w < exact.length; ++w) sum += weights[c][w] * exact[w] * Math.PI * into;
@@ -85,7 +85,7 @@ const SelfTest = (() => {
     result.wavelength_nm = view.wavelength;
     result.albedo = scenes.map((s) => ({ incidence_deg: view.wholeThetaIn, plane: s.plane.map((row) => row[view.wholeThetaIn]), spherical: Array.from(s.spherical) }));
     result.colours = Array.from(document.querySelectorAll('[data-colour]'), (row) => ({ of: row.dataset.colour, values: Array.from(row.querySelectorAll('[data-value]'), (e) => Number(e.dataset.value)) }));
-    Object.assign(view, { yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30, exposure: -1 });
+    Object.assign(view, { yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30, exposure: -1, sky: 0 });
     changed(...parts.object);
     update();
     result.interpolation = interpolation(page);
