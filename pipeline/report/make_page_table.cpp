@@ -21,6 +21,9 @@ namespace {
 
 /// What the basis columns may leave out, over the largest value at an incidence.
 constexpr double kRankTolerance = 2e-4;
+/// The same of light scattered once, over the largest value at the angle: there it may be small at
+/// one incidence and large at another.
+constexpr double kOnceTolerance = 5e-5;
 /// What the orders at the end of a series may add up to that are left out, likewise.
 constexpr double kOrderTolerance = 2e-4;
 /// Slope parameter of the lobe that shows the mirror reflection of a smooth boundary in pictures.
@@ -77,22 +80,56 @@ std::size_t needed_orders(const std::vector<double>& series, double allowed) {
     return count;
 }
 
+/// The first slant whose node interpolation may need at an angle of this number: light is scattered
+/// by small angles at grazing directions only, q >= 2 / sin(Theta / 2).
+int first_slant(int angle, int angles, int slants) {
+    if (slants == 1) return 0;
+    const double sine = std::sin(0.5 * std::numbers::pi * half_sine(double(angle) / (angles - 1)));
+    const double q = std::min(PageTable::kLastQ, 2.0 / std::max(sine, 1e-9));
+    const double place = std::log(q / PageTable::kFirstQ) /
+                         std::log(PageTable::kLastQ / PageTable::kFirstQ) * (slants - 1);
+    return std::clamp(int(place) - 3, 0, slants - 6);
+}
+
+/// The columns of a row that can be asked for.
+auto columns_of_use(const Eigen::MatrixXd& table, Eigen::Index row, int slants) {
+    const Eigen::Index wavelengths = table.cols() / slants;
+    const int first = first_slant(int(row), int(table.rows()), slants);
+    return Eigen::seqN(first * wavelengths, (slants - first) * wavelengths);
+}
+
 /// Whether every second angle is enough: six of them describe what lies between.
-bool half_as_many_will_do(const Eigen::MatrixXd& table, const Eigen::VectorXd& scale) {
+bool half_as_many_will_do(const Eigen::MatrixXd& table, const Eigen::VectorXd& scale, int slants) {
     const int count = int(table.rows() + 1) / 2;
     for (Eigen::Index row = 1; row < table.rows(); row += 2) {
         const SixNodes six = six_nodes(0.5 * double(row), count);
-        Eigen::RowVectorXd between = Eigen::RowVectorXd::Zero(table.cols());
+        const auto columns = columns_of_use(table, row, slants);
+        Eigen::RowVectorXd error = -table(row, columns);
         for (int k = 0; k < 6; ++k)
-            between += six.weight[std::size_t(k)] * table.row(2 * (six.first + k));
-        const double error = (between - table.row(row)).cwiseAbs().maxCoeff();
-        if (!(error <= kAngleTolerance * scale[row])) return false;
+            error += six.weight[std::size_t(k)] * table(2 * (six.first + k), columns);
+        if (!(error.cwiseAbs().maxCoeff() <= kAngleTolerance * scale[row])) return false;
     }
     return true;
 }
 
-Eigen::VectorXd row_scale(const Eigen::MatrixXd& table) {
-    return table.cwiseAbs().rowwise().maxCoeff();
+Eigen::VectorXd row_scale(const Eigen::MatrixXd& table, int slants) {
+    Eigen::VectorXd scale(table.rows());
+    for (Eigen::Index row = 0; row < table.rows(); ++row)
+        scale[row] = table(row, columns_of_use(table, row, slants)).cwiseAbs().maxCoeff();
+    return scale;
+}
+
+/// What cannot be asked for may be anything: the same as what can, a few nodes away from it (angles
+/// between the rows mix neighbours).
+void flatten_what_is_of_no_use(Eigen::MatrixXd& table, int slants) {
+    const Eigen::Index wavelengths = table.cols() / slants;
+    for (Eigen::Index row = 0; row < table.rows(); ++row) {
+        const int first = std::max(0, first_slant(int(row), int(table.rows()), slants) - 2);
+        for (Eigen::Index slant = 0; slant < first; ++slant) {
+            table.row(row).segment(slant * wavelengths, wavelengths) =
+                table.row(row).segment(first * wavelengths, wavelengths).eval();
+        }
+    }
 }
 
 }  // namespace
@@ -166,15 +203,16 @@ void PageTable::add_once(const BrdfTable::State& state, const Control& control) 
             }
         }
     });
-    Eigen::VectorXd scale = row_scale(table);
-    while (angles_ > 33 && half_as_many_will_do(table, scale)) {
+    flatten_what_is_of_no_use(table, slants_);
+    Eigen::VectorXd scale = row_scale(table, slants_);
+    while (angles_ > 33 && half_as_many_will_do(table, scale, slants_)) {
         angles_ = (angles_ + 1) / 2;
         const Eigen::MatrixXd every_other = table(Eigen::seqN(0, angles_, 2), Eigen::all);
         table = every_other;
-        scale = row_scale(table);
+        scale = row_scale(table, slants_);
     }
     once_ = reduce_rank(table, std::move(scale), Eigen::VectorXd::Ones(table.cols()),
-                        kRankTolerance);
+                        kOnceTolerance);
 }
 
 void PageTable::add_multiple(const BrdfTable::State& state, int cosines, const Control& control) {

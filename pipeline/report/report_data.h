@@ -34,7 +34,7 @@ struct ReportScene {
 };
 
 /// Largest interpolation error that a page aims at, relative to the largest value at an incidence.
-inline constexpr double kPageTolerance = 7e-4;
+inline constexpr double kPageTolerance = 5e-4;
 
 struct ReportData {
     nlohmann::json root;

@@ -20,7 +20,7 @@ Scene scene_of(const std::string& kind) {
         return scene;
     }
     if (kind == "droplets") {  // rainbow and glory
-        scene.base = medium("index:1.33,radius=4,variance=0.1");
+        scene.base = medium("index:1.33,0,radius=4,variance=0.1");
         return scene;
     }
     if (kind == "coats on a ground") {
