@@ -20,12 +20,12 @@ namespace miebrdf::report {
 namespace {
 
 /// What the basis columns may leave out, over the largest value at an incidence.
-constexpr double kRankTolerance = 2e-4;
+constexpr double kRankTolerance = 1e-4;
 /// The same of light scattered once, over the largest value at the angle: there it may be small at
 /// one incidence and large at another.
 constexpr double kOnceTolerance = 5e-5;
 /// What the orders at the end of a series may add up to that are left out, likewise.
-constexpr double kOrderTolerance = 2e-4;
+constexpr double kOrderTolerance = 1e-4;
 /// Slope parameter of the lobe that shows the mirror reflection of a smooth boundary in pictures.
 constexpr double kMirrorAlpha = 0.02;
 /// Most azimuthal orders of light scattered once that is put into the series.
@@ -152,10 +152,10 @@ void PageTable::add_boundary(const BrdfTable::State& state) {
     std::vector<std::complex<double>> index;
     for (std::size_t w = 0; w < wavelengths_; ++w) index.emplace_back(state.scene.top_index(w));
     const bool rough = boundary.is_rough();
-    lobe_ = lobe_of({.beckmann_alpha = rough ? boundary.roughness : kMirrorAlpha,
-                     .distribution = rough ? boundary.distribution
-                                           : rte::MicrofacetDistribution::beckmann},
-                    index);
+    lobe_ = lobe_of(
+        {.beckmann_alpha = rough ? boundary.roughness : kMirrorAlpha,
+         .distribution = rough ? boundary.distribution : rte::MicrofacetDistribution::beckmann},
+        index);
     lobe_->only_in_pictures = !rough;
     if (!rough) return;
     const std::vector<double> nodes = half_sine_nodes(kCosines);
@@ -185,8 +185,8 @@ void PageTable::add_once(const BrdfTable::State& state, const Control& control) 
     const std::size_t count = wavelengths_;
     Eigen::MatrixXd table(angles_, Eigen::Index(count) * slants_);
     run_parallel("light scattered once", std::size_t(slants_), control, [&](std::size_t slant) {
-        const double q = kFirstQ * std::pow(kLastQ / kFirstQ,
-                                            double(slant) / std::max(1, kSlants - 1));
+        const double q =
+            kFirstQ * std::pow(kLastQ / kFirstQ, double(slant) / std::max(1, kSlants - 1));
         // Equal cosines of this q. The formula knows q and the scattering angle alone, so that the
         // cosine of an azimuth may be any number; at the normal itself every azimuth has one angle.
         const double mu = std::min(2.0 / q, 1.0 - 1e-4);
@@ -211,8 +211,8 @@ void PageTable::add_once(const BrdfTable::State& state, const Control& control) 
         table = every_other;
         scale = row_scale(table, slants_);
     }
-    once_ = reduce_rank(table, std::move(scale), Eigen::VectorXd::Ones(table.cols()),
-                        kOnceTolerance);
+    once_ =
+        reduce_rank(table, std::move(scale), Eigen::VectorXd::Ones(table.cols()), kOnceTolerance);
 }
 
 void PageTable::add_multiple(const BrdfTable::State& state, int cosines, const Control& control) {
@@ -235,8 +235,7 @@ void PageTable::add_multiple(const BrdfTable::State& state, int cosines, const C
         for (int i = 0; i < cosines; ++i) {
             for (int o = i; o < cosines; ++o) {
                 const double in = std::max(nodes[std::size_t(i)], FirstOrder::kLeastCosine * 1e-6);
-                const double out =
-                    std::max(nodes[std::size_t(o)], FirstOrder::kLeastCosine * 1e-6);
+                const double out = std::max(nodes[std::size_t(o)], FirstOrder::kLeastCosine * 1e-6);
                 std::vector<double>& a = series[w].emplace_back();
                 table.smooth().series_at(in, out, a);
                 const double surface = table.transmitted(in, out);
@@ -267,7 +266,8 @@ void PageTable::keep_orders(const std::vector<std::vector<std::vector<double>>>&
         std::size_t p = 0;
         for (int i = 0; i < cosines; ++i) {
             for (int o = i; o < cosines; ++o, ++p)
-                action(p, std::size_t(i), std::size_t(o), nodes[std::size_t(i)] + nodes[std::size_t(o)]);
+                action(p, std::size_t(i), std::size_t(o),
+                       nodes[std::size_t(i)] + nodes[std::size_t(o)]);
         }
     };
     Eigen::MatrixXd largest = Eigen::MatrixXd::Zero(cosines, Eigen::Index(wavelengths_));

@@ -61,7 +61,8 @@ nlohmann::json PageBytes::add(std::span<const int> values) {
     const std::size_t offset = bytes_.size();
     for (const int value : values) {
         // The sign in the lowest bit, then seven bits a byte, the highest set where more follow.
-        auto rest = static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
+        auto rest =
+            static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
         for (; rest > 127; rest >>= 7) bytes_.push_back(static_cast<unsigned char>(rest | 128));
         bytes_.push_back(static_cast<unsigned char>(rest));
     }

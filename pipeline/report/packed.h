@@ -22,9 +22,9 @@ class PageBytes {
     nlohmann::json add(const std::vector<std::vector<double>>& rows);
     /// Appends whole numbers in as few bytes as each needs. @return {"int": [offset, count]}
     nlohmann::json add(std::span<const int> values);
-    /// {"rows", "rank", "columns", "scale", "column_scale", "basis", "coefficients", "unit"}: value =
-    /// scale[row] column_scale[column] sum over k of unit[k] basis[k, row] coefficients[k, column].
-    /// The coefficients are rounded to 16 bits.
+    /// {"rows", "rank", "columns", "scale", "column_scale", "basis", "coefficients", "unit"}: value
+    /// = scale[row] column_scale[column] sum over k of unit[k] basis[k, row] coefficients[k,
+    /// column]. The coefficients are rounded to 16 bits.
     nlohmann::json add(const LowRank& table);
 
     /// In base64, compressed by zlib: the length of the JSON text in four bytes, low first; the

@@ -59,7 +59,7 @@ PageTable::PageTable(const BrdfTable& table, double tolerance, const Control& co
     if (state.scene.surface) add_surface(state);
     if (state.scene.boundary) add_boundary(state);
     add_once(state, control);
-    for (const int cosines : {17, 25, 33, 49}) {
+    for (const int cosines : {17, 25, 33, 41, 49}) {
         add_multiple(state, cosines, control);
         error_ = measure(table);
         if (error_ <= tolerance) return;
@@ -111,10 +111,10 @@ double PageTable::let_in(std::size_t wavelength, double mu) const {
 }
 
 Eigen::VectorXd PageTable::scattered_more(const Direction& direction) const {
-    const SixNodes in = six_nodes(half_sine_place(direction.mu_in) * (pair_cosines_ - 1),
-                                  pair_cosines_);
-    const SixNodes out = six_nodes(half_sine_place(direction.mu_out) * (pair_cosines_ - 1),
-                                   pair_cosines_);
+    const SixNodes in =
+        six_nodes(half_sine_place(direction.mu_in) * (pair_cosines_ - 1), pair_cosines_);
+    const SixNodes out =
+        six_nodes(half_sine_place(direction.mu_out) * (pair_cosines_ - 1), pair_cosines_);
     const double azimuth = direction.azimuth_deg * kPi / 180.0;
     Eigen::VectorXd in_basis = Eigen::VectorXd::Zero(multiple_.basis.cols());
     for (int i = 0; i < 6; ++i) {
@@ -151,10 +151,11 @@ Eigen::VectorXd PageTable::scattered_once(const Direction& direction) const {
         sum = at_angle;
     } else {
         const double q = std::min(kLastQ, 1.0 / direction.mu_in + 1.0 / direction.mu_out);
-        const SixNodes slant = six_nodes(
-            std::log(q / kFirstQ) / std::log(kLastQ / kFirstQ) * (slants_ - 1), slants_);
+        const SixNodes slant =
+            six_nodes(std::log(q / kFirstQ) / std::log(kLastQ / kFirstQ) * (slants_ - 1), slants_);
         for (int k = 0; k < 6; ++k)
-            sum += slant.weight[std::size_t(k)] * at_angle.segment((slant.first + k) * count, count);
+            sum +=
+                slant.weight[std::size_t(k)] * at_angle.segment((slant.first + k) * count, count);
     }
     return sum / (4.0 * (direction.mu_in + direction.mu_out));
 }

@@ -10,12 +10,13 @@
 
 namespace miebrdf::report {
 
-/// The lobe of a rough surface or boundary, taken apart: f = D(h) G F / (4 mu_in mu_out) s_in s_out.
+/// The lobe of a rough surface or boundary, taken apart: f = D(h) G F / (4 mu_in mu_out) s_in
+/// s_out.
 struct PageLobe {
-    bool ggx = false;                    ///< else Beckmann
-    double alpha = 0.3;                  ///< slope parameter
+    bool ggx = false;    ///< else Beckmann
+    double alpha = 0.3;  ///< slope parameter
     rte::Shadowing shadowing = rte::Shadowing::smith_correlated;
-    std::vector<double> masking;         ///< mu / G1(mu) at the nodes
+    std::vector<double> masking;               ///< mu / G1(mu) at the nodes
     std::vector<std::vector<double>> fresnel;  ///< [wavelength], cosine of incidence at the nodes
     std::vector<std::vector<double>> scale;    ///< [wavelength], s at the nodes; empty: 1
     /// It stands for the mirror reflection of a smooth boundary: in pictures only, no part of f.

@@ -120,10 +120,9 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
     const ResolvedScene& scene = brdf.state().resolved;
     std::vector<std::size_t> media(scene.media.size() - scene.first_medium());
     std::iota(media.begin(), media.end(), scene.first_medium());
-    const auto optics =
-        optics_of(scene, media, all_wavelengths(scene),
-                  {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kPhaseTolerance},
-                  control);
+    const auto optics = optics_of(
+        scene, media, all_wavelengths(scene),
+        {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kPhaseTolerance}, control);
     const std::vector<LayerOptics> layers = brdf.layers();
     json all = json::array();
     for (std::size_t m = 0; m < media.size(); ++m) {
@@ -135,10 +134,11 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
             converged = converged && at.converged;
             albedo.push_back(at.optics.single_scattering_albedo);
             asymmetry.push_back(at.asymmetry);
-            for (const double p : at.phase) log_phase.push_back(int(std::lround(1e3 * std::log10(std::max(p, 1e-30)))));
+            for (const double p : at.phase)
+                log_phase.push_back(int(std::lround(1e3 * std::log10(std::max(p, 1e-30)))));
         }
         json one = {{"place", place_of(brdf.scene(), media[m])},
-                    {"name", describe(medium.medium)},
+                    {"name", label_of(medium.medium)},
                     {"albedo", bytes.add(std::span<const double>(albedo))},
                     {"asymmetry", bytes.add(std::span<const double>(asymmetry))},
                     {"log_phase", bytes.add(std::span<const int>(log_phase))},
@@ -150,8 +150,9 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
                 n.push_back(particles.index.real());
                 k.push_back(particles.index.imag());
             }
-            one["species"].push_back(
-                {{"name", describe(species.species)}, {"n", bytes.add(std::span<const double>(n))}, {"k", bytes.add(std::span<const double>(k))}});
+            one["species"].push_back({{"name", label_of(Medium(species.species))},
+                                      {"n", bytes.add(std::span<const double>(n))},
+                                      {"k", bytes.add(std::span<const double>(k))}});
         }
         std::vector<double> depth;
         for (const LayerOptics& layer : layers) {

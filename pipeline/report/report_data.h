@@ -34,7 +34,7 @@ struct ReportScene {
 };
 
 /// Largest interpolation error that a page aims at, relative to the largest value at an incidence.
-inline constexpr double kPageTolerance = 5e-4;
+inline constexpr double kPageTolerance = 8e-4;
 
 struct ReportData {
     nlohmann::json root;
@@ -42,6 +42,11 @@ struct ReportData {
     bool converged = true;
     double interpolation_error = 0.0;  ///< largest of all scenes (PageTable::interpolation_error)
 };
+
+/// "Au, radius 0.03 um, 15 % of the volume; carbon in PMMA": a medium for people.
+std::string label_of(const Medium& medium);
+/// The same of a whole scene, without sizes and amounts: "Au (optical depth 0.5) on TiO2".
+std::string label_of(Scene scene);
 
 /// Solves every variant and collects what the page shows.
 /// @throws UsageError, InputError, Cancelled  as solve() and Brdf::table()

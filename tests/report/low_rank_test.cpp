@@ -17,7 +17,8 @@ Eigen::MatrixXd three_functions(Eigen::Index rows, Eigen::Index columns) {
         const double x = double(r) / double(rows), size = std::pow(10.0, 6.0 * x);
         for (Eigen::Index c = 0; c < columns; ++c) {
             const double y = double(c) / double(columns);
-            table(r, c) = size * (1.0 + 0.5 * y * std::sin(9.0 * x) + 0.01 * y * y * std::cos(40.0 * x));
+            table(r, c) =
+                size * (1.0 + 0.5 * y * std::sin(9.0 * x) + 0.01 * y * y * std::cos(40.0 * x));
         }
     }
     return table;

@@ -30,19 +30,6 @@ struct NamedRequest {
     Request request;
 };
 
-/// A scene in a few words: its materials without their sizes.
-std::string short_name(Scene scene) {
-    const auto shorten = [](Medium& medium) {
-        for (Species& species : medium.species) {
-            species.sizes = {};
-            species.density_g_cm3.reset();
-        }
-    };
-    shorten(scene.base);
-    for (Layer& layer : scene.layers) shorten(layer.medium);
-    return describe(scene);
-}
-
 /// `FILE.toml`, the scene of its first result, or `FILE.toml#2`, that of its second.
 NamedRequest read_named_scene(const std::string& text, const ReportArguments& arguments) {
     const std::size_t mark = text.rfind('#');
@@ -73,16 +60,18 @@ std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
     std::vector<NamedRequest> all;
     if (typed) {
         const Request request = arguments.scene.parse();
-        all.push_back({short_name(request.scene), request});
+        all.push_back({report::label_of(request.scene), request});
     }
-    for (const std::string& file : arguments.files) all.push_back(read_named_scene(file, arguments));
+    for (const std::string& file : arguments.files)
+        all.push_back(read_named_scene(file, arguments));
     if (all.empty()) {
         throw UsageError(
             "report needs a scene: one or two scene files (SCENE.toml), or --base with its "
             "options");
     }
     if (all.size() > kMostScenes) {
-        throw UsageError(fmt::format("{} scenes; allowed: {} on one page", all.size(), kMostScenes));
+        throw UsageError(
+            fmt::format("{} scenes; allowed: {} on one page", all.size(), kMostScenes));
     }
     if (all.size() == 2 && all[0].name == all[1].name) all[1].name += " (2)";
     return all;
@@ -90,32 +79,32 @@ std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
 
 /// What the page says of a variant.
 report::Facts page_facts(const Scene& scene, const ResultReport& result,
-                       const std::string& command_line) {
+                         const std::string& command_line) {
     Table table;
     program::add_facts(table, result, scene,
-              "BRDF in 1/sr without the cosine; wavelengths in nm, in vacuum");
+                       "BRDF in 1/sr without the cosine; wavelengths in nm, in vacuum");
     report::Facts facts = {{"scene", describe(scene)}, {"command", command_line}};
     for (const auto& [name, value] : table.facts) {
         const auto* number = std::get_if<double>(&value);
-        facts.emplace_back(name, number != nullptr ? fmt::format("{}", *number)
-                                                   : std::get<std::string>(value));
+        facts.emplace_back(
+            name, number != nullptr ? fmt::format("{}", *number) : std::get<std::string>(value));
     }
     return facts;
 }
 
 report::ReportScene solve_family(const NamedRequest& named, const ReportArguments& arguments,
                                  const Shell& shell) {
-    report::ReportScene scene{named.name, describe(named.request.scene)};
+    report::ReportScene scene{named.name, report::label_of(named.request.scene)};
     const Family family = arguments.vary.empty() ? Family{} : parse_family(arguments.vary);
     scene.varied = family.label(named.request);
     for (const double value : family.values_or_one()) {
         Request request = named.request;
         std::string label = family.apply(value, request);
-        scene.variants.push_back(
-            {solved(request, shell.control()), std::move(label), value,
-             [request, &shell](const ResultReport& result) {
-                 return page_facts(request.scene, result, shell.command_line());
-             }});
+        scene.variants.push_back({solved(request, shell.control()), std::move(label), value,
+                                  [request, &shell](const ResultReport& result) {
+                                      return page_facts(request.scene, result,
+                                                        shell.command_line());
+                                  }});
     }
     return scene;
 }
@@ -126,8 +115,7 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
     std::string title = arguments.title;
     for (const NamedRequest& named : report_requests(arguments)) {
         scenes.push_back(solve_family(named, arguments, shell));
-        if (arguments.title.empty())
-            title += (title.empty() ? "" : " beside ") + named.name;
+        if (arguments.title.empty()) title += (title.empty() ? "" : " beside ") + named.name;
     }
     const report::ReportData data = report::collect(scenes, shell.control());
     const std::string page = report::make_page(data.bytes.compressed(data.root), title);
@@ -138,13 +126,15 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
                 .columns = {"file", "bytes"}};
     files.rows.push_back({shell.common().output, double(page.size())});
     shell.tell_written(std::move(files));
-    shell.note(fmt::format("{:.2f} MB in {:.1f} s; between the points of its tables the page is "
-                           "within {:.1e} of the largest value at an incidence; solver {}",
-                           double(page.size()) * 1e-6, seconds.count(), data.interpolation_error,
-                           data.converged ? "converged" : "NOT converged"));
+    shell.note(
+        fmt::format("{:.2f} MB in {:.1f} s; between the points of its tables the page is "
+                    "within {:.1e} of the largest value at an incidence; solver {}",
+                    double(page.size()) * 1e-6, seconds.count(), data.interpolation_error,
+                    data.converged ? "converged" : "NOT converged"));
     if (!report::page_has_3d()) {
-        shell.note("this build has no three.js (Debian: libjs-three): the page draws the sphere "
-                   "without WebGL and shows no lobe in 3D");
+        shell.note(
+            "this build has no three.js (Debian: libjs-three): the page draws the sphere "
+            "without WebGL and shows no lobe in 3D");
     }
     return data.converged ? kGood : kNotConverged;
 }
@@ -154,9 +144,10 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
 void add_report(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ReportArguments>();
     command
-        .add_option("scenes", arguments->files,
-                    "one or two scene files, to be compared side by side; of FILE.toml#2 the second "
-                    "result's scene is shown, else that of the first")
+        .add_option(
+            "scenes", arguments->files,
+            "one or two scene files, to be compared side by side; of FILE.toml#2 the second "
+            "result's scene is shown, else that of the first")
         ->type_name("SCENE.toml");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kReportWavelengths);
     command

@@ -16,7 +16,8 @@ constexpr double kMostMembers = 33;
 Layer& top_layer(Request& request, const std::string& name) {
     if (request.scene.layers.empty()) {
         throw UsageError(fmt::format(
-            "--vary {}: the scene has no layer; add one with --coat, or vary another number", name));
+            "--vary {}: the scene has no layer; add one with --coat, or vary another number",
+            name));
     }
     return request.scene.layers.back();
 }
@@ -45,9 +46,9 @@ DepthWords depth_words(const Depth& depth) {
 Amount& amount_of(Request& request, const std::string& name) {
     Species& species = first_species(request, name);
     if (!species.amount) {
-        throw UsageError(fmt::format(
-            "--vary {}: '{}' has no amount; give one, e.g. volume=1% or mass=100ppb", name,
-            describe(species)));
+        throw UsageError(
+            fmt::format("--vary {}: '{}' has no amount; give one, e.g. volume=1% or mass=100ppb",
+                        name, describe(species)));
     }
     return *species.amount;
 }
@@ -115,9 +116,10 @@ std::string Family::apply(double value, Request& request) const {
 
 Family parse_family(const std::string& text) {
     const auto refuse = [&] {
-        throw UsageError(fmt::format("--vary '{}': wanted: NAME=FROM:TO:COUNT with COUNT from 2 to "
-                                     "{}, e.g. depth=0:2:9",
-                                     text, kMostMembers));
+        throw UsageError(
+            fmt::format("--vary '{}': wanted: NAME=FROM:TO:COUNT with COUNT from 2 to "
+                        "{}, e.g. depth=0:2:9",
+                        text, kMostMembers));
     };
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) refuse();

@@ -5,7 +5,7 @@ const App = (() => {
 
   const view = {
     member: 0, wavelength: 550, light: 'd65', show: 'colour', thetaIn: 30, thetaOut: 45, azimuth: 0, wholeThetaIn: 30,
-    object: 'sphere', exposure: 0, sky: 0.1, yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30,
+    object: 'sphere', exposure: -0.5, sky: 0.05, yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30,
     lobeYaw: 20, lobePitch: 25, lobeScale: 'linear', normal: null,
   };
 
@@ -73,7 +73,7 @@ const App = (() => {
     if (!coloured) view.show = 'wavelength';
     for (const id of ['objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
     $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
-    $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, two ? `${s.name}: ${s.description}` : s.description)));
+    $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, two || s.name !== s.description ? `${s.name}: ${s.description}` : '')));
     const nm = scenes[0].nm;
     view.wavelength = nm[scenes[0].near(550)];
 
