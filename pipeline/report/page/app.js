@@ -68,7 +68,10 @@ const App = (() => {
   function build(root, store) {
     const $ = (id) => document.getElementById(id);
     const scenes = root.scenes.map((data, index) => new Scene(data, index, store));
-    scenes.forEach((scene) => scene.choose(view.member));
+    scenes.forEach((scene) => {
+      scene.alone = scenes.length === 1;
+      scene.choose(view.member);
+    });
     const coloured = scenes.every((scene) => scene.illuminants), two = scenes.length > 1;
     if (!coloured) view.show = 'wavelength';
     for (const id of ['objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
@@ -160,7 +163,7 @@ const App = (() => {
 
     // Values at directions.
     Controls.slider($('direction-controls'), view, { key: 'thetaOut', label: 'Angle of reflection', min: 0, max: 88, step: 1, text: degrees }, onControl);
-    Controls.slider($('direction-controls'), view, { key: 'azimuth', label: 'Azimuth (0°: mirror side, 180°: lamp’s side)', min: 0, max: 180, step: 1, text: degrees }, onControl);
+    Controls.slider($('direction-controls'), view, { key: 'azimuth', label: 'Azimuth (0° mirror, 180° lamp)', min: 0, max: 180, step: 1, text: degrees }, onControl);
     const readouts = new Panels.Readouts($('readouts'), $('difference'));
     const spectra = new Panels.Spectra($('point-charts'), $('albedo-charts'), $('media-charts'));
 

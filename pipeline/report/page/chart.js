@@ -45,7 +45,8 @@ const Chart = (() => {
   };
 
   class LineChart {
-    // options: title, xName, yName, xUnit, yUnit, log, zero (the axis starts at 0), file
+    // options: title, xName, yName, xUnit, yUnit, file; log: true, or 'wide': where values differ by
+    // more than 30; zero: the axis starts at 0; most: the axis ends there
     constructor(parent, options) {
       this.options = options;
       this.figure = document.createElement('figure');
@@ -64,18 +65,20 @@ const Chart = (() => {
       this.plot.addEventListener('pointerleave', () => this.show(null));
       this.plot.addEventListener('keydown', (event) => this.key(event));
       parent.appendChild(this.figure);
-      new ResizeObserver(() => this.width !== this.plot.clientWidth && this.draw()).observe(this.plot);
+      new ResizeObserver(() => requestAnimationFrame(() => this.width !== this.plot.clientWidth && this.draw())).observe(this.plot);
       this.series = [];
     }
 
     // series: { name, x, y, style: 0, 1, ... (colour), dash }
     set(series) {
       this.series = series.filter((s) => s.x.length > 0);
+      const values = this.series.flatMap((s) => Array.from(s.y)).filter((v) => v > 0);
+      this.log = this.options.log === true || (this.options.log === 'wide' && Math.max(...values) > 30 * Math.min(...values));
       this.draw();
     }
 
     ranges() {
-      const { log, zero } = this.options;
+      const { zero, most } = this.options, { log } = this;
       const all = (key) => this.series.flatMap((s) => Array.from(s[key])).filter((v) => Number.isFinite(v) && (key === 'x' || !log || v > 0));
       const xs = all('x'), ys = all('y');
       const x = [Math.min(...xs), Math.max(...xs)];
@@ -84,7 +87,7 @@ const Chart = (() => {
       else {
         if (zero) y[0] = Math.min(0, y[0]);
         const room = y[1] - y[0] || Math.abs(y[1]) || 1;
-        y = [zero && y[0] === 0 ? 0 : y[0] - 0.06 * room, y[1] + 0.06 * room];
+        y = [zero && y[0] === 0 ? 0 : y[0] - 0.06 * room, Math.min(most || Infinity, y[1] + 0.06 * room)];
       }
       return { x, y };
     }
@@ -94,7 +97,7 @@ const Chart = (() => {
       if (!width || !this.series.length) return;
       const height = Math.round(Math.min(280, Math.max(200, width * 0.52)));
       const box = { left: 58, right: width - 12, top: 10, bottom: height - 42 };
-      const { x, y } = this.ranges(), { log } = this.options;
+      const { x, y } = this.ranges(), { log } = this;
       const level = log ? Math.log10 : (v) => v;
       this.px = (v) => box.left + (v - x[0]) / (x[1] - x[0] || 1) * (box.right - box.left);
       this.py = (v) => box.bottom - (level(v) - level(y[0])) / (level(y[1]) - level(y[0])) * (box.bottom - box.top);
@@ -154,7 +157,7 @@ const Chart = (() => {
         `${number(x)} ${this.options.xUnit || ''}`);
       for (const s of this.series) {
         const i = this.nearest(s.x, x), value = s.y[i];
-        if (Number.isFinite(value) && (!this.options.log || value > 0))
+        if (Number.isFinite(value) && (!this.log || value > 0))
           svg('circle', { cx: this.px(s.x[i]), cy: this.py(value), r: 3.5, class: `dot style${s.style}` }, this.cross);
       }
     }

@@ -24,7 +24,7 @@ const LobeView = (() => {
       this.canvas = canvas;
       this.renderer = new THREE.WebGLRenderer({ canvas, context });
       this.renderer.setClearColor(0, 0);
-      this.camera = new THREE.OrthographicCamera(-1.15, 1.15, 1.0, -0.35, 0.1, 20);
+      this.camera = new THREE.OrthographicCamera(-1.15, 1.15, 1.0, -0.5, 0.1, 20);
       this.scene = new THREE.Scene();
       this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8890a0, 0.75));
       this.sun = new THREE.DirectionalLight(0xffffff, 0.45);
@@ -82,15 +82,16 @@ const LobeView = (() => {
       position.needsUpdate = colour.needsUpdate = true;
       this.geometry.computeVertexNormals();
       const t = thetaIn * PI / 180, o = marked.thetaOut * PI / 180, f = marked.azimuth * PI / 180;
-      this.setEnd(this.ray, -Math.sin(t), Math.cos(t), 0);
-      this.setEnd(this.mark, Math.sin(o) * Math.cos(f), Math.cos(o), Math.sin(o) * Math.sin(f));
+      const far = 1.08;
+      this.setEnd(this.ray, -far * Math.sin(t), far * Math.cos(t), 0);
+      this.setEnd(this.mark, far * Math.sin(o) * Math.cos(f), far * Math.cos(o), far * Math.sin(o) * Math.sin(f));
       const yaw = view.lobeYaw * PI / 180, pitch = view.lobePitch * PI / 180;
       this.camera.position.set(5 * Math.sin(yaw) * Math.cos(pitch), 5 * Math.sin(pitch), 5 * Math.cos(yaw) * Math.cos(pitch));
       this.camera.lookAt(0, 0, 0);
       this.sun.position.copy(this.camera.position).add(new THREE.Vector3(0, 3, 0));
       const width = this.canvas.clientWidth || 400;
       this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
-      this.renderer.setSize(width, Math.round(width * 1.35 / 2.3), false);
+      this.renderer.setSize(width, Math.round(width * 1.5 / 2.3), false);
       this.renderer.render(this.scene, this.camera);
     }
 

@@ -10,7 +10,14 @@ const Panels = (() => {
   };
   const cosine = (degrees) => Math.max(1e-3, Math.cos(degrees * PI / 180));
   const dashOf = (scene) => (scene.index ? '7 4' : '');
-  const labText = (lab) => lab.map((v) => v.toFixed(1).replace('-', '−')).join(', ');
+  // Fixed decimals, with no minus before a zero.
+  const fixed = (value, digits) => {
+    const text = value.toFixed(digits);
+    return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
+  };
+  const labText = (lab) => lab.map((v) => fixed(v, 1)).join(', ');
+  // What a curve is called: with its scene where there are two.
+  const called = (scene, what) => (scene.alone ? what : what ? `${scene.name}: ${what}` : scene.name);
 
   // Values of each scene at the chosen directions.
   class Readouts {
@@ -28,13 +35,15 @@ const Panels = (() => {
         const rows = tag('dl', { class: 'values' });
         const row = (name, text, key, value) => rows.append(tag('dt', {}, name), tag('dd', { 'data-key': key, 'data-value': value }, text));
         row(`BRDF at ${scene.nm[w]} nm`, `${number(spectrum[w])} sr⁻¹`, 'brdf', spectrum[w]);
-        row('beside a white Lambertian surface', `${number(100 * PI * spectrum[w])} %`, 'factor', PI * spectrum[w]);
+        row('of a white matt surface', `${number(100 * PI * spectrum[w])} %`, 'factor', PI * spectrum[w]);
         card.append(rows);
         if (light) {
           const factor = spectrum.map((v) => PI * v), lab = Colour.lab(light(scene), factor);
           labs.push(lab);
           row('CIE Lab', labText(lab), 'lab', lab.join(','));
-          card.append(tag('span', { class: 'swatch', style: `background: ${Colour.css(Colour.linear(light(scene), factor))}`, role: 'img', 'aria-label': 'its colour' }));
+          const rgb = Colour.linear(light(scene), factor), most = Math.max(1, ...rgb);
+          card.append(tag('span', { class: 'swatch', style: `background: ${Colour.css(rgb.map((v) => v / most))}`, role: 'img', 'aria-label': 'its colour' }));
+          if (most > 1.005) card.append(tag('p', { class: 'small' }, `brighter than the screen: its colour is shown at ${number(100 / most, 2)} %`));
         }
         return card;
       }));
@@ -60,7 +69,7 @@ const Panels = (() => {
       this.figure.append(caption, this.plot, this.legend);
       parent.append(this.figure);
       this.angles = Array.from({ length: 357 }, (_, i) => -89 + 0.5 * i);
-      new ResizeObserver(() => this.last && this.width !== this.plot.clientWidth && this.draw(...this.last)).observe(this.plot);
+      new ResizeObserver(() => requestAnimationFrame(() => this.last && this.width !== Math.min(760, this.plot.clientWidth) && this.draw(...this.last))).observe(this.plot);
     }
 
     csv() {
@@ -75,7 +84,7 @@ const Panels = (() => {
       if (!width) return;
       this.curves = scenes.map((scene) => {
         const w = scene.near(view.wavelength), muIn = cosine(view.thetaIn);
-        return { name: `${scene.name}, ${scene.nm[w]} nm`, scene,
+        return { name: called(scene, `${scene.nm[w]} nm`), scene,
           values: this.angles.map((a) => scene.solved.evaluate(muIn, cosine(a), a < 0 ? 180 : 0)[w]) };
       });
       const top = Math.max(...this.curves.flatMap((c) => c.values)) || 1;
@@ -85,7 +94,7 @@ const Panels = (() => {
       this.plot.firstChild.style.margin = '0 auto';
       for (const share of [0.25, 0.5, 0.75, 1]) {
         Chart.svg('path', { d: `M${x0 - share * r0} ${y0}A${share * r0} ${share * r0} 0 0 1 ${x0 + share * r0} ${y0}`, class: 'grid', fill: 'none' }, root);
-        Chart.svg('text', { x: x0 + share * r0, y: y0 + 17, class: 'tick middle' }, root, number(radius.inverse(share), 2));
+        if (width > 460 || share === 0.5 || share === 1) Chart.svg('text', { x: x0 + share * r0, y: y0 + 17, class: 'tick middle' }, root, number(radius.inverse(share), 2));
       }
       for (let a = -90; a <= 90; a += 30) {
         const s = Math.sin(a * PI / 180), c = Math.cos(a * PI / 180);
@@ -124,31 +133,31 @@ const Panels = (() => {
       const chart = (parent, title, yName, more) => new Chart.LineChart(parent, { title, xName: 'wavelength', xUnit: 'nm', yName, ...more });
       this.brdf = chart(point, 'BRDF at these directions', 'BRDF', { yUnit: 'sr⁻¹', zero: true, file: 'brdf_spectrum' });
       this.azimuth = new Chart.LineChart(point, { title: 'BRDF around the normal', xName: 'azimuth from the mirror side', xUnit: '°', yName: 'BRDF', yUnit: 'sr⁻¹', zero: true, file: 'brdf_azimuth' });
-      this.albedo = chart(albedo, 'Albedo', 'share of light reflected', { zero: true, file: 'albedo_spectrum' });
-      this.angle = new Chart.LineChart(albedo, { title: 'Albedo and incidence', xName: 'angle of incidence', xUnit: '°', yName: 'share of light reflected', zero: true, file: 'albedo_incidence' });
+      this.albedo = chart(albedo, 'Albedo', 'share reflected', { zero: true, file: 'albedo_spectrum' });
+      this.angle = new Chart.LineChart(albedo, { title: 'Albedo and incidence', xName: 'angle of incidence', xUnit: '°', yName: 'share reflected', zero: true, file: 'albedo_incidence' });
       this.n = chart(media, 'Refractive index n', 'n', { file: 'n' });
-      this.k = chart(media, 'Absorption index k', 'k', { log: true, file: 'k' });
+      this.k = chart(media, 'Absorption index k', 'k', { log: 'wide', file: 'k' });
       this.single = chart(media, 'Single-scattering albedo', 'scattered share of what a particle takes', { file: 'single_scattering_albedo' });
-      this.phase = new Chart.LineChart(media, { title: 'Phase function', xName: 'angle of scattering', xUnit: '°', yName: 'P, mean over all directions 1', log: true, file: 'phase_function' });
+      this.phase = new Chart.LineChart(media, { title: 'Phase function', xName: 'angle of scattering', xUnit: '°', yName: 'P (mean 1)', log: true, file: 'phase_function' });
     }
 
     drawPoint(scenes, view) {
-      this.brdf.set(scenes.map((s) => ({ name: s.name, x: s.nm, y: s.spectrumAt(view), style: s.index, dash: dashOf(s) })));
+      this.brdf.set(scenes.map((s) => ({ name: called(s, s.alone ? 'BRDF' : ''), x: s.nm, y: s.spectrumAt(view), style: s.index, dash: dashOf(s) })));
       const azimuths = Array.from({ length: 91 }, (_, i) => 2 * i);
       this.azimuth.set(scenes.map((s) => {
         const w = s.near(view.wavelength);
-        return { name: `${s.name}, ${s.nm[w]} nm`, x: azimuths, style: s.index, dash: dashOf(s),
+        return { name: called(s, `${s.nm[w]} nm`), x: azimuths, style: s.index, dash: dashOf(s),
           y: azimuths.map((a) => s.solved.evaluate(cosine(view.thetaIn), cosine(view.thetaOut), a)[w]) };
       }));
     }
 
     drawAlbedo(scenes, view, angles) {
       this.albedo.set(scenes.flatMap((s) => [
-        { name: `${s.name}: diffuse light`, x: s.nm, y: s.spherical, style: s.index },
-        { name: `${s.name}: lamp at ${view.wholeThetaIn}°`, x: s.nm, y: s.plane.map((row) => row[view.wholeThetaIn]), style: s.index, dash: '3 4' }]));
+        { name: called(s, 'diffuse light'), x: s.nm, y: s.spherical, style: s.index },
+        { name: called(s, `lamp at ${view.wholeThetaIn}°`), x: s.nm, y: s.plane.map((row) => row[view.wholeThetaIn]), style: s.index, dash: '3 4' }]));
       this.angle.set(scenes.map((s) => {
         const w = s.near(view.wavelength);
-        return { name: `${s.name}, ${s.nm[w]} nm`, x: angles, y: Array.from(s.plane[w]), style: s.index, dash: dashOf(s) };
+        return { name: called(s, `${s.nm[w]} nm`), x: angles, y: Array.from(s.plane[w]), style: s.index, dash: dashOf(s) };
       }));
     }
 
@@ -194,10 +203,10 @@ const Panels = (() => {
         both[kind].push(lab);
         const swatch = tag('td');
         swatch.append(tag('span', { class: 'swatch', style: `background: ${Colour.css(Colour.linear(l, spectrum))}` }));
-        row.append(tag('td', {}, `${scene.name}, ${kind === 'diffuse' ? 'diffuse light' : `lamp at ${view.wholeThetaIn}°`}`), swatch);
+        row.append(tag('td', {}, called(scene, kind === 'diffuse' ? 'diffuse light' : `lamp at ${view.wholeThetaIn}°`)), swatch);
         const xyz = ['x', 'y', 'z'].map((c) => l[c].reduce((sum, v, i) => sum + v * spectrum[i], 0));
         for (const v of xyz) row.append(tag('td', { 'data-value': v }, v.toFixed(4)));
-        for (const v of lab) row.append(tag('td', { 'data-value': v }, v.toFixed(2).replace('-', '−')));
+        for (const v of lab) row.append(tag('td', { 'data-value': v }, fixed(v, 2)));
         table.append(row);
       }
     }
