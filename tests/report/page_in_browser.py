@@ -88,8 +88,10 @@ def check_values(name, scene, shown, number):
             block = [float(r["brdf"]) for r in rows[w * per_wavelength:(w + 1) * per_wavelength]]
             worst = max(worst, abs(here - block[0]) / max(block))
         at = round((shown["wavelength_nm"] - 400) / 10)
-        same = same and value["shown"][number][0] == value["spectra"][number][at]
-    check(same, f"{name}: the numbers shown are those at {shown['wavelength_nm']} nm")
+        shown_here = value["spectra"][number][at]
+        same = same and value["shown"][number][0] == shown_here
+        same = same and abs(value["single"][number] - shown_here) <= 1e-9 * shown_here
+    check(same, f"{name}: values and cuts show the spectrum at {shown['wavelength_nm']} nm")
     check(worst <= ALLOWED, f"{name}: BRDF as in `brdf` (worst {worst:.1e} of the largest)")
 
 

@@ -76,7 +76,6 @@ const App = (() => {
     if (!coloured) view.show = 'wavelength';
     for (const id of ['objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
     $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
-    $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, two || s.name !== s.description ? `${s.name}: ${s.description}` : '')));
     const nm = scenes[0].nm;
     view.wavelength = nm[scenes[0].near(550)];
 
@@ -210,10 +209,7 @@ const App = (() => {
     let amounts = [];
     function drawLobes(again) {
       if (again) {
-        const all = lobes.map(({ scene }) => {
-          const w = scene.near(view.wavelength);
-          return LobeView.values(scene.solved, view.thetaIn, (spectrum) => spectrum[w]);
-        });
+        const all = lobes.map(({ scene }) => LobeView.values(scene.solved, view.thetaIn, scene.near(view.wavelength)));
         const top = Math.max(...all.map((values) => values.reduce((a, b) => Math.max(a, b), 0))) || 1;
         const scale = Panels.LobeScale.of(view.lobeScale, top);
         amounts = all.map((values) => values.map(scale.share));
@@ -226,7 +222,11 @@ const App = (() => {
       const wanted = new Set(dirty);
       dirty.clear();
       view.wholeThetaIn = Math.min(89, Math.round(view.thetaIn));
-      if (wanted.has('facts')) scenes.forEach((scene) => scene.choose(view.member));
+      if (wanted.has('facts')) {
+        scenes.forEach((scene) => scene.choose(view.member));
+        $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, [s.name === s.description ? '' : `${s.name}: ${s.description}`,
+          s.variant.label && `shown: ${s.variant.label}`].filter(Boolean).join('; '))));
+      }
       if (wanted.has('picture')) drawPicture();
       drawMarkers();
       if (wanted.has('point')) {
@@ -251,9 +251,16 @@ const App = (() => {
     }
 
     window.addEventListener('resize', () => changed('picture', 'mark'));
-    dirty.add('picture').add('point').add('lobe').add('albedo').add('media').add('facts');
-    update();
-    return { view, scenes, objects, changed, update, parts, lightOf, pictureWeights };
+    // First what is seen first; the rest when that is on the screen.
+    const later = [['facts', 'picture'], ['point'], ['lobe'], ['albedo', 'media']];
+    const drawn = (async () => {
+      for (const some of later) {
+        some.forEach((what) => dirty.add(what));
+        update();
+        await new Promise((done) => setTimeout(done, 0));
+      }
+    })();
+    return { drawn, view, scenes, objects, changed, update, parts, lightOf, pictureWeights };
   }
 
   function chooseTheme() {
@@ -276,6 +283,7 @@ const App = (() => {
       }
       const { root, store } = await Data.load(document.getElementById('data').textContent);
       const page = build(root, store);
+      await page.drawn;
       document.body.dataset.ready = Math.round(performance.now());
       if (typeof SelfTest !== 'undefined') await SelfTest.run(page);
     } catch (error) {

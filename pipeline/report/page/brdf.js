@@ -82,7 +82,9 @@ const Brdf = (() => {
           let at = this.firstRow[pair] * rank;
           for (let m = this.orders[pair]; m > 0; --m) {
             for (let k = 0; k < rank; ++k) inBasis[k] += cosM * basis[at++];
-            [cosM, before] = [2 * c1 * cosM - before, cosM];
+            const next = 2 * c1 * cosM - before;
+            before = cosM;
+            cosM = next;
           }
         }
       }
@@ -122,17 +124,17 @@ const Brdf = (() => {
       }
     }
 
-    // G / (4 mu_in mu_out) of the surface, and Fresnel's share with it, at every wavelength.
-    lobeWithoutDensity(muIn, muOut, cosHalf, cosFacet) {
-      const { masking, fresnel, scale, shadowing } = this.lobe, W = this.wavelengths, n = this.nodes;
+    // G / (4 mu_in mu_out) of the surface, and Fresnel's share with it, from wavelength `first` on.
+    lobeWithoutDensity(muIn, muOut, cosHalf, cosFacet, first = 0, last = this.wavelengths) {
+      const { masking, fresnel, scale, shadowing } = this.lobe, n = this.nodes;
       const a = atCosine(masking, muIn), b = atCosine(masking, muOut);
       let g = 1 / (a * b);
       if (shadowing === 'correlated') g = 1 / (a * muOut + b * muIn - muIn * muOut);
       if (shadowing === 'v-cavity') g = Math.min(1, 2 * cosHalf * Math.min(muIn, muOut) / cosFacet) / (muIn * muOut);
-      const values = new Float64Array(W);
-      for (let w = 0; w < W; ++w) {
-        values[w] = 0.25 * g * atCosine(fresnel, cosFacet, w * n, n);
-        if (scale) values[w] *= atCosine(scale, muIn, w * n, n) * atCosine(scale, muOut, w * n, n);
+      const values = new Float64Array(last - first);
+      for (let w = first; w < last; ++w) {
+        values[w - first] = 0.25 * g * atCosine(fresnel, cosFacet, w * n, n);
+        if (scale) values[w - first] *= atCosine(scale, muIn, w * n, n) * atCosine(scale, muOut, w * n, n);
       }
       return values;
     }
@@ -149,11 +151,72 @@ const Brdf = (() => {
     evaluate(muIn, muOut, azimuthDeg, inPicture = false) {
       const values = this.layers(muIn, muOut, azimuthDeg);
       if (!this.lobe || (this.lobe.only_in_pictures && !inPicture)) return values;
-      const length = Math.sqrt(Math.max(1e-12, 2 - 2 * cosTheta(muIn, muOut, azimuthDeg)));
-      const cosHalf = Math.min(1, (muIn + muOut) / length);
-      const lobe = this.lobeWithoutDensity(muIn, muOut, cosHalf, 0.5 * length), d = this.density(cosHalf);
-      for (let w = 0; w < values.length; ++w) values[w] += d * lobe[w];
+      const lobe = this.lobeOf(muIn, muOut, azimuthDeg, 0, this.wavelengths);
+      for (let w = 0; w < values.length; ++w) values[w] += lobe[w];
       return values;
+    }
+
+    lobeOf(muIn, muOut, azimuthDeg, first, last) {
+      const length = Math.sqrt(Math.max(1e-12, 2 - 2 * cosTheta(muIn, muOut, azimuthDeg)));
+      const cosHalf = Math.min(1, (muIn + muOut) / length), d = this.density(cosHalf);
+      return this.lobeWithoutDensity(muIn, muOut, cosHalf, 0.5 * length, first, last).map((v) => d * v);
+    }
+
+    // Both tables at one wavelength, without their bases; the last one is kept.
+    tablesAt(w) {
+      if (this.one && this.one.w === w) return this.one;
+      const W = this.wavelengths, { rank, rows, basis, coefficients } = this.multiple;
+      const multiple = new Float64Array(rows);
+      for (let row = 0; row < rows; ++row) {
+        for (let k = 0; k < rank; ++k) multiple[row] += basis[row * rank + k] * coefficients[k * W + w];
+      }
+      let once = null;
+      if (this.angles) {
+        once = new Float64Array(this.angles * this.slants);
+        const { rank: n, columns, basis: b, coefficients: c } = this.once;
+        for (let a = 0; a < this.angles; ++a) {
+          for (let k = 0; k < n; ++k) {
+            for (let s = 0; s < this.slants; ++s) once[a * this.slants + s] += b[a * n + k] * c[k * columns + s * W + w];
+          }
+        }
+      }
+      return this.one = { w, multiple, once };
+    }
+
+    // evaluate() at one wavelength, for many directions.
+    evaluateAt(w, muIn, muOut, azimuthDeg) {
+      const { multiple, once } = this.tablesAt(w), n = this.cosines;
+      const a = sixNodes(place(muIn) * (n - 1), n), b = sixNodes(place(muOut) * (n - 1), n);
+      const c1 = Math.cos(azimuthDeg * PI / 180);
+      let sum = 0;
+      for (let i = 0; i < 6; ++i) {
+        for (let o = 0; o < 6; ++o) {
+          const low = Math.min(a.first + i, b.first + o), high = Math.max(a.first + i, b.first + o);
+          const pair = low * n - low * (low - 1) / 2 + high - low;
+          let cosM = a.weight[i] * b.weight[o], before = cosM * c1, at = this.firstRow[pair];
+          for (let m = this.orders[pair]; m > 0; --m) {
+            sum += cosM * multiple[at++];
+            const next = 2 * c1 * cosM - before;
+            before = cosM;
+            cosM = next;
+          }
+        }
+      }
+      if (once) {
+        const angle = sixNodes(place(Math.acos(cosTheta(muIn, muOut, azimuthDeg)) / PI) * (this.angles - 1), this.angles);
+        const q = Math.min(this.lastQ, 1 / muIn + 1 / muOut), S = this.slants;
+        const slant = S === 1 ? { first: 0, weight: [1] }
+          : sixNodes(Math.log(q / this.firstQ) / Math.log(this.lastQ / this.firstQ) * (S - 1), S);
+        for (let i = 0; i < 6; ++i) {
+          slant.weight.forEach((weight, k) => { sum += 0.25 * angle.weight[i] * weight * once[(angle.first + i) * S + slant.first + k]; });
+        }
+      }
+      sum /= PI * (muIn + muOut);
+      if (this.in) {
+        const nodes = this.in.length / this.wavelengths;
+        sum *= atCosine(this.in, muIn, w * nodes, nodes) * atCosine(this.out, muOut, w * nodes, nodes);
+      }
+      return this.lobe && !this.lobe.only_in_pictures ? sum + this.lobeOf(muIn, muOut, azimuthDeg, w, w + 1)[0] : sum;
     }
   }
 

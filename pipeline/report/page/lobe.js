@@ -7,12 +7,12 @@ const LobeView = (() => {
   // an even grid of 2 degrees shows lobes of slope parameters from 0.1 on.
   const zenith = (i) => Math.min(89.5, 90 * i / (ZENITHS - 1)) * PI / 180;
 
-  // BRDF over half of the hemisphere, [zenith][azimuth].
-  function values(solved, thetaIn, valueOf) {
+  // BRDF at a wavelength over half of the hemisphere, [zenith][azimuth].
+  function values(solved, thetaIn, w) {
     const muIn = Math.cos(thetaIn * PI / 180), all = new Float64Array(ZENITHS * AZIMUTHS);
     for (let i = 0; i < ZENITHS; ++i) {
       for (let a = 0; a < AZIMUTHS; ++a)
-        all[i * AZIMUTHS + a] = valueOf(solved.evaluate(muIn, Math.cos(zenith(i)), 180 * a / (AZIMUTHS - 1)));
+        all[i * AZIMUTHS + a] = solved.evaluateAt(w, muIn, Math.cos(zenith(i)), 180 * a / (AZIMUTHS - 1));
     }
     return all;
   }

@@ -43,7 +43,7 @@ const Panels = (() => {
           row('CIE Lab', labText(lab), 'lab', lab.join(','));
           const rgb = Colour.linear(light(scene), factor), most = Math.max(1, ...rgb);
           card.append(tag('span', { class: 'swatch', style: `background: ${Colour.css(rgb.map((v) => v / most))}`, role: 'img', 'aria-label': 'its colour' }));
-          if (most > 1.005) card.append(tag('p', { class: 'small' }, `brighter than the screen: its colour is shown at ${number(100 / most, 2)} %`));
+          if (most > 1.03) card.append(tag('p', { class: 'small' }, `brighter than the screen: its colour is shown at ${number(100 / most, 2)} %`));
         }
         return card;
       }));
@@ -85,7 +85,7 @@ const Panels = (() => {
       this.curves = scenes.map((scene) => {
         const w = scene.near(view.wavelength), muIn = cosine(view.thetaIn);
         return { name: called(scene, `${scene.nm[w]} nm`), scene,
-          values: this.angles.map((a) => scene.solved.evaluate(muIn, cosine(a), a < 0 ? 180 : 0)[w]) };
+          values: this.angles.map((a) => scene.solved.evaluateAt(w, muIn, cosine(a), a < 0 ? 180 : 0)) };
       });
       const top = Math.max(...this.curves.flatMap((c) => c.values)) || 1;
       const radius = LobeScale.of(view.lobeScale, top), r0 = width / 2 - 46, height = r0 + 62, x0 = width / 2, y0 = height - 26;
@@ -137,7 +137,7 @@ const Panels = (() => {
       this.angle = new Chart.LineChart(albedo, { title: 'Albedo and incidence', xName: 'angle of incidence', xUnit: '°', yName: 'share reflected', zero: true, file: 'albedo_incidence' });
       this.n = chart(media, 'Refractive index n', 'n', { file: 'n' });
       this.k = chart(media, 'Absorption index k', 'k', { log: 'wide', file: 'k' });
-      this.single = chart(media, 'Single-scattering albedo', 'scattered share of what a particle takes', { file: 'single_scattering_albedo' });
+      this.single = chart(media, 'Single-scattering albedo', 'share scattered', { most: 1, file: 'single_scattering_albedo' });
       this.phase = new Chart.LineChart(media, { title: 'Phase function', xName: 'angle of scattering', xUnit: '°', yName: 'P (mean 1)', log: true, file: 'phase_function' });
     }
 
@@ -147,7 +147,7 @@ const Panels = (() => {
       this.azimuth.set(scenes.map((s) => {
         const w = s.near(view.wavelength);
         return { name: called(s, `${s.nm[w]} nm`), x: azimuths, style: s.index, dash: dashOf(s),
-          y: azimuths.map((a) => s.solved.evaluate(cosine(view.thetaIn), cosine(view.thetaOut), a)[w]) };
+          y: azimuths.map((a) => s.solved.evaluateAt(w, cosine(view.thetaIn), cosine(view.thetaOut), a)) };
       }));
     }
 

@@ -80,7 +80,9 @@ const SelfTest = (() => {
       update();
       await frame();
       result.values.push({ thetaIn, thetaOut, azimuth, shown: data('[data-key=brdf]'), lab: data('[data-key=lab]'), de2000: data('#de2000'),
-        spectra: scenes.map((scene) => Array.from(scene.spectrumAt(view))) });
+        spectra: scenes.map((scene) => Array.from(scene.spectrumAt(view))),
+        // What cuts and lobes are made of.
+        single: scenes.map((s) => s.solved.evaluateAt(s.near(view.wavelength), Panels.cosine(view.thetaIn), Panels.cosine(view.thetaOut), view.azimuth)) });
     }
     result.wavelength_nm = view.wavelength;
     result.albedo = scenes.map((s) => ({ incidence_deg: view.wholeThetaIn, plane: s.plane.map((row) => row[view.wholeThetaIn]), spherical: Array.from(s.spherical) }));
