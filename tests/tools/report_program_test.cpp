@@ -31,6 +31,12 @@ TEST_CASE("a report is one file that loads nothing and says what it shows", "[pr
     CHECK(page.size() < 1'000'000);
 }
 
+TEST_CASE("a wavelength in micrometres is recognised", "[program][errors]") {
+    const ProgramRun run = run_program("albedo --base TiO2 --wavelengths 0.55");
+    CHECK(run.exit_code == 3);
+    CHECK(run.err.find("0.55um") != std::string::npos);
+}
+
 TEST_CASE("a family is solved for each of its values", "[program][report]") {
     const TemporaryFolder folder;
     const std::string scene =

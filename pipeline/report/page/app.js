@@ -98,7 +98,7 @@ const App = (() => {
     };
 
     // Above everything: what all parts share.
-    const degrees = (v) => `${v}°`;
+    const degrees = (v) => `${v}°`.replace('-', '−');
     const family = scenes.find((s) => s.variants.length > 1);
     if (family) {
       Controls.slider($('controls'), view, { key: 'member', label: family.varied, min: 0, max: family.variants.length - 1, step: 1,
@@ -149,11 +149,11 @@ const App = (() => {
     $('object-hint').textContent = 'Drag to turn; with Shift, or by its two sliders, the lamp moves. Click a place to read its directions, its value and its colour below.' +
       (is3d ? '' : ' (Without WebGL 2: a sphere drawn by the processor.)');
     const row = $('picture-controls');
-    if (coloured) Controls.list(row, view, { key: 'show', label: 'Picture shows', choices: [['colour', 'the colour in this light'], ['wavelength', 'one wavelength, in grey']] }, onControl);
+    if (coloured) Controls.list(row, view, { key: 'show', label: 'Picture shows', choices: [['colour', 'its colour'], ['wavelength', 'one wavelength']] }, onControl);
     if (is3d) Controls.list(row, view, { key: 'object', label: 'Object', choices: [['sphere', 'sphere'], ['knot', 'knot'], ['vase', 'vase']] }, onControl);
-    Controls.slider(row, view, { key: 'lampYaw', label: 'Lamp, left and right', min: -180, max: 180, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
-    Controls.slider(row, view, { key: 'lampPitch', label: 'Lamp, up and down', min: -89, max: 89, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
-    Controls.slider(row, view, { key: 'sky', label: 'Sky beside the lamp', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
+    Controls.slider(row, view, { key: 'lampYaw', label: 'Lamp left, right', min: -180, max: 180, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
+    Controls.slider(row, view, { key: 'lampPitch', label: 'Lamp down, up', min: -89, max: 89, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
+    Controls.slider(row, view, { key: 'sky', label: 'Sky light', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
     Controls.slider(row, view, { key: 'exposure', label: 'Exposure', min: -4, max: 4, step: 0.25, text: (v) => `${v > 0 ? '+' : ''}${v} EV`.replace('-', '−') }, onControl);
     const mirror = scenes.some((s) => s.solved.lobe && s.solved.lobe.only_in_pictures);
     $('picture-note').textContent = 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +

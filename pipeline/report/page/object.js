@@ -154,6 +154,8 @@ const ObjectView = (() => {
         profile.push(new THREE.Vector2(0.3 + 0.38 * Math.sin(PI * Math.pow(t, 0.8)) ** 2 + 0.14 * t ** 6, y));
       }
       profile.unshift(new THREE.Vector2(0.001, -0.95));
+      const rim = profile[profile.length - 1].x;  // closed by a lid: it has no inside to be seen
+      for (const share of [0.99, 0.97, 0.5, 0.001]) profile.push(new THREE.Vector2(share * rim, 0.96 + 0.06 * (1 - share)));
       return new THREE.LatheBufferGeometry(profile, 128);
     }
     return new THREE.SphereBufferGeometry(1, 192, 96);
