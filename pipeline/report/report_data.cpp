@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <string_view>
 
 #include "pipeline/report/half_sine_nodes.h"
 #include "pipeline/report/packed.h"
@@ -165,10 +166,17 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
     return all;
 }
 
+/// What is left out of a scene; not what a table of some directions leaves out, nor what was known
+/// from earlier runs.
 json omissions_json(const Plan& plan) {
+    static constexpr std::string_view kOfRequests[] = {"listed directions", "same direction",
+                                                       "reciprocity", "no colour", "in the cache"};
     json all = json::array();
-    for (const Omission& omission : plan.omissions)
-        all.push_back({{"rule", omission.rule}, {"reason", omission.reason}});
+    for (const Omission& omission : plan.omissions) {
+        if (std::find(std::begin(kOfRequests), std::end(kOfRequests), omission.rule) ==
+            std::end(kOfRequests))
+            all.push_back({{"rule", omission.rule}, {"reason", omission.reason}});
+    }
     return all;
 }
 

@@ -226,10 +226,13 @@ const Panels = (() => {
   function drawFacts(parent, scenes, version) {
     parent.replaceChildren(...scenes.map((scene) => {
       const card = tag('div', { class: 'card facts', 'data-scene': scene.index }), list = tag('dl'), { variant } = scene;
+      let last = '';
       const add = (name, text, code) => {
         const value = tag('dd', { class: text.length > 400 ? 'long' : '' });
         value.append(code ? tag('code', {}, text) : text);
-        list.append(tag('dt', {}, name), value);
+        if (name !== last) list.append(tag('dt', {}, name));
+        list.append(value);
+        last = name;
       };
       for (const [name, text] of variant.facts) add(factNames[name] || name, text, name === 'command');
       add('Error of this page between the points of its tables', `${number(variant.interpolation_error, 2)} of the largest value at an incidence`);
