@@ -93,6 +93,9 @@ struct RefractiveIndex::State {
             message += fmt::format(" (n is known from {} to {} nm, k is not)",
                                    n.series().shortest_nm, n.series().longest_nm);
         }
+        // A wavelength in micrometres where nanometres are meant.
+        if (within(1e3 * wavelength_nm, shortest_nm, longest_nm))
+            message += fmt::format("; {} um is written {}um", wavelength_nm, wavelength_nm);
         std::string others;
         for (const Coverage& other : alternatives) {
             if (other.shortest_nm <= wavelength_nm && wavelength_nm <= other.longest_nm) {

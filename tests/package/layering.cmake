@@ -31,6 +31,7 @@ set(allowed_pipeline/solve pipeline/scene pipeline/cache materials/database rte/
 set(allowed_pipeline/plan pipeline/scene pipeline/solve pipeline/cache ${rte_solver})
 set(allowed_pipeline/formats materials/database pipeline/solve pipeline/io pipeline/colour rte/math)
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
+set(allowed_pipeline/report pipeline/scene pipeline/solve pipeline/plan pipeline/io rte/surface rte/boundary ${rte_solver})
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io rte/surface ${rte_solver})
 
 set(areas_seen_by_materials materials)

@@ -151,9 +151,10 @@ int parse_and_run(std::span<const Command> commands, const std::vector<std::stri
     const int code = shell.prepare()();
     if (code == kNotConverged) {
         shell.note(
-            "not converged: the estimated error is above the tolerance (`miebrdf brdf` says "
-            "where); "
-            "exit code 4");
+            "not converged: the estimated error is above the tolerance; what was written says "
+            "where "
+            "('not converged'). Accept it by a larger --tolerance, or lower it by more --streams "
+            "(at most 256; twice as many take up to eight times as long); exit code 4");
     }
     return code;
 }

@@ -132,7 +132,11 @@ Request SceneArguments::parse() const {
     }
     Request request = result_ != nullptr ? result_->request : request_of(typed());
     require_surface_of_index(given("surface-index"), given("roughness"));
-    if (!given("wavelengths"))
+    return complete(std::move(request));
+}
+
+Request SceneArguments::complete(Request request) const {
+    if (request.wavelength_nm.empty())
         apply(*find_scene_word("wavelengths"), std::vector<WordValue>{default_wavelengths_},
               request);
     const char* database = std::getenv("MIEBRDF_DATABASE");

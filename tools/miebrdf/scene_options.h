@@ -48,6 +48,8 @@ class SceneArguments {
     /// The whole request. A database that no word names is that of MIEBRDF_DATABASE, if it is set.
     /// @throws UsageError, InputError
     Request parse() const;
+    /// Gives a request that comes from elsewhere what it does not say: wavelengths and database.
+    Request complete(Request request) const;
 
   private:
     void add(CLI::App& command, Shell& shell, const std::vector<std::string>& words);
