@@ -199,4 +199,26 @@ std::optional<Series> Database::Layer::series(std::int64_t dataset_id, char quan
     return series;
 }
 
+DatasetInfo describe_unstored(const Dataset& d) {
+    DatasetInfo info;
+    info.material = d.material;
+    info.label = d.label;
+    info.layer = "nowhere: computed";
+    info.source = d.source;
+    info.reference = d.reference;
+    info.format = d.format;
+    info.content_sha256 = content_sha256(d);
+    info.density_g_cm3 = d.density_g_cm3;
+    info.density_source = d.density_source;
+    info.k_known = d.k.has_value();
+    info.rows = static_cast<int>(d.n->x.size());
+    info.n_shortest_nm = info.shortest_nm = d.n->shortest_nm;
+    info.n_longest_nm = info.longest_nm = d.n->longest_nm;
+    if (d.k) {
+        info.k_shortest_nm = d.k->shortest_nm;
+        info.k_longest_nm = d.k->longest_nm;
+    }
+    return info;
+}
+
 }  // namespace miebrdf::materials

@@ -7,14 +7,12 @@
 #include <utility>
 
 #include <miebrdf/database.h>
+#include "materials/index/series.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
-
-// Far beyond all sources (metals at 1 mm have a few thousand).
-constexpr double kLargestIndex = 1e6;
 
 void check_row(const RawTable& table, const RawRow& row, const std::string& file,
                double negative_k_tolerance) {
