@@ -52,7 +52,8 @@ std::shared_ptr<const Database::Layer> Database::open_layer(const std::filesyste
         if (may_be_empty) return nullptr;
         throw DatabaseError(fmt::format("materials database {}: is empty", file.string()));
     }
-    // SQLite fills a last page that was cut with zeros; files grow by whole pages only.
+    // A whole database is a number of whole pages. SQLite would read a last page that was cut off
+    // as if the rest were zeros, so the size is checked here.
     const auto page_size = static_cast<std::uintmax_t>(connection.integer("PRAGMA page_size"));
     if (std::filesystem::file_size(file) % page_size != 0) {
         throw DatabaseError(
@@ -169,7 +170,7 @@ MaterialInfo Database::info(const std::string& name) const {
     info.datasets = static_cast<int>(one_dataset ? datasets(info.name).size() : shown.size());
     if (shown.empty()) return info;
     fill_from(info, shown.front());
-    // shown has the dataset described alone when one was asked for.
+    // When one dataset was asked for, `shown` has only that one; the density may come from others.
     if (one_dataset) {
         for (DatasetInfo& other : datasets(info.name)) shown.push_back(std::move(other));
     }

@@ -166,7 +166,7 @@ std::optional<std::string> Database::Layer::collected(const std::string& source,
 }
 
 std::vector<std::string> Database::Layer::full_text(const std::string& query) const {
-    // Weights of name, aliases, title, formula, provenance: a hit in the name says most.
+    // Weights of name, aliases, title, formula, provenance: a hit in the name counts most.
     sqlite::Statement row = connection.prepare(
         "SELECT m.name FROM material_text t JOIN material m ON m.id = t.rowid "
         "WHERE material_text MATCH ? ORDER BY bm25(material_text, 20, 10, 5, 10, 1), m.name");

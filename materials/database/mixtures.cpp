@@ -148,9 +148,9 @@ Dataset mix(const Mixture& mixture, const std::string& name,
             if (w > shortest_nm && w < longest_nm) grid.insert(w);
         }
     }
-    // Between the rows of the parts a mixture bends where they do not (a resonance of small spheres
-    // of gold): seven more wavelengths in each interval make their interpolation the only one that
-    // counts.
+    // Between two rows of the parts the mixture may bend more than they do (a resonance of small
+    // spheres of gold). Seven more wavelengths in each interval follow it closely enough that how
+    // the mixture itself is interpolated does not matter.
     for (auto w = grid.begin(); std::next(w) != grid.end() && grid.size() < kMostWavelengths;) {
         const double first = *w, last = *++w;
         if (!(last > first * (1 + 1e-9))) continue;

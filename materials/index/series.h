@@ -9,7 +9,7 @@
 
 namespace miebrdf::materials {
 
-/// The largest n and k that are believed: far beyond all sources (metals at 1 mm have a few
+/// The largest n and k that are accepted: far beyond all sources (metals at 1 mm have a few
 /// thousand).
 inline constexpr double kLargestIndex = 1e6;
 

@@ -166,7 +166,7 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
                                 ? std::vector<std::string>(words.begin(), words.end())
                                 : split_fields(content, header ? separator : found);
         const bool row = header && parse_number(fields.front());
-        // A line that is neither row nor header may be a bad row; a header makes a new part.
+        // A line that is not a row is a bad row, or a header, which begins the next block.
         const bool bad_row = header && !row && options.skip_bad_rows &&
                              !read_csv_header(split_fields(content, found));
         if (!row && !bad_row) {
