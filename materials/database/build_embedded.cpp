@@ -109,14 +109,15 @@ void build(const std::filesystem::path& folder, const std::filesystem::path& out
     std::filesystem::remove(output);
     DatabaseWriter(output).add(datasets);
     add_collections(output, read_rows(folder / "collections.csv"));
-    // An image is opened without files beside it, so no write-ahead log; and as small as it gets.
+    // The embedded file is opened from memory, so it must not need a write-ahead log; VACUUM makes
+    // it as small as possible.
     const auto connection = sqlite::Connection::open_read_write(output);
     connection.execute("PRAGMA journal_mode = DELETE; VACUUM");
 }
 
 }  // namespace
 
-// The library calls it, but there is none yet.
+// The objects of the library refer to the embedded database, which this program is about to make.
 miebrdf::materials::Database miebrdf::materials::Database::embedded() {
     throw std::logic_error("there is no embedded database yet");
 }

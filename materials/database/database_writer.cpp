@@ -25,7 +25,7 @@ sqlite::Connection open_for_writing(const std::filesystem::path& file) {
     }
     create_database_file(file);
     sqlite::Connection connection = sqlite::Connection::open_read_write(file);
-    // First of all, since it refuses files that are not ours before a byte of them is changed.
+    // First: this refuses files that are no materials database before anything in them changes.
     create_schema(connection);
     connection.use_write_ahead_log();
     return connection;
@@ -58,7 +58,8 @@ std::int64_t material_id(const sqlite::Connection& c, const std::string& name,
         const std::int64_t id = find.integer(0);
         find.reset();
         if (from == nullptr) return id;
-        // Whoever comes first, the material gets what one of its sources knows.
+        // Title and formula come from the first dataset that has them, in whatever order they are
+        // added.
         c.prepare(
              "UPDATE material SET title = iif(title = '', ?1, title), "
              "formula = iif(formula = '', ?2, formula) WHERE id = ?3 "
@@ -92,7 +93,7 @@ void refresh_text(const sqlite::Connection& c, std::int64_t material) {
         .run();
 }
 
-// A material that says nothing any more (no dataset, alias or default) goes.
+// Removes a material that has no dataset, alias or default left.
 void drop_if_empty(const sqlite::Connection& c, std::int64_t material) {
     c.prepare(
          "DELETE FROM material WHERE id = ? AND default_label IS NULL "
@@ -197,7 +198,8 @@ DatabaseWriter::~DatabaseWriter() {
     try {
         connection_->execute("PRAGMA busy_timeout = 100; PRAGMA wal_checkpoint(TRUNCATE)");
     } catch (const DatabaseError&) {
-        // The log stays beside the file; the next writer takes it in.
+        // Somebody else is using the file: the write-ahead log stays beside it, and the next writer
+        // merges it.
     }
 }
 
@@ -215,7 +217,7 @@ std::vector<AddOutcome> DatabaseWriter::add(std::span<const Dataset> datasets,
             if (insert_alias(*connection_, material, alias)) touched.insert(material);
         }
     }
-    if (touched.empty()) return outcomes;  // not a byte of the file is written
+    if (touched.empty()) return outcomes;  // the file is not written to
     for (const std::int64_t material : touched) refresh_text(*connection_, material);
     transaction.commit();
     return outcomes;

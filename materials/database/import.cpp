@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A dataset on its way in, or the reason why not.
+/// A dataset to be imported, or the reason why it is refused.
 struct Candidate {
     std::string file;
     bool required = false;  ///< given by name: refusing it refuses everything
@@ -48,7 +48,8 @@ void settle_material(Dataset& dataset, const Database& embedded, const Database&
     }
     const auto taken = embedded.resolve_exactly(dataset.material);
     if (taken && dataset.source == "refractiveindex.info") {
-        // A book that the table does not list has nothing to do with a material of that name.
+        // A book that the table does not list is not taken for an embedded material of the same
+        // name.
         const std::string shelf = dataset.key.substr(0, dataset.key.find('/'));
         dataset.material += shelf.empty() ? " (refractiveindex.info)" : " (" + shelf + ")";
     } else if (taken) {
@@ -56,7 +57,8 @@ void settle_material(Dataset& dataset, const Database& embedded, const Database&
     }
 }
 
-// What is left of a file's name when it is no UTF-8: such a name cannot be stored or shown.
+// A printable form of a file name that is not UTF-8, which can be neither stored nor shown as it
+// is.
 std::string readable(const fs::path& path) {
     const std::string name = path.string();
     if (is_utf8(name)) return name;
@@ -173,7 +175,7 @@ class Importer {
     std::set<std::string> seen_;
 };
 
-// Why a dataset cannot go where it wants to; empty when it can.
+// Why a dataset cannot be stored under its label; empty when it can.
 std::string stored_clash(const Database& known, const Dataset& dataset, const std::string& sum,
                          bool replace) {
     if (!known.resolve_exactly(dataset.material)) return "";
@@ -237,8 +239,8 @@ std::vector<ImportItem> import_files(const fs::path& database, std::span<const f
     for (const fs::path& file : files) importer.add(file);
     refuse_clashes(importer.candidates, known, options.replace);
 
-    // The dataset that a new material stands for is the first one added: one that can be used at
-    // 550 nm, where there is any.
+    // The first dataset of a new material becomes its default, so one that covers 550 nm is added
+    // first, if there is one.
     std::vector<Candidate*> order;
     for (Candidate& c : importer.candidates) {
         if (c.refusal.empty() && !is_embedded(known, c.dataset)) order.push_back(&c);

@@ -166,7 +166,7 @@ std::optional<std::string> Database::Layer::collected(const std::string& source,
 }
 
 std::vector<std::string> Database::Layer::full_text(const std::string& query) const {
-    // Weights of name, aliases, title, formula, provenance: a hit in the name says most.
+    // Weights of name, aliases, title, formula, provenance: a hit in the name counts most.
     sqlite::Statement row = connection.prepare(
         "SELECT m.name FROM material_text t JOIN material m ON m.id = t.rowid "
         "WHERE material_text MATCH ? ORDER BY bm25(material_text, 20, 10, 5, 10, 1), m.name");
@@ -197,6 +197,28 @@ std::optional<Series> Database::Layer::series(std::int64_t dataset_id, char quan
     series.x = from_bytes(x.data(), x.size());
     series.y = from_bytes(y.data(), y.size());
     return series;
+}
+
+DatasetInfo describe_unstored(const Dataset& d) {
+    DatasetInfo info;
+    info.material = d.material;
+    info.label = d.label;
+    info.layer = "nowhere: computed";
+    info.source = d.source;
+    info.reference = d.reference;
+    info.format = d.format;
+    info.content_sha256 = content_sha256(d);
+    info.density_g_cm3 = d.density_g_cm3;
+    info.density_source = d.density_source;
+    info.k_known = d.k.has_value();
+    info.rows = static_cast<int>(d.n->x.size());
+    info.n_shortest_nm = info.shortest_nm = d.n->shortest_nm;
+    info.n_longest_nm = info.longest_nm = d.n->longest_nm;
+    if (d.k) {
+        info.k_shortest_nm = d.k->shortest_nm;
+        info.k_longest_nm = d.k->longest_nm;
+    }
+    return info;
 }
 
 }  // namespace miebrdf::materials

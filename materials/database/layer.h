@@ -36,4 +36,7 @@ struct Database::Layer {
     std::optional<Series> series(std::int64_t dataset_id, char quantity) const;
 };
 
+/// What is known of a dataset that no layer holds (a mixture).
+DatasetInfo describe_unstored(const Dataset& dataset);
+
 }  // namespace miebrdf::materials

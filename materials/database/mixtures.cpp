@@ -1,13 +1,17 @@
-#include "materials/database/mixtures.h"
+// Mixtures as materials: "bruggeman(TiO2:30%,SiO2)" is a name like any other.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
-#include "materials/index/checksum.h"
+#include <miebrdf/database.h>
+#include "materials/index/mixing_rules.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
 
@@ -16,6 +20,15 @@ namespace {
 
 constexpr std::string_view kLabel = "mixture";
 constexpr std::size_t kMostWavelengths = 20000;
+
+struct Mixture {
+    const MixingRule* rule = nullptr;
+    struct Part {
+        std::string name;
+        double fraction = 0.0;
+    };
+    std::vector<Part> parts;
+};
 
 [[noreturn]] void refuse(const std::string& name, const std::string& reason) {
     throw UsageError(fmt::format("mixture '{}': {}", name, reason));
@@ -74,8 +87,10 @@ std::string join(const std::vector<std::string>& texts) {
     return fmt::format("{}", fmt::join(texts, "; "));
 }
 
-}  // namespace
-
+/// Nothing when the text is no RULE(...) of a known rule; "/mixture" may follow, the label of its
+/// dataset. One fraction may be missing and is the rest; average(o,e) without any is that of a
+/// powder of a uniaxial crystal, 2/3 and 1/3.
+/// @throws UsageError  for parts that are missing or too many, and fractions that do not add up
 std::optional<Mixture> parse_mixture(const std::string& asked) {
     std::string name(without_blanks(asked));
     if (name.ends_with(fmt::format(")/{}", kLabel))) name.resize(name.size() - kLabel.size() - 1);
@@ -105,6 +120,10 @@ std::optional<Mixture> parse_mixture(const std::string& asked) {
     return mixture;
 }
 
+/// Tabulated at every wavelength of the parts' tables where all parts are known, and at seven
+/// between any two of them.
+/// @param datasets  of the parts, for titles, references and densities
+/// @throws InputError  when the parts have no wavelength in common
 Dataset mix(const Mixture& mixture, const std::string& name,
             const std::vector<RefractiveIndex>& indices, const std::vector<Dataset>& datasets) {
     double shortest_nm = 0, longest_nm = indices.front().longest_nm();
@@ -129,9 +148,9 @@ Dataset mix(const Mixture& mixture, const std::string& name,
             if (w > shortest_nm && w < longest_nm) grid.insert(w);
         }
     }
-    // Between the rows of the parts a mixture bends where they do not (a resonance of small spheres
-    // of gold): seven more wavelengths in each interval make their interpolation the only one that
-    // counts.
+    // Between two rows of the parts the mixture may bend more than they do (a resonance of small
+    // spheres of gold). Seven more wavelengths in each interval follow it closely enough that how
+    // the mixture itself is interpolated does not matter.
     for (auto w = grid.begin(); std::next(w) != grid.end() && grid.size() < kMostWavelengths;) {
         const double first = *w, last = *++w;
         if (!(last > first * (1 + 1e-9))) continue;
@@ -180,26 +199,20 @@ Dataset mix(const Mixture& mixture, const std::string& name,
     return mixed;
 }
 
-DatasetInfo describe_unstored(const Dataset& d) {
-    DatasetInfo info;
-    info.material = d.material;
-    info.label = d.label;
-    info.layer = "nowhere: computed";
-    info.source = d.source;
-    info.reference = d.reference;
-    info.format = d.format;
-    info.content_sha256 = content_sha256(d);
-    info.density_g_cm3 = d.density_g_cm3;
-    info.density_source = d.density_source;
-    info.k_known = d.k.has_value();
-    info.rows = static_cast<int>(d.n->x.size());
-    info.n_shortest_nm = info.shortest_nm = d.n->shortest_nm;
-    info.n_longest_nm = info.longest_nm = d.n->longest_nm;
-    if (d.k) {
-        info.k_shortest_nm = d.k->shortest_nm;
-        info.k_longest_nm = d.k->longest_nm;
+}  // namespace
+
+std::optional<Dataset> Database::mixture(const std::string& name) const {
+    const auto parsed = parse_mixture(name);
+    if (!parsed) return std::nullopt;
+    std::vector<RefractiveIndex> indices;
+    std::vector<Dataset> parts;
+    for (const auto& part : parsed->parts) {
+        indices.push_back(refractive_index(part.name));
+        parts.push_back(dataset(part.name));
+        const MaterialInfo material = info(part.name);
+        if (!parts.back().density_g_cm3) parts.back().density_g_cm3 = material.density_g_cm3;
     }
-    return info;
+    return mix(*parsed, name, indices, parts);
 }
 
 }  // namespace miebrdf::materials

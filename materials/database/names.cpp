@@ -54,7 +54,7 @@ std::vector<std::string> nearest_names(std::string_view asked,
         const std::string other = normalised(name);
         const bool starts = !key.empty() && other.starts_with(key);
         const std::size_t distance = edit_distance(key, other);
-        // "Xy" is within two edits of every element: at least half of the name must survive.
+        // "Xy" is within two edits of every chemical symbol: at least half of the name must agree.
         const bool alike = distance <= reach && 2 * distance <= std::max(key.size(), other.size());
         if (starts || alike) ranked.emplace_back(!starts, distance, name);
     }

@@ -94,8 +94,8 @@ CREATE VIRTUAL TABLE material_text USING fts5 (
 )sql";
 
 // The bytes of a database that has the tables and is in write-ahead mode. Turning that mode on in a
-// file that others can see already takes an exclusive lock, and whoever comes at that moment may be
-// turned away.
+// file that other processes can see already takes an exclusive lock, and a process that opens it
+// at that moment may get an error.
 std::string empty_database() {
     const auto connection = sqlite::Connection::open_memory();
     create_schema(connection);
@@ -124,7 +124,7 @@ std::string empty_database() {
 }  // namespace
 
 DatabaseState check_schema(const sqlite::Connection& connection) {
-    // One statement, so that all three are of the same moment.
+    // One statement, so that all three values belong to the same state of the file.
     sqlite::Statement header = connection.prepare(
         "SELECT (SELECT count(*) FROM sqlite_schema), application_id, user_version "
         "FROM pragma_application_id, pragma_user_version");
@@ -157,7 +157,7 @@ DatabaseState check_schema(const sqlite::Connection& connection) {
 void create_schema(const sqlite::Connection& connection) {
     if (check_schema(connection) == DatabaseState::ready) return;
     sqlite::Transaction transaction(connection);
-    // Looked at again with the lock held: another process may have been faster.
+    // Checked again with the lock held: another process may have created the tables meanwhile.
     if (check_schema(connection) == DatabaseState::ready) return;
     connection.execute(kSchema);
     connection.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
@@ -170,7 +170,7 @@ void create_database_file(const std::filesystem::path& file) {
     std::error_code error;
     if (std::filesystem::exists(std::filesystem::symlink_status(file, error))) return;
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    // Without a name, so that nothing is left when the process is killed before the end.
+    // A file without a name: nothing is left behind when the process is killed before the end.
     const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
     if (descriptor < 0) return;
     try {
@@ -179,7 +179,7 @@ void create_database_file(const std::filesystem::path& file) {
         ::close(descriptor);
         throw;
     }
-    // Fails when another process was faster: its file is as good.
+    // Fails when another process has created the file meanwhile, which is as good.
     const std::string unnamed = fmt::format("/proc/self/fd/{}", descriptor);
     [[maybe_unused]] const int linked =
         ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, file.c_str(), AT_SYMLINK_FOLLOW);

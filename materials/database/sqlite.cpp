@@ -35,7 +35,7 @@ bool no_room(int code, sqlite3* connection) {
     return (code & 0xff) == SQLITE_FULL || ((code & 0xff) == SQLITE_IOERR && full);
 }
 
-// What the codes mean to somebody who has a materials database before them.
+// What the codes mean for a materials database, in the words of its user.
 std::string reason(int code, sqlite3* connection) {
     if (no_room(code, connection))
         return "cannot be written: the disk is full; nothing was changed";
@@ -63,7 +63,7 @@ std::string reason(int code, sqlite3* connection) {
 
 // @param connection  may be null: then the code alone explains
 // @param name  of the database, as it appears in the message
-// @throws DamagedDatabase  for contents that are none; DatabaseError for everything else
+// @throws DamagedDatabase  for contents that are no database; DatabaseError for everything else
 [[noreturn]] void fail(int code, sqlite3* connection, const std::string& name) {
     const std::string text =
         fmt::format("materials database {}: {}", name, reason(code, connection));
@@ -99,7 +99,7 @@ bool not_empty(const std::string& path) {
     return std::filesystem::exists(path, error) && std::filesystem::file_size(path, error) > 0;
 }
 
-// SQLite's name for a file that does not change while it is read.
+// The name under which SQLite opens a file that does not change while it is read.
 std::string immutable_uri(const std::filesystem::path& file) {
     std::string uri = "file:";
     for (const char c : std::filesystem::absolute(file).string()) {
@@ -246,7 +246,8 @@ void Connection::use_write_ahead_log() const {
     Statement mode = prepare("PRAGMA journal_mode");
     const bool already = mode.step() && mode.text(0) == "wal";
     mode.reset();
-    // The change needs the file for itself, and SQLite's own waiting does not cover all of it.
+    // The change needs an exclusive lock; SQLite's own waiting for locks does not cover all its
+    // steps.
     const auto deadline =
         std::chrono::steady_clock::now() + std::chrono::milliseconds(kBusyTimeoutMs);
     while (!already) {
@@ -299,7 +300,8 @@ void Transaction::commit() {
     open_ = false;
 }
 
-// Reading a database that may lie where nobody may write, or that a crashed writer has left.
+// Opens a database for reading, also in a folder without write permission or after a crashed
+// writer.
 Connection Connection::open_read_only(const std::filesystem::path& file) {
     const std::string name = file.string();
     const auto readable = [](const Connection& connection) {

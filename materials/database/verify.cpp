@@ -17,9 +17,9 @@ namespace {
 
 using Severity = Finding::Severity;
 
-// A single wrong value (a typing error, a lost digit) shows in the misses of each row from the line
-// between its neighbours as -1/2, 1, -1/2 around it, and in no row further away: edges and peaks
-// look different. Reported when it is more than a twentieth of the value.
+// A single wrong value (a typing error, a lost digit): the distances of the rows around it from the
+// line between their neighbours are in the ratio -1/2 : 1 : -1/2, and rows further away lie on it.
+// Edges and peaks have other ratios. Reported when it is more than a twentieth of the value.
 constexpr double kOutlierShare = 0.05;
 constexpr double kOutlierContrast = 10.0;
 

@@ -12,7 +12,7 @@ namespace miebrdf::materials {
 /// 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
 
-/// Checksum of the figures alone: the same table from two files has the same one.
+/// Checksum of the figures alone: the same table in two files has the same checksum.
 std::string content_sha256(const Dataset& dataset);
 
 /// Little-endian doubles, as they are stored and summed.

@@ -14,9 +14,6 @@ namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
-// Far beyond all sources (metals at 1 mm have a few thousand).
-constexpr double kLargestIndex = 1e6;
-
 // c(1) is the first coefficient, as in the formulas.
 struct Coefficients {
     std::span<const double> values;

@@ -9,6 +9,10 @@
 
 namespace miebrdf::materials {
 
+/// The largest n and k that are accepted: far beyond all sources (metals at 1 mm have a few
+/// thousand).
+inline constexpr double kLargestIndex = 1e6;
+
 /// A series must be finite, ascending in wavelength (and strictly descending in photon energy, in
 /// which it will be interpolated), with n > 0 and k >= 0 wherever it is tabulated.
 /// @throws InputError  naming the row

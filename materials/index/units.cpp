@@ -116,7 +116,8 @@ double to_nm(double value, Unit unit) {
 double from_nm(double wavelength_nm, Unit unit) {
     if (unit == Unit::micrometre) return wavelength_nm / 1000.0;
     if (unit == Unit::angstrom) return wavelength_nm * 10.0;
-    return to_nm(wavelength_nm, unit);  // nm itself, and the reciprocal units are involutions
+    // nm stays as it is; reciprocal units have one formula for both ways.
+    return to_nm(wavelength_nm, unit);
 }
 
 double from_nm_exactly(double wavelength_nm, Unit unit) {

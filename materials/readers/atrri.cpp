@@ -10,7 +10,7 @@
 namespace miebrdf::materials {
 namespace {
 
-// Three bare columns could be anything: this format has to be asked for.
+// Never recognised by content, since three bare columns could be anything: it must be named.
 bool never(std::string_view) { return false; }
 
 Dataset read_atrri(const SourceFile& source, const ReadOptions& options) {

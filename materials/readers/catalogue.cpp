@@ -23,7 +23,7 @@ const std::vector<YamlNode>& content_of(const YamlNode& node) {
                                                                            : nothing;
 }
 
-// Manufacturers' data sheets: there a book is a maker and every page another glass.
+// Manufacturers' data sheets: on this shelf a book is a maker and every page another glass.
 bool pages_are_materials(const std::string& shelf) { return shelf == "specs"; }
 
 CataloguePage name_page(const std::string& shelf, const std::string& book,
@@ -50,7 +50,7 @@ bool repeats_others(const std::string& shelf) { return shelf == "3d"; }
 // On the shelf `main` a book is a chemical formula and has a folder of its own there: a page of one
 // that points into the folder of another is an error of the catalogue (MgO/Synowicki and
 // ZrO2/Synowicki point to a file of As2S3). Pages that point to another shelf, and books of other
-// shelves, are free to (BK7/Lane, SCHOTT's `misc`, an alloy listed with its end members).
+// shelves, may do so (BK7/Lane, SCHOTT's `misc`, an alloy listed with its end members).
 void check_folder(CataloguePage& page, const std::string& book,
                   const std::set<std::string>& books) {
     const auto parts = split_words(page.data, "/");

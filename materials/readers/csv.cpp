@@ -80,11 +80,11 @@ char separator_of(std::string_view line) {
 }
 
 /// n and k may stand in one block or in two, each with its header.
-struct Parts {
+struct CsvBlocks {
     RawTable n, k;
 };
 
-void read_row(Parts& parts, const CsvHeader& header, const std::vector<std::string>& fields,
+void read_row(CsvBlocks& parts, const CsvHeader& header, const std::vector<std::string>& fields,
               const std::string& file, int line) {
     const auto field = [&](int i) {
         return i >= 0 && i < static_cast<int>(fields.size()) ? fields[static_cast<std::size_t>(i)]
@@ -98,7 +98,8 @@ void read_row(Parts& parts, const CsvHeader& header, const std::vector<std::stri
     if (!k.empty()) parts.k.rows.push_back({x, 0.0, require_number(k, file, line), line});
 }
 
-void add_parts(Dataset& dataset, Parts parts, const std::string& file, const ReadOptions& options) {
+void add_parts(Dataset& dataset, CsvBlocks parts, const std::string& file,
+               const ReadOptions& options) {
     const auto same_x = [](const RawRow& a, const RawRow& b) { return a.x == b.x; };
     const bool joint = parts.n.unit == parts.k.unit &&
                        std::equal(parts.n.rows.begin(), parts.n.rows.end(), parts.k.rows.begin(),
@@ -142,7 +143,7 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
     const std::string file = source.path.string();
     Dataset dataset;
     dataset.format = "csv";
-    Parts parts;
+    CsvBlocks parts;
     std::optional<CsvHeader> header;
     char separator = ',';
     int line = 0;
@@ -165,7 +166,7 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
                                 ? std::vector<std::string>(words.begin(), words.end())
                                 : split_fields(content, header ? separator : found);
         const bool row = header && parse_number(fields.front());
-        // A line that is neither row nor header may be a bad row; a header makes a new part.
+        // A line that is not a row is a bad row, or a header, which begins the next block.
         const bool bad_row = header && !row && options.skip_bad_rows &&
                              !read_csv_header(split_fields(content, found));
         if (!row && !bad_row) {

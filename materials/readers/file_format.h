@@ -25,7 +25,7 @@ struct FileFormat {
     const char* other_name = "";  ///< "nk"; empty: none
     const char* title;            ///< "SOPRA", in messages
     const char* endings[2] = {};  ///< of the files that are written; two: they come in pairs
-    /// Names of files whose case means nothing (DOS): CO.NK is cobalt.
+    /// File names that ignore case (DOS): CO.NK is cobalt.
     bool caseless_names = false;
 
     /// Looks at content, never at the file's name.

@@ -1,5 +1,4 @@
-// The list of formats, what all of them share, and one file from its bytes to a dataset that knows
-// where it came from.
+// The list of formats, what all of them share, and how one file becomes a dataset with its origin.
 #include <fmt/format.h>
 
 #include <cctype>
@@ -22,12 +21,12 @@ namespace {
 
 constexpr std::uintmax_t kLargestFile = 256u << 20;
 
-// In the order in which contents are tried: those that cannot be mistaken come first.
+// In the order in which contents are tried: the formats that are easiest to tell apart come first.
 constexpr const FileFormat* kFormats[] = {
     &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd, &kAtrri,
 };
 
-// The format whose pairs end so, and the pair's common beginning.
+// The format that has pairs of files with this ending, and what both their paths begin with.
 struct Pair {
     const FileFormat* format;
     std::filesystem::path base;
@@ -89,7 +88,7 @@ std::string read_text(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(file, error)) {
         throw ImportError(file.string(), 0, "is a folder");
     }
-    // A pipe would wait for ever, a device may have no end.
+    // Reading a pipe could wait for ever, and a device may never end.
     if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
         throw ImportError(file.string(), 0, "no ordinary file");
     }

@@ -7,14 +7,12 @@
 #include <utility>
 
 #include <miebrdf/database.h>
+#include "materials/index/series.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
-
-// Far beyond all sources (metals at 1 mm have a few thousand).
-constexpr double kLargestIndex = 1e6;
 
 void check_row(const RawTable& table, const RawRow& row, const std::string& file,
                double negative_k_tolerance) {
@@ -70,7 +68,7 @@ void sort_rows(RawTable& table, std::vector<std::string>& corrections) {
         return reciprocal ? a.x > b.x : a.x < b.x;
     };
     if (std::is_sorted(table.rows.begin(), table.rows.end(), shorter)) return;
-    // The whole file the other way round is an order too; anything else is worth a remark.
+    // A file in descending order is as good; any other order is recorded as a correction.
     const bool reversed = std::is_sorted(table.rows.rbegin(), table.rows.rend(), shorter);
     if (!reversed) corrections.push_back("rows sorted by wavelength");
     std::stable_sort(table.rows.begin(), table.rows.end(), shorter);

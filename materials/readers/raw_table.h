@@ -23,7 +23,8 @@ struct ReadOptions {
     std::optional<Unit> unit{};
 };
 
-/// Tables longer than this are refused: no source has them, and a header may announce anything.
+/// Longer tables are refused: no source has them, and a wrong header could ask for any amount of
+/// memory.
 inline constexpr std::size_t kMostRows = 1'000'000;
 
 struct RawRow {
@@ -88,7 +89,7 @@ inline constexpr std::string_view kProvenanceMark = "# miebrdf ";
 /// One line for each thing that is known, without line breaks.
 std::vector<std::string> provenance_lines(const Dataset& dataset);
 
-/// Takes over what a line says when it is one of those; other lines are left alone.
+/// Reads one of these lines into the dataset; other lines change nothing.
 /// @returns whether it was one
 bool read_provenance_line(Dataset& dataset, std::string_view line);
 

@@ -29,7 +29,7 @@ Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
             table.rows.push_back(row);
         }
         columns.bad.record(dataset, table.rows.size());
-        // Both halves say the same of their origin.
+        // Both files of a pair carry the same provenance.
         if (is_n || source.text.empty()) take_remarks(dataset, columns.remarks);
         add_table(dataset, std::move(table), file + (is_n ? ".eta.spd" : ".k.spd"), options);
     };

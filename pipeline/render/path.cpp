@@ -23,7 +23,7 @@ struct PathTracer::Vertex {
     Eigen::Vector3d towards_viewer;
     double mu_out;
     const RenderBrdf* material;
-    DirectionSampler directions;
+    BounceSampler directions;
 
     Vertex(const Hit& where, const Eigen::Vector3d& viewer, double mu, const RenderBrdf& brdf)
         : hit(where),

@@ -117,8 +117,8 @@ constexpr double kLobeShare = 0.5;
 
 }  // namespace
 
-DirectionSampler::DirectionSampler(const Eigen::Vector3d& normal,
-                                   const Eigen::Vector3d& towards_viewer, double lobe_alpha)
+BounceSampler::BounceSampler(const Eigen::Vector3d& normal, const Eigen::Vector3d& towards_viewer,
+                             double lobe_alpha)
     : normal_(normal),
       viewer_(towards_viewer),
       alpha_(lobe_alpha),
@@ -130,14 +130,14 @@ DirectionSampler::DirectionSampler(const Eigen::Vector3d& normal,
     bitangent_ = normal.cross(tangent_);
 }
 
-Eigen::Vector3d DirectionSampler::to_world(double cos_polar, double azimuth) const {
+Eigen::Vector3d BounceSampler::to_world(double cos_polar, double azimuth) const {
     const double sin_polar = std::sqrt(std::max(0.0, (1 - cos_polar) * (1 + cos_polar)));
     return (sin_polar * std::cos(azimuth) * tangent_ + sin_polar * std::sin(azimuth) * bitangent_ +
             cos_polar * normal_)
         .normalized();
 }
 
-Eigen::Vector3d DirectionSampler::sample(std::array<double, 2> u) const {
+Eigen::Vector3d BounceSampler::sample(std::array<double, 2> u) const {
     const double azimuth = 2 * kPi * u[1];
     // The first number chooses the way; what remains of it is as evenly spread as it was.
     if (u[0] >= lobe_share_) {
@@ -148,7 +148,7 @@ Eigen::Vector3d DirectionSampler::sample(std::array<double, 2> u) const {
     return (2 * viewer_.dot(half) * half - viewer_).normalized();
 }
 
-double DirectionSampler::density(const Eigen::Vector3d& direction) const {
+double BounceSampler::density(const Eigen::Vector3d& direction) const {
     const double cosine = std::max(0.0, direction.dot(normal_));
     double density = (1 - lobe_share_) * cosine / kPi;
     if (lobe_share_ > 0.0) {

@@ -28,13 +28,14 @@ class Sampler {
 
 // Choosing directions of light in proportion to what a surface does with them.
 
-/// Directions around a normal: half of them (all, without a lobe) cosine-distributed, the others
-/// mirrored at half vectors from Beckmann's distribution.
-class DirectionSampler {
+/// Where a path goes on from a point of a surface. Directions around its normal: half of them (all,
+/// without a lobe) cosine-distributed, the others mirrored at half vectors from Beckmann's
+/// distribution.
+class BounceSampler {
   public:
     /// @param lobe_alpha  Beckmann slope parameter; 0: no lobe
-    DirectionSampler(const Eigen::Vector3d& normal, const Eigen::Vector3d& towards_viewer,
-                     double lobe_alpha);
+    BounceSampler(const Eigen::Vector3d& normal, const Eigen::Vector3d& towards_viewer,
+                  double lobe_alpha);
 
     /// A unit direction; it may lie below the surface (a mirrored one), where nothing is reflected.
     Eigen::Vector3d sample(std::array<double, 2> u) const;

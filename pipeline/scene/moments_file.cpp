@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kAlbedoKey[] = "single_scattering_albedo:";
 constexpr double kLargestChi0Error = 1e-6;  // tables are printed with at least six digits
-constexpr std::size_t kMostMoments = 1'000'000;
+constexpr std::size_t kMostMomentsOfFile = 1'000'000;
 
 /// One file on its way in; every complaint names the file and the line.
 class MomentsReader {
@@ -78,7 +78,8 @@ class MomentsReader {
         const auto fields = split_list(line);
         if (fields.size() != 2) refuse(fmt::format("expected 'l,chi', found '{}'", line));
         const auto expected = result_.chi.size();
-        if (expected >= kMostMoments) refuse(fmt::format("more than {} moments", kMostMoments));
+        if (expected >= kMostMomentsOfFile)
+            refuse(fmt::format("more than {} moments", kMostMomentsOfFile));
         if (number(fields[0]) != static_cast<double>(expected)) {
             refuse(fmt::format("expected l = {}, found '{}'", expected, fields[0]));
         }

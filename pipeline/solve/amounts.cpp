@@ -14,7 +14,7 @@ namespace {
 constexpr double kKgPerM3 = 1000.0;     // of 1 g/cm3
 constexpr double kKgPerM2AndUm = 1e-3;  // of 1 g/cm3, in a layer of 1 um
 constexpr double kUm3PerCm3 = 1e12;
-constexpr double kRounding = 1e-12;
+constexpr double kFractionRounding = 1e-12;
 
 bool has_kind(const ResolvedSpecies& species, Amount::Kind kind) {
     return species.species.amount && species.species.amount->kind == kind;
@@ -47,7 +47,7 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
         species.volume_fraction = mass_fraction_of(species, sum) / density_of(species);
         volume_per_mass += species.volume_fraction;
     }
-    const bool is_whole = has_rest || sum >= 1.0 - kRounding;
+    const bool is_whole = has_rest || sum >= 1.0 - kFractionRounding;
     double layer_density = 0.0;  // g/cm3
     if (layer_density_kg_m3) {
         layer_density = *layer_density_kg_m3 / kKgPerM3;
@@ -79,14 +79,14 @@ double by_number(const ResolvedSpecies& species) {
 void require_possible(const ResolvedMedium& medium) {
     const std::string text = describe(medium.medium);
     for (const ResolvedSpecies& species : medium.species) {
-        if (species.volume_fraction <= kDensestPacking + kRounding) continue;
+        if (species.volume_fraction <= kDensestPacking + kFractionRounding) continue;
         throw UsageError(fmt::format(
             "medium '{}': {} would fill {:.4g} of the volume; allowed: up to {}, the densest "
             "packing of equal spheres (look at amounts, densities and layer_density_kg_m3)",
             text, describe(species.species), species.volume_fraction, kDensestPacking));
     }
     const double sum = filled_volume(medium);
-    if (sum <= 1.0 + kRounding) return;
+    if (sum <= 1.0 + kFractionRounding) return;
     throw UsageError(fmt::format(
         "medium '{}': its species would fill {:.4g} of the volume; allowed: up to 1", text, sum));
 }

@@ -58,12 +58,12 @@ void check_cosine(const char* name, double mu) {
 }
 
 /// Place of a cosine among the tabulated incidences, which are even in the angle.
-struct Between {
+struct CosinePlace {
     std::size_t lower = 0;
     double towards_next = 0.0;  ///< in [0, 1]
 };
 
-Between place_of(double mu_in, std::size_t incidences) {
+CosinePlace place_of(double mu_in, std::size_t incidences) {
     const double x =
         std::acos(mu_in) / (std::numbers::pi / 2) * static_cast<double>(incidences - 1);
     const auto lower = std::min(static_cast<std::size_t>(std::max(x, 0.0)), incidences - 2);
@@ -128,7 +128,7 @@ SampledDirection DirectionSampler::sample(double mu_in, double u1, double u2) co
     if (!(u1 >= 0.0 && u1 < 1.0)) throw UsageError("u1", u1, "[0, 1)");
     if (!(u2 >= 0.0 && u2 < 1.0)) throw UsageError("u2", u2, "[0, 1)");
     const Table& table = *table_;
-    const Between between = place_of(mu_in, table.incidences);
+    const CosinePlace between = place_of(mu_in, table.incidences);
     // What is left of u1 after each decision is uniform again.
     const bool upper = u1 < between.towards_next;
     u1 = upper ? u1 / between.towards_next
@@ -159,7 +159,7 @@ double DirectionSampler::density(double mu_in, double mu_out, double azimuth_deg
     check_cosine("mu_out", mu_out);
     if (!std::isfinite(azimuth_deg)) throw UsageError("azimuth_deg", azimuth_deg, "finite");
     const Table& table = *table_;
-    const Between between = place_of(mu_in, table.incidences);
+    const CosinePlace between = place_of(mu_in, table.incidences);
     const auto cell_in = [](double x, std::size_t count) {
         return std::min(static_cast<std::size_t>(x), count - 1);
     };

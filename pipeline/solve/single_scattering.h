@@ -6,10 +6,6 @@
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 
-#include <complex>
-#include <cstdint>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,25 +95,5 @@ std::vector<std::vector<MediumOptics>> optics_of(const ResolvedScene& scene,
 std::vector<std::vector<double>> optical_depths_of(const ResolvedScene& scene,
                                                    const std::vector<std::size_t>& wavelengths,
                                                    double mie_tolerance, const Control& control);
-
-/// Results as a row of numbers, for the cache.
-std::vector<double> packed(const MediumOptics& optics);
-MediumOptics unpacked_optics(const std::vector<double>& numbers);
-
-/// Optics that several scenes of one run have in common, up to a limit of memory. Thread-safe.
-class OpticsMemo {
-  public:
-    explicit OpticsMemo(std::size_t limit_bytes) : free_bytes_(limit_bytes) {}
-
-    std::shared_ptr<const MediumOptics> find(const std::string& hash);
-    void keep(const std::string& hash, const MediumOptics& optics);
-    int found() const;  ///< how often something was there
-
-  private:
-    mutable std::mutex mutex_;
-    std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
-    std::size_t free_bytes_;
-    int found_ = 0;
-};
 
 }  // namespace miebrdf

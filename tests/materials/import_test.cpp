@@ -1,16 +1,13 @@
-// Files and folders into a database, and out again.
+// Files and folders into a database.
 #include <miebrdf/database.h>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <complex>
 #include <map>
 #include <set>
 
-#include "materials/database/sqlite.h"
-#include "materials/index/checksum.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -140,55 +137,6 @@ TEST_CASE("names from files: known spellings, new materials, names given", "[mat
         by_name(import_into(file, {folder.write("co_2.nk", text), collected / "PBS.nk"}));
     CHECK(listed.at("co_2.nk").dataset == "Co/SOPRA-CO_2");
     CHECK(listed.at("PBS.nk").dataset == "PbS/SOPRA-PBS");
-}
-
-TEST_CASE("every format that takes a dataset gives it back", "[materials][export]") {
-    for (const char* name :
-         {"sopra_ev.nk", "sopra_commas.NK", "tfcalc.MAT", "page_nk.yml", "page_formula.yml",
-          "table.csv", "two_parts.csv", "energy.csv", "imd.nk", "pair.eta.spd"}) {
-        const support::TemporaryFolder folder;
-        Dataset original = read_file(samples / name);
-        original.density_g_cm3 = 4.23;
-        original.density_source = "a handbook";
-        original.licence = "CC0-1.0";
-        original.reference = "A. Author, J. Opt. 1, 1 (2001)";
-        for (const MaterialFormat& kind : material_formats()) {
-            const std::string& format = kind.name;
-            CAPTURE(name, format);
-            std::vector<ExportFile> files;
-            try {
-                files = export_dataset(original, format);
-            } catch (const InputError& refusal) {
-                CHECK_THAT(refusal.what(), Catch::Contains("cannot be written as"));
-                continue;
-            }
-            for (const ExportFile& file : files) folder.write("out" + file.suffix, file.text);
-            const Dataset back =
-                read_file(folder.path() / ("out" + files.front().suffix), {.format = format});
-            REQUIRE(back.n.has_value() == original.n.has_value());
-            CHECK(back.n->y == original.n->y);
-            CHECK(back.k.has_value() == original.k.has_value());
-            if (back.k) CHECK(back.k->y == original.k->y);
-            // Another unit: half a unit in the last place of either side.
-            const auto before = original.n->wavelengths_nm(), after = back.n->wavelengths_nm();
-            REQUIRE(before.size() == after.size());
-            for (std::size_t i = 0; i < before.size(); ++i) {
-                CHECK(std::abs(after[i] / before[i] - 1) <= 3.4e-16);
-            }
-            const bool keeps_unit = format == "csv" || back.n->unit == original.n->unit;
-            if (keeps_unit) CHECK(content_sha256(back) == content_sha256(original));
-            if (format != "sopra") {
-                CHECK(back.reference == original.reference);
-                CHECK(back.licence == original.licence);
-                CHECK(back.note == original.note);
-                CHECK(back.ray == original.ray);
-                CHECK(back.temperature_k == original.temperature_k);
-                CHECK(back.density_g_cm3 == 4.23);
-                CHECK(back.density_source == "a handbook");
-                CHECK(back.corrections == original.corrections);
-            }
-        }
-    }
 }
 
 TEST_CASE("the order of imports makes no difference", "[materials][import]") {
@@ -336,77 +284,6 @@ TEST_CASE("bare columns are read when their unit is given", "[materials][import]
     const auto nameless = folder.write("x.csv", "wavelength,n\n400,1.5\n500,1.6\n");
     CHECK_THROWS_WITH(read_file(nameless), Catch::Contains("unit of 'wavelength'"));
     CHECK(read_file(nameless, {.unit = Unit::nanometre}).n->x.front() == 400);
-}
-
-TEST_CASE("exports refuse what the format cannot say", "[materials][export][errors]") {
-    const auto refusal = [](const char* name, const char* format) {
-        return [=] { export_dataset(read_file(samples / name), format); };
-    };
-    CHECK_THROWS_WITH(refusal("page_formula.yml", "csv")(), Catch::Contains("formula"));
-    CHECK_THROWS_WITH(refusal("two_parts.csv", "tfcalc")(), Catch::Contains("different grids"));
-    CHECK_THROWS_WITH(refusal("imd.nk", "sopra")(), Catch::Contains("no unit angstrom"));
-    Dataset uneven = read_file(samples / "sopra_nm.nk");
-    for (Series* series : {&*uneven.n, &*uneven.k}) series->x[1] *= 1 + 1e-13;
-    CHECK_THROWS_WITH(export_dataset(uneven, "sopra"), Catch::Contains("not uniform"));
-    Dataset d = read_file(samples / "table.csv");
-    d.k.reset();
-    CHECK_THROWS_WITH(export_dataset(d, "tfcalc"), Catch::Contains("k is unknown"));
-    const auto as_zero = export_dataset(d, "tfcalc", {.unknown_k_as_zero = true});
-    CHECK_THAT(as_zero.front().text, Catch::Contains("DATA1*1*400*1.5*0*"));
-}
-
-TEST_CASE("verify finds wrong values and k that does not belong to n", "[materials][verify]") {
-    Dataset d;
-    d.material = "M";
-    d.label = "l";
-    std::vector<double> x, n, k;
-    for (int i = 0; i < 60; ++i) {
-        // A Lorentz oscillator at 400 nm; epsilon = 1 + s / (E0^2 - E^2 - i g E).
-        x.push_back(200 + 20 * i);
-        const double E = 1239.841984 / x.back();
-        const std::complex<double> epsilon =
-            1.0 + 8.0 / std::complex<double>(9.6 - E * E, -0.5 * E);
-        n.push_back(std::sqrt(epsilon).real());
-        k.push_back(std::sqrt(epsilon).imag());
-    }
-    d.n = make_table(Unit::nanometre, x, n);
-    d.k = make_table(Unit::nanometre, x, k);
-    CHECK(verify(d).empty());
-    // Causal by construction: only the trapezoids of k and the missing tails remain.
-    CHECK(kramers_kronig_residual(d) <= 0.05);
-
-    Dataset typing_error = d;
-    typing_error.n->y[30] *= 1.3;
-    REQUIRE(verify(typing_error).size() == 1);
-    CHECK_THAT(verify(typing_error)[0].text,
-               Catch::Contains("n jumps") && Catch::Contains("800 nm"));
-
-    Dataset stranger = d;  // k of something else: the absorption is where n says there is none
-    std::reverse(stranger.k->y.begin(), stranger.k->y.end());
-    CHECK(kramers_kronig_residual(stranger) >= 0.5);
-
-    Dataset unphysical = d;
-    unphysical.k->y[3] = -1;
-    unphysical.n->y[3] = 1e308;
-    CHECK(verify(unphysical).at(0).severity == Finding::Severity::error);
-}
-
-TEST_CASE("verify notices a search index that was emptied", "[materials][verify]") {
-    const support::TemporaryFolder folder;
-    const auto file = folder.path() / "user.sqlite";
-    import_into(file, {samples / "table.csv"}, {.material = "M"});
-    CHECK(Database::open(file).integrity_problems().empty());
-    sqlite::Connection::open_read_write(file).execute("DELETE FROM material_text");
-    const auto problems = Database::open(file).integrity_problems();
-    REQUIRE(problems.size() == 1);
-    CHECK_THAT(problems[0], Catch::Contains("search index does not find 1 of 1"));
-}
-
-TEST_CASE("the embedded database verifies", "[materials][verify]") {
-    for (const Finding& finding : verify(Database::embedded())) {
-        CAPTURE(finding.dataset, finding.text);
-        CHECK(finding.severity != Finding::Severity::error);
-    }
 }
 
 TEST_CASE("the sample collection imports, or is refused for a reason",

@@ -11,6 +11,24 @@
 
 using namespace miebrdf;
 
+namespace {
+
+/// Midpoints in ln r of the mean extinction efficiency, sphere by sphere.
+double sum_over_spheres(std::complex<double> m, const mie::SizeDistribution& sizes,
+                        const mie::RadiusRange& range, double wave_number, int count) {
+    const auto density = mie::area_density(sizes);
+    const double first = std::log(range.smallest_um), last = std::log(range.largest_um);
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const double radius = std::exp(first + (last - first) * (i + 0.5) / count);
+        sum += density->at(radius) * radius * (last - first) / count *
+               mie::scatter_by_sphere(m, wave_number * radius).q_ext;
+    }
+    return sum;
+}
+
+}  // namespace
+
 TEST_CASE("extinction off the real axis agrees with the contour column of the reference",
           "[mie][extinction]") {
     const support::ReferenceTable table("mie/poly_summary.csv");
@@ -55,15 +73,7 @@ TEST_CASE("extinction of narrow and wide laws agrees with a sum over single sphe
     const std::complex<double> m(2.75 / 1.5, sizes.effective_radius_um > 0.2 ? 0.02 : 0.0);
     const double wave_number = 2 * std::numbers::pi * 1.5 / 0.55;
     const auto range = mie::radius_range(sizes, GENERATE(1e-6, 1e-9));
-    const auto density = mie::area_density(sizes);
-    constexpr int count = 20'000;
-    const double first = std::log(range.smallest_um), last = std::log(range.largest_um);
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        const double radius = std::exp(first + (last - first) * (i + 0.5) / count);
-        sum += density->at(radius) * radius * (last - first) / count *
-               mie::scatter_by_sphere(m, wave_number * radius).q_ext;
-    }
+    const double sum = sum_over_spheres(m, sizes, range, wave_number, 20'000);
     CAPTURE(sizes.effective_radius_um, sizes.effective_variance);
     // What the sum has of the resonances of x above 10.
     CHECK(mie::exact_extinction(m, sizes, range, wave_number) == Approx(sum).epsilon(2e-6));
@@ -78,15 +88,7 @@ TEST_CASE("extinction of Rosin-Rammler powders agrees with a sum over single sph
     const std::complex<double> m(1.5, 0.2);
     const double wave_number = 2 * std::numbers::pi / 0.55;
     const auto range = mie::radius_range(sizes, 1e-14);
-    const auto density = mie::area_density(sizes);
-    constexpr int count = 10'000;
-    const double first = std::log(range.smallest_um), last = std::log(range.largest_um);
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        const double radius = std::exp(first + (last - first) * (i + 0.5) / count);
-        sum += density->at(radius) * radius * (last - first) / count *
-               mie::scatter_by_sphere(m, wave_number * radius).q_ext;
-    }
+    const double sum = sum_over_spheres(m, sizes, range, wave_number, 10'000);
     CAPTURE(sizes.effective_radius_um, sizes.effective_variance);
     CHECK(mie::exact_extinction(m, sizes, range, wave_number) == Approx(sum).epsilon(1e-9));
 }

@@ -10,6 +10,7 @@
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/layers.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/single_scattering.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

@@ -5,8 +5,11 @@
 #include <cmath>
 
 #include "tests/support/catch.h"
+#include "tests/support/spectra.h"
 
 using namespace miebrdf;
+using support::every_nm;
+using support::sample;
 
 namespace {
 
@@ -50,20 +53,6 @@ const Pair kSharma[] = {{{50.0000, 2.6772, -79.7751}, {50.0000, 0.0000, -82.7485
                         {{90.9257, -0.5406, -0.9208}, {88.6381, -0.8985, -0.7239}, 1.5381},
                         {{6.7747, -0.2908, -2.4247}, {5.8714, -0.0985, -2.2286}, 0.6377},
                         {{2.0776, 0.0795, -1.1350}, {0.9033, -0.0636, -0.5514}, 0.9082}};
-
-std::vector<double> every(int step_nm, int first = 400, int last = 700) {
-    std::vector<double> list;
-    for (int nm = first; nm <= last; nm += step_nm) list.push_back(nm);
-    return list;
-}
-
-template <typename Function>
-std::vector<double> sample(const std::vector<double>& wavelength_nm, Function reflectance) {
-    std::vector<double> values;
-    values.reserve(wavelength_nm.size());
-    for (const double nm : wavelength_nm) values.push_back(reflectance(nm));
-    return values;
-}
 
 }  // namespace
 
@@ -142,9 +131,9 @@ TEST_CASE("a colour's error estimate holds for smooth steps, and cubics beat lin
     const int step = GENERATE(10, 20);
     const Viewing viewing(GENERATE(Illuminant::d65, Illuminant::a),
                           GENERATE(Observer::two_degrees, Observer::ten_degrees));
-    const auto few = every(step);
+    const auto few = every_nm(step, 400, 700);
     const Colorimeter colorimeter(few, viewing);
-    const auto fine = every(1);
+    const auto fine = every_nm(1, 400, 700);
     const auto fine_weights = observer_weights(fine, viewing);
     const auto lines = observer_weights(few, viewing);
     double largest = 0, largest_of_lines = 0;

@@ -3,25 +3,12 @@
 #include <cmath>
 
 #include "tests/support/catch.h"
+#include "tests/support/spectra.h"
 
 using namespace miebrdf;
+using support::sample;
 
 namespace {
-
-std::vector<double> every_5_nm() {
-    std::vector<double> list;
-    list.reserve(95);
-    for (int nm = 360; nm <= 830; nm += 5) list.push_back(nm);
-    return list;
-}
-
-template <typename Function>
-std::vector<double> sample(const std::vector<double>& wavelength_nm, Function reflectance) {
-    std::vector<double> values;
-    values.reserve(wavelength_nm.size());
-    for (const double nm : wavelength_nm) values.push_back(reflectance(nm));
-    return values;
-}
 
 double largest_difference(const Xyz& a, const Xyz& b) {
     return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
@@ -89,7 +76,7 @@ TEST_CASE("white points have the published chromaticities", "[colour]") {
 
 TEST_CASE("a white reflector is white and a grey one grey under every illuminant", "[colour]") {
     const auto illuminant = GENERATE(Illuminant::d65, Illuminant::e, Illuminant::a);
-    const auto wavelengths = every_5_nm();
+    const auto wavelengths = support::every_nm(5, 360, 830);
     const auto weights = observer_weights(wavelengths, illuminant);
     for (const double grey : {1.0, 0.18}) {
         const auto rgb = to_linear_srgb(
@@ -137,7 +124,7 @@ TEST_CASE("encoding is that of IEC 61966-2-1 and its own inverse", "[colour]") {
 
 TEST_CASE("weights integrate what is linear between the wavelengths exactly", "[colour]") {
     const std::vector<double> few{400, 450, 500, 600, 700};
-    const auto fine = every_5_nm();
+    const auto fine = support::every_nm(5, 360, 830);
     const auto kinked = [](double nm) {
         return nm < 500 ? 0.2 + (nm - 400) * 1e-3 : 0.3 + (nm - 500) * 2e-3;
     };

@@ -1,16 +1,14 @@
-// Amounts, mixtures, hosts, depths and grounds: against SNICAR's libraries, exact transfer by
-// another program, and what must hold whatever the numbers are.
+// Amounts, mixtures, hosts and depths: against SNICAR's libraries, exact transfer by another
+// program, and what must hold whatever the numbers are.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pipeline/solve/packing.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/scenes.h"
-#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
 using support::ReferenceTable;
@@ -228,47 +226,6 @@ TEST_CASE("an optical depth follows the extinction from where it is given",
     CHECK(at_550[2] < 0.6 * at_550[1]);  // far from grey: the plasmon is at 540 nm
 }
 
-TEST_CASE("a purely absorbing film lets through what Beer says", "[pipeline][ground]") {
-    Scene film;
-    film.substrate = substrate("none");
-    film.layers = {layer("isotropic:0@1.5")};
-    const auto values = solve(film, {550}).albedo({0.25, 1.0});
-    for (std::size_t i = 0; i < 2; ++i) {
-        const double truth = std::exp(-1.5 / values.mu_in[i]);
-        CHECK(relative(values.plane_transmittance[0][i], truth) <= 1e-13);
-        CHECK(values.at(0, i) <= 1e-15);
-    }
-    // Of uniform light: 2 E_3(1.5), Abramowitz & Stegun table 5.4 (E_3 = 0.0567395).
-    CHECK(std::abs(values.spherical_transmittance[0] - 2 * 0.0567395) <= 1e-4);
-}
-
-TEST_CASE("what is not absorbed comes back or arrives at the ground", "[pipeline][ground]") {
-    const double ground = GENERATE(0.0, 0.3, 1.0);
-    const std::string depth = GENERATE("0.01", "1", "30", "3000");
-    CAPTURE(ground, depth);
-    Scene film;
-    film.substrate = substrate("lambert:" + std::to_string(ground));
-    film.layers = {layer("hg:1,0.8@" + depth), layer("isotropic:1@0.5")};
-    const auto values = solve(film, {550}).albedo({0.05, 0.4, 1.0});
-    for (std::size_t i = 0; i < 3; ++i)
-        CHECK(std::abs(values.at(0, i) + values.plane_transmittance[0][i] - 1) <= 1e-11);
-    CHECK(std::abs(values.spherical_albedo[0] + values.spherical_transmittance[0] - 1) <= 1e-11);
-}
-
-TEST_CASE("a white ground under nothing that matters is the ground", "[pipeline][ground]") {
-    const support::TemporaryFolder folder;
-    const std::string file =
-        folder.write("soil.csv", "# soil\nwavelength_nm,albedo\n500,0.2\n600,0.4\n");
-    Scene film;
-    film.substrate = substrate("lambert:" + file);
-    film.layers = {layer("isotropic:0@1e-12")};
-    const auto values = solve(film, {500, 525, 600}).albedo({0.5});
-    CHECK(std::abs(values.at(0, 0) - 0.2) <= 1e-11);
-    CHECK(std::abs(values.at(1, 0) - 0.25) <= 1e-11);
-    CHECK(std::abs(values.at(2, 0) - 0.4) <= 1e-11);
-    CHECK_THROWS_WITH(solve(film, {650}), Catch::Contains("650") && Catch::Contains("500 to 600"));
-}
-
 TEST_CASE("a host that absorbs is a species of albedo 0", "[pipeline][mixture]") {
     const std::string pigment = "index:2.6,0,radius=0.2,volume=10% in index:1.5,";
     const auto layer_of = [&](const std::string& k) {
@@ -336,21 +293,6 @@ TEST_CASE("amounts that cannot be are refused with the reason", "[pipeline][mixt
     CHECK_THROWS_WITH(ask(), Catch::Contains(wrong.complaint));
 }
 
-TEST_CASE("grounds that cannot be are refused", "[pipeline][ground][errors]") {
-    CHECK_THROWS_WITH(substrate("lambert:1.2"), Catch::Contains("1.2"));
-    CHECK_THROWS_WITH(substrate("lambert:soil.csv"), Catch::Contains("soil.csv"));
-    CHECK_THROWS_WITH(substrate("grass"), Catch::Contains("black") && Catch::Contains("is a base"));
-    const support::TemporaryFolder folder;
-    for (const char* text :
-         {"a,b\n500,0.2\n", "wavelength_nm,albedo\n500\n", "",
-          "wavelength_nm,albedo\n500,0.2\n400,0.3\n", "wavelength_nm,albedo\n500,1.2\n"}) {
-        CHECK_THROWS_AS(substrate("lambert:" + folder.write("x.csv", text)), InputError);
-    }
-    Scene bare;
-    bare.substrate = substrate("black");
-    CHECK_THROWS_WITH(solve(bare, {550}), Catch::Contains("coat"));
-}
-
 TEST_CASE("words of mixtures, depths and grounds read back to what they were",
           "[pipeline][mixture]") {
     for (const char* text :
@@ -365,64 +307,4 @@ TEST_CASE("words of mixtures, depths and grounds read back to what they were",
     CHECK(depth("30g/m2") == Depth(Depth::Kind::mass_kg_per_m2, 0.03));
     for (const char* text : {"black", "none", "lambert:0.25"})
         CHECK(describe(substrate(text)) == text);
-}
-
-TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipeline][packing]") {
-    for (const double f : {0.01, 0.1, 0.3, 0.45}) {
-        // S(0) = (1 - f)^4 / (1 + 2 f)^2.
-        const double at_zero = std::pow(1 - f, 4) / ((1 + 2 * f) * (1 + 2 * f));
-        CHECK(relative(percus_yevick(f, 0.0), at_zero) <= 1e-12);
-        // Where the series ends and the closed form begins.
-        CHECK(relative(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
-        CHECK(std::abs(percus_yevick(f, 200.0) - 1) <= 0.01);
-    }
-    CHECK(relative(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
-}
-
-TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipeline][packing]") {
-    struct Case {
-        std::string species;
-        double volume, ratio, scattering, asymmetry;
-    };
-    // reference/mixture/dense.txt: mu_s' and Q_sca over independent scattering, g; 550 nm.
-    const std::string latex = "index:1.59,0,radius=0.05,distribution=mono";
-    const std::string silica = "index:1.6,0,radius=0.1,distribution=mono";
-    const auto c = GENERATE_COPY(
-        Case{latex, 0.01, 0.9587, 0.9478, 0.0899}, Case{latex, 0.1, 0.6154, 0.5622, 0.0151},
-        Case{latex, 0.3, 0.1560, 0.1340, -0.0479}, Case{silica, 0.05, 0.9554, 0.8522, 0.4351},
-        Case{silica, 0.2, 0.8141, 0.5161, 0.2052});
-    CAPTURE(c.species, c.volume);
-    const std::string host = c.species == latex ? " in index:1.33" : " in index:1.5";
-    Scene scene = scene_of(c.species + ",volume=" + std::to_string(c.volume) + host);
-    const auto layer_of = [&](Packing packing) {
-        scene.particles.packing = packing;
-        return solve(scene, {550}, {.tolerance = 1e-4}).layers().at(0);
-    };
-    const LayerOptics alone = layer_of(Packing::independent);
-    const LayerOptics crowded = layer_of(Packing::percus_yevick);
-    // Four digits after the point.
-    CHECK(std::abs(*crowded.reduced_scattering_per_um / *alone.reduced_scattering_per_um -
-                   c.ratio) <= 2e-4);
-    CHECK(std::abs(*crowded.scattering_per_um / *alone.scattering_per_um - c.scattering) <= 2e-4);
-    CHECK(std::abs(crowded.asymmetry - c.asymmetry) <= 2e-4);
-    // The note of independent scattering says the same.
-    scene.particles.packing = Packing::independent;
-    const auto notes = solve(scene, {550}).albedo({1.0}).notes;
-    REQUIRE(notes.size() == (c.volume > 0.05 ? 1 : 0));
-}
-
-TEST_CASE("white films in diffuse light are Kubelka and Munk's", "[pipeline][mixture][ground]") {
-    // Thick films that absorb nothing: R = ((1 - G) S h + G) / ((1 - G) S h + 1) over a ground G.
-    const double ground = GENERATE(0.0, 0.8);
-    const double thickness_um = GENERATE(20.0, 60.0, 200.0);
-    CAPTURE(ground, thickness_um);
-    Scene film;
-    film.substrate = substrate("lambert:" + std::to_string(ground));
-    film.layers = {{medium("index:2.75,0,radius=0.13,distribution=gamma,volume=15% in index:1.5"),
-                    {Depth::Kind::thickness_um, thickness_um}}};
-    const Brdf brdf = solve(film, {550}, {.tolerance = 1e-4});
-    const double scattered = (1 - ground) * *brdf.layers().at(0).s_km * thickness_um;
-    const double kubelka_munk = (scattered + ground) / (scattered + 1);
-    // What is left of the boundary layers, in which light is not diffuse (7e-4 measured at 20 um).
-    CHECK(std::abs(brdf.albedo({1.0}).spherical_albedo[0] - kubelka_munk) <= 1e-3);
 }

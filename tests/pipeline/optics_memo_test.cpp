@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "pipeline/solve/brdf_state.h"
-#include "pipeline/solve/single_scattering.h"
+#include "pipeline/solve/optics_memo.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 

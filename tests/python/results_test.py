@@ -134,9 +134,13 @@ def test_albedo_is_the_integral_of_the_brdf(solved):
     np.testing.assert_allclose(integral, solved.albedo(0.6), rtol=2e-3)
 
 
-def test_not_converged_is_a_warning():
-    with pytest.warns(miebrdf.NotConverged, match="nm"):
-        Scene("hg:0.99,0.9").brdf(550, 0.1, MU, streams=2)
+def test_not_converged_is_a_warning_at_the_line_of_the_caller():
+    scene = Scene("hg:0.99,0.9")
+    solved = scene.solve(550, streams=2, table=False)
+    for ask in (lambda: scene.brdf(550, 0.1, MU, streams=2), lambda: solved.exact(0.1, MU)):
+        with pytest.warns(miebrdf.NotConverged, match="nm") as warned:
+            ask()
+        assert [each.filename for each in warned] == [__file__]
 
 
 def test_export_and_check(solved, tmp_path):

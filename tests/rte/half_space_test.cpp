@@ -2,43 +2,25 @@
 
 #include <cmath>
 
-#include "rte/phase/scaled_medium.h"
+#include "tests/rte/fourier_problem.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
 using namespace miebrdf;
 using rte::HalfSpaceMethod;
+using support::FourierProblem;
+using support::make_problem;
 
 namespace {
 
-struct Problem {
-    rte::ZenithGrid grid;
-    rte::FourierMode mode;
-    rte::FourierMedium medium;
-    rte::RequestedDirections requested;
-};
-
-Problem make_problem(const rte::Optics& optics, int order, rte::ZenithGrid grid, int moments,
-                     std::vector<double> mu) {
-    Problem problem{std::move(grid), {}, {}, {}};
-    problem.requested.mu = Eigen::Map<Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
-    for (int k = 0; k < int(mu.size()); ++k) {
-        problem.requested.in.push_back(k);
-        problem.requested.out.push_back(k);
-    }
-    const auto scaled = rte::scale_optics(optics, moments, true);
-    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, problem.mode);
-    problem.medium = {scaled.strengths().tail(moments - order), scaled.one_minus_albedo};
-    return problem;
-}
-
-rte::Reflector solve(HalfSpaceMethod method, const Problem& problem, double tolerance = 1e-13) {
+rte::Reflector solve(HalfSpaceMethod method, const FourierProblem& problem,
+                     double tolerance = 1e-13) {
     return rte::solve_half_space(method, problem.medium, problem.mode, problem.grid,
                                  problem.requested, tolerance);
 }
 
 // (mu + mu') R at the nodes: bounded, so that a difference means the same everywhere.
-double largest_bounded_difference(const Problem& problem, const Eigen::MatrixXd& X,
+double largest_bounded_difference(const FourierProblem& problem, const Eigen::MatrixXd& X,
                                   const Eigen::MatrixXd& other) {
     const Eigen::VectorXd D = rte::flux_weights(problem.grid);
     double largest = 0.0;
@@ -149,7 +131,7 @@ TEST_CASE("absorption of 1e-15 to 1e-3 darkens as the square root (van de Hulst)
 TEST_CASE("moments that the grid cannot carry are refused, not answered", "[rte][half_space]") {
     // 8 nodes, 16 moments of g = 0.99 without delta-M: no physical solution exists.
     const auto optics = rte::henyey_greenstein_optics(1.0, 0.99);
-    Problem problem = make_problem(optics, 0, rte::make_gauss_grid(8), 16, {0.5});
+    FourierProblem problem = make_problem(optics, 0, rte::make_gauss_grid(8), 16, {0.5});
     const auto raw = rte::scale_optics(optics, 16, false);
     problem.medium = {raw.strengths(), raw.one_minus_albedo};
     CHECK_FALSE(solve(HalfSpaceMethod::automatic, problem).physical);

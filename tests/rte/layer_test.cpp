@@ -6,35 +6,22 @@
 #include "rte/half_space/half_space.h"
 #include "rte/math/decay_integrals.h"
 #include "rte/math/quadrature.h"
-#include "rte/phase/scaled_medium.h"
+#include "tests/rte/fourier_problem.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
+using support::FourierProblem;
 
 namespace {
 
-struct LayerProblem {
-    rte::ZenithGrid grid;
-    rte::FourierMode mode;
-    rte::FourierMedium medium;
-    rte::RequestedDirections requested;
-};
-
-LayerProblem make_problem(const rte::Optics& optics, int order, int moments,
-                          std::vector<double> mu) {
-    LayerProblem problem{rte::make_mapped_gauss_grid(20), {}, {}, {}};
-    problem.requested.mu = Eigen::Map<Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
-    for (int k = 0; k < int(mu.size()); ++k) {
-        problem.requested.in.push_back(k);
-        problem.requested.out.push_back(k);
-    }
-    const auto scaled = rte::scale_optics(optics, moments, true);
-    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, problem.mode);
-    problem.medium = {scaled.strengths().tail(moments - order), scaled.one_minus_albedo};
-    return problem;
+/// The same grid for all.
+FourierProblem make_layer_problem(const rte::Optics& optics, int order, int moments,
+                                  std::vector<double> mu) {
+    return support::make_problem(optics, order, rte::make_mapped_gauss_grid(20), moments,
+                                 std::move(mu));
 }
 
-rte::LayerOperator solve(const LayerProblem& problem, double tau) {
+rte::LayerOperator solve(const FourierProblem& problem, double tau) {
     return rte::solve_layer(tau, problem.medium, problem.mode, problem.grid, problem.requested);
 }
 
@@ -77,7 +64,7 @@ TEST_CASE("a conservative layer loses nothing: R + T = 1 at any optical depth", 
     const double g = GENERATE(-0.5, 0.0, 0.8);
     const double tau = GENERATE(1e-12, 1e-6, 0.01, 1.0, 37.0, 1e4, 1e8, 1e12);
     const auto problem =
-        make_problem(rte::henyey_greenstein_optics(1.0, g), 0, 16, {1e-4, 0.1, 0.7, 1.0});
+        make_layer_problem(rte::henyey_greenstein_optics(1.0, g), 0, 16, {1e-4, 0.1, 0.7, 1.0});
     const auto layer = solve(problem, tau);
     CAPTURE(g, tau);
     REQUIRE(layer.physical);
@@ -94,7 +81,7 @@ TEST_CASE("two halves doubled are the whole layer", "[rte][layer]") {
     const double tau = GENERATE(1e-8, 0.3, 5.0, 200.0);
     const int order = GENERATE(0, 2);
     const auto problem =
-        make_problem(rte::henyey_greenstein_optics(alpha, 0.6), order, 16, {0.02, 0.5, 1.0});
+        make_layer_problem(rte::henyey_greenstein_optics(alpha, 0.6), order, 16, {0.02, 0.5, 1.0});
     const auto half = solve(problem, 0.5 * tau);
     const auto whole = solve(problem, tau);
     const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(20, 20);
@@ -110,7 +97,7 @@ TEST_CASE("two halves doubled are the whole layer", "[rte][layer]") {
 
 TEST_CASE("an absorbing layer without scattering transmits exp(-tau/mu) and reflects nothing",
           "[rte][layer]") {
-    const auto problem = make_problem(rte::isotropic_optics(0.0), 0, 1, {0.05, 1.0});
+    const auto problem = make_layer_problem(rte::isotropic_optics(0.0), 0, 1, {0.05, 1.0});
     const double tau = GENERATE(1e-10, 0.1, 3.0, 1e3);
     const auto layer = solve(problem, tau);
     const Eigen::VectorXd direct = (-tau / problem.grid.mu.array()).exp();
@@ -126,7 +113,7 @@ TEST_CASE("a layer that nothing comes through is the half-space", "[rte][layer]"
     const double alpha = GENERATE(0.2, 0.9, 0.999);
     const int order = GENERATE(0, 4);
     const auto problem =
-        make_problem(rte::henyey_greenstein_optics(alpha, 0.7), order, 16, {0.001, 0.4, 1.0});
+        make_layer_problem(rte::henyey_greenstein_optics(alpha, 0.7), order, 16, {0.001, 0.4, 1.0});
     const auto layer = solve(problem, 5000.0);
     const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, problem.medium,
                                                   problem.mode, problem.grid, problem.requested);

@@ -47,6 +47,15 @@ double relative_difference(double a, double b) {
     return std::abs(a - b) / scale;
 }
 
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+    double worst = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = relative_difference(a[i], b[i]);
+        if (!(d <= worst)) worst = d;
+    }
+    return worst;
+}
+
 std::vector<SwitchPoint> find_switches(double from, double to, int steps,
                                        const std::function<long(double)>& state) {
     std::vector<SwitchPoint> found;

@@ -44,6 +44,8 @@ double outside(double value, double low, double high);
 
 /// Largest of |a - b| / max(|a|, |b|); 0 where both are 0.
 double relative_difference(double a, double b);
+/// The largest of them over two lists of one length; NaN if one of them is.
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b);
 
 /// Two neighbouring values of a parameter with different methods (or grids) behind them.
 struct SwitchPoint {

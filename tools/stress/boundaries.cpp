@@ -101,15 +101,6 @@ void check_rough_energy(Log& log) {
     }
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double d = relative_difference(a[i], b[i]);
-        if (!(d <= worst)) worst = d;
-    }
-    return worst;
-}
-
 std::vector<double> reflection(const rte::Stack& stack) {
     return rte::reflect(stack, {kCosines, kCosines, {0, 90, 180}}, kSolver).reflection;
 }

@@ -34,15 +34,6 @@ rte::Stack on(const rte::Optics& base, const rte::Optics& coat, double depth) {
     return stack;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double d = relative_difference(a[i], b[i]);
-        if (!(d <= worst)) worst = d;
-    }
-    return worst;
-}
-
 std::vector<double> reflection(const rte::Stack& stack) {
     return rte::reflect(stack, {kCosines, kCosines, {0, 180}}, kSolver).reflection;
 }

@@ -10,8 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Axes, Floats, broadcast, labelled, numbers, wavelength_list
-from ._directions import Directions, Report, axes_of, cosine, evaluate_exactly, solver_options
+from ._albedos import Albedos
+from ._arrays import Floats, broadcast, numbers, wavelength_list
+from ._directions import (
+    BRDF_ATTRIBUTES,
+    Report,
+    at_wavelengths,
+    axes_of,
+    cosine,
+    exact_brdf,
+    solver_options,
+)
+from ._files import format_of
 from ._options import Call
 from .errors import UsageError
 
@@ -19,46 +29,7 @@ if TYPE_CHECKING:
     from ._scene import Scene
 
 
-def direct_brdf(
-    scene: Scene,
-    wavelengths_nm: ArrayLike,
-    directions: Directions,
-    part: str,
-    call: tuple[Any, ...],
-    method: Mapping[str, Any],
-) -> Any:
-    """`Scene.brdf`."""
-    wavelengths, single = wavelength_list(wavelengths_nm)
-    axes = axes_of(directions)
-    if not wavelengths or 0 in axes.shape:
-        values: Floats = np.empty((len(wavelengths), *axes.shape))
-        attributes: dict[str, Any] = {}
-    else:
-        solved = _core.SolvedScene(scene._core, wavelengths, solver_options(method))
-        with Call(*call) as options:
-            values, report = evaluate_exactly(solved, axes, part, options)
-        report.warn()
-        attributes = report.attributes()
-    return _result(values, wavelengths, single, axes, {**_BRDF, "part": part, **attributes})
-
-
-_BRDF = {"units": "1/sr", "long_name": "BRDF, without the cosine"}
-
-
-def _result(
-    values: Floats,
-    wavelengths: list[float],
-    single: bool,
-    axes: Axes,
-    attributes: dict[str, Any],
-    name: str = "brdf",
-) -> Any:
-    if single:
-        return labelled(values[0], name, wavelengths[0], axes, attributes)
-    return labelled(values, name, wavelengths, axes, attributes)
-
-
-class Brdf:
+class Brdf(Albedos):
     """A scene solved at some wavelengths, to be asked at any directions.
 
     Made by `Scene.solve`. Calling it reads a table: light scattered more than once is interpolated
@@ -132,8 +103,8 @@ class Brdf:
         with Call(*self._call) as options:
             table.evaluate(axes.arrays[0], axes.arrays[1], axes.arrays[2], out, options)
         values = out[None] if self._single else out
-        attributes = {**_BRDF, "part": part, **self._report_of(table).attributes()}
-        return _result(values, self.wavelengths_nm, self._single, axes, attributes)
+        attributes = {**BRDF_ATTRIBUTES, "part": part, **self._report_of(table).attributes()}
+        return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes)
 
     def exact(
         self,
@@ -150,98 +121,14 @@ class Brdf:
         if 0 in axes.shape:
             return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
                         theta_out_deg=theta_out_deg, part=part)  # fmt: skip
-        with Call(*self._call) as options:
-            values, report = evaluate_exactly(self._solved, axes, part, options)
-        report.warn()
-        attributes = {**_BRDF, "part": part, **report.attributes()}
-        return _result(values, self.wavelengths_nm, self._single, axes, attributes)
+        return exact_brdf(
+            self._solved, self.wavelengths_nm, self._single, axes, part, self._call
+        )
 
     @property
     def report(self) -> Report:
         """How well the scene is solved, at directions of all kinds."""
         return self._report_of(self._table("total"))
-
-    def albedo(
-        self,
-        mu_in: ArrayLike | None = None,
-        *,
-        theta_in_deg: ArrayLike | None = None,
-        transmitted: bool = False,
-    ) -> Any:
-        """Plane albedo at each incidence, surface included.
-
-        Parameters
-        ----------
-        mu_in : float or array
-            Cosines of incidence, in (0, 1].
-        theta_in_deg : float or array
-            In place of `mu_in`.
-        transmitted : bool
-            The plane transmittance instead: net flux into what lies below the layers, of a scene
-            on a substrate without a surface.
-
-        Returns
-        -------
-        xarray.DataArray or numpy.ndarray
-            Of shape (wavelengths, *shape of mu_in).
-        """
-        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
-        name = "plane_transmittance" if transmitted else "plane_albedo"
-        if 0 in axes.shape:
-            empty: Floats = np.empty((len(self.wavelengths_nm), *axes.shape))
-            return _result(empty, self.wavelengths_nm, self._single, axes, {}, name)
-        values, report = self._albedos(axes.arrays[0].reshape(-1).tolist(), name)
-        values = values.reshape([values.shape[0], *axes.shape])
-        report.warn()
-        attributes = {"units": "1", **report.attributes()}
-        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
-
-    def mirror_reflectance(
-        self, mu_in: ArrayLike | None = None, *, theta_in_deg: ArrayLike | None = None
-    ) -> Any:
-        """What of the plane albedo goes into the mirror direction alone.
-
-        A delta function that values of the BRDF are without; only scenes with a smooth boundary or
-        a mirror have one.
-
-        Parameters and result are those of `albedo`.
-        """
-        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
-        name = "mirror_reflectance"
-        values, report = self._albedos(axes.arrays[0].reshape(-1).tolist(), name)
-        values = values.reshape([values.shape[0], *axes.shape])
-        report.warn()
-        attributes = {"units": "1", **report.attributes()}
-        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
-
-    def spherical_albedo(self, *, transmitted: bool = False) -> Any:
-        """Share that is reflected of light from all directions alike; one for each wavelength.
-
-        `transmitted`: the spherical transmittance instead.
-        """
-        name = "spherical_transmittance" if transmitted else "spherical_albedo"
-        values, report = self._albedos([1.0], name)
-        report.warn()
-        attributes = {"units": "1", **report.attributes()}
-        axes = Axes([], [], {}, ())
-        return _result(values, self.wavelengths_nm, self._single, axes, attributes, name)
-
-    def _albedos(self, mu_in: list[float], name: str) -> tuple[Floats, Report]:
-        with Call(*self._call) as options:
-            columns, facts = self._solved.albedo(mu_in, options)
-        if columns[name] is None:
-            have = (
-                "with a smooth boundary or a mirror"
-                if name == "mirror_reflectance"
-                else "on a substrate without a surface"
-            )
-            raise UsageError(f"{name}: only scenes {have} have one")
-        return columns[name], Report(**facts)
-
-    def layers(self) -> list[dict[str, Any]]:
-        """Single scattering by every layer; see `Scene.layers`."""
-        with Call(*self._call) as options:
-            return self._solved.layers(options)
 
     def sample(self, mu_in: ArrayLike, u1: ArrayLike, u2: ArrayLike) -> tuple[Any, Any, Any]:
         """Draw outgoing directions about as the BRDF times the cosine, mean of all wavelengths.
@@ -321,7 +208,7 @@ class Brdf:
             When a file would be further from the BRDF than accepted.
         """
         if format is None:
-            format = _format_of(Path(path))
+            format = format_of(Path(path))
         lists = [
             numbers(name, values).reshape(-1).tolist()
             for name, values in (("mu_in", mu_in), ("mu_out", mu_out), ("azimuth_deg", azimuth_deg))
@@ -413,14 +300,3 @@ def _wavelengths(nm: list[float]) -> str:
     if len(nm) <= 3:
         return ", ".join(f"{each:g}" for each in nm) + " nm"
     return f"{len(nm)} wavelengths from {min(nm):g} to {max(nm):g} nm"
-
-
-def _format_of(path: Path) -> str:
-    known = [each for each in _core.formats() if each["brdf"]]
-    fitting = [each["name"] for each in known if path.suffix in each["endings"]]
-    if path.suffix == ".bsdf":
-        return "rgl"
-    if len(fitting) != 1:
-        names = ", ".join(fitting or [each["name"] for each in known])
-        raise UsageError(f"format: '{path.name}' does not say which; allowed: {names}")
-    return str(fitting[0])

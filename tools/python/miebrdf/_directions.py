@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Axes, Floats, broadcast, numbers, varying_axes
+from ._arrays import Axes, Floats, broadcast, labelled, numbers, varying_axes, wavelength_list
+from ._options import Call
 from ._version import __version__
 from .errors import NotConverged, UsageError
+
+if TYPE_CHECKING:
+    from ._scene import Scene
 
 #: More combinations than directions that were asked for: so many are computed all the same.
 _SPARE_COMBINATIONS = 4096
@@ -64,7 +69,15 @@ class Report:
     def warn(self) -> None:
         """Warn of what has not converged, at the line of the caller of this package."""
         if not self.converged:
-            warnings.warn(self.shortfall, NotConverged, stacklevel=4)
+            warnings.warn(self.shortfall, NotConverged, stacklevel=_level_of_caller())
+
+
+def _level_of_caller() -> int:
+    """Of the first frame outside of the package, counted from the function that calls this."""
+    level, frame = 0, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def _worst(reports: list[Report]) -> Report:
@@ -181,3 +194,55 @@ def _evaluate_scattered(
         result[:, where] = values[:, 0, 0, :]
         reports.append(Report(**facts))
     return result.reshape([result.shape[0], *axes.shape]), _worst(reports)
+
+
+BRDF_ATTRIBUTES = {"units": "1/sr", "long_name": "BRDF, without the cosine"}
+
+
+def at_wavelengths(
+    values: Floats,
+    wavelengths: list[float],
+    single: bool,
+    axes: Axes,
+    attributes: dict[str, Any],
+    name: str = "brdf",
+) -> Any:
+    """A result of values of shape (wavelengths, *axes.shape); `single`: without the first axis."""
+    if single:
+        return labelled(values[0], name, wavelengths[0], axes, attributes)
+    return labelled(values, name, wavelengths, axes, attributes)
+
+
+def exact_brdf(
+    solved: _core.SolvedScene,
+    wavelengths: list[float],
+    single: bool,
+    axes: Axes,
+    part: str,
+    call: tuple[Any, ...],
+) -> Any:
+    """`Brdf.exact`."""
+    with Call(*call) as options:
+        values, report = evaluate_exactly(solved, axes, part, options)
+    report.warn()
+    attributes = {**BRDF_ATTRIBUTES, "part": part, **report.attributes()}
+    return at_wavelengths(values, wavelengths, single, axes, attributes)
+
+
+def direct_brdf(
+    scene: Scene,
+    wavelengths_nm: ArrayLike,
+    directions: Directions,
+    part: str,
+    call: tuple[Any, ...],
+    method: Mapping[str, Any],
+) -> Any:
+    """`Scene.brdf`."""
+    wavelengths, single = wavelength_list(wavelengths_nm)
+    axes = axes_of(directions)
+    if not wavelengths or 0 in axes.shape:
+        empty: Floats = np.empty((len(wavelengths), *axes.shape))
+        attributes = {**BRDF_ATTRIBUTES, "part": part}
+        return at_wavelengths(empty, wavelengths, single, axes, attributes)
+    solved = _core.SolvedScene(scene._core, wavelengths, solver_options(method))
+    return exact_brdf(solved, wavelengths, single, axes, part, call)

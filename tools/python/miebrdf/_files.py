@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
+from .errors import UsageError
 
 
 @dataclass(frozen=True)
@@ -58,3 +59,14 @@ def formats() -> list[dict[str, Any]]:
         for each in _core.formats()
         if each["brdf"]
     ]
+
+def format_of(path: Path) -> str:
+    """The format of `Brdf.export` that the ending of a file says."""
+    known = [each for each in _core.formats() if each["brdf"]]
+    fitting = [each["name"] for each in known if path.suffix in each["endings"]]
+    if path.suffix == ".bsdf":
+        return "rgl"
+    if len(fitting) != 1:
+        names = ", ".join(fitting or [each["name"] for each in known])
+        raise UsageError(f"format: '{path.name}' does not say which; allowed: {names}")
+    return str(fitting[0])

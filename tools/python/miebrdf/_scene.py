@@ -7,22 +7,12 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from . import _core
-from ._arrays import complexes, numbers
-from ._brdf import Brdf, direct_brdf
+from ._brdf import Brdf
 from ._core import Layer, Substrate
-from ._media import (
-    MediumLike,
-    choice,
-    coat,
-    host_words,
-    lambertian,
-    medium_of_words,
-    number,
-    optional,
-)
+from ._directions import direct_brdf
+from ._media import MediumLike
 from ._options import Progress
-from .errors import UsageError
+from ._scene_arguments import core_scene, settled
 
 
 class Scene:
@@ -129,79 +119,9 @@ class Scene:
         missing_k_zero: bool = False,
         database: str = "",
     ) -> None:
-        if (base is None) == (substrate is None):
-            raise UsageError("scene: give either base or substrate")
-        if isinstance(coats, (str, Layer)):
-            coats = [coats]
-        layers = [coat(each) for each in coats]
-        surface = None
-        roughness = number("roughness", roughness)
-        if roughness != 0.0:
-            surface = _core.SurfaceOptions(
-                roughness,
-                choice(_core.MicrofacetDistribution, "surface_distribution", surface_distribution),
-                choice(_core.Shadowing, "shadowing", shadowing),
-                choice(_core.Fresnel, "fresnel", fresnel),
-            )
-        if substrate is not None and not isinstance(substrate, (str, Substrate)):
-            substrate = lambertian(substrate)
-        ground = Substrate(substrate) if isinstance(substrate, str) else substrate
-        bottom = None if base is None else medium_of_words(base)
-        if extrapolate not in ("refuse", "clamp"):
-            raise UsageError(f"extrapolate: unknown '{extrapolate}'; allowed: refuse, clamp")
-
-        if not isinstance(size_distribution, str):
-            radii, density = size_distribution
-            size_distribution = (
-                numbers("radii_um", radii).tolist(),
-                numbers("number_density", density).tolist(),
-            )
-        host = host if isinstance(host, str) else complex(complexes("host", host).reshape(-1)[0])
-        scene = _core.Scene(bottom, ground, layers, surface)
-        scene.set_particles(
-            _sizes(size_distribution, effective_radius_um, effective_variance),
-            host_words(host),
-            number("k_floor", k_floor),
-            number("mie_tolerance", mie_tolerance),
-            optional("layer_density_kg_m3", layer_density_kg_m3),
-            choice(_core.Packing, "packing", packing),
-        )
-        if boundary is not None:
-            scene.set_boundary(boundary)
-        scene.coupling = choice(_core.Coupling, "coupling", coupling)
-        scene.surface_index = None if surface_index is None else complex(surface_index)
-        scene.database = str(database)
-        scene.index = _core.IndexOptions(
-            choice(_core.Interpolation, "interpolation", interpolation),
-            extrapolate == "clamp",
-            bool(missing_k_zero),
-        )
-        scene.validate()
-        self._core = scene
-        self._arguments = {
-            "base": bottom,
-            "substrate": ground,
-            "coats": tuple(layers),
-            "roughness": roughness,
-            "surface_distribution": surface_distribution,
-            "shadowing": shadowing,
-            "fresnel": fresnel,
-            "coupling": coupling,
-            "surface_index": surface_index,
-            "effective_radius_um": effective_radius_um,
-            "effective_variance": effective_variance,
-            "size_distribution": size_distribution,
-            "host": host,
-            "k_floor": k_floor,
-            "mie_tolerance": mie_tolerance,
-            "layer_density_kg_m3": layer_density_kg_m3,
-            "packing": packing,
-            "boundary": boundary,
-            "interpolation": interpolation,
-            "extrapolate": extrapolate,
-            "missing_k_zero": missing_k_zero,
-            "database": str(database),
-        }
+        given = {name: value for name, value in locals().items() if name != "self"}
+        self._arguments = settled(given)
+        self._core = core_scene(self._arguments)
 
     def replace(self, **changes: Any) -> Scene:
         """The same scene with other arguments, e.g. ``scene.replace(roughness=0.3)``."""
@@ -345,8 +265,7 @@ class Scene:
         xarray.DataArray or numpy.ndarray
             Of shape (wavelengths, *shape of mu_in).
         """
-        call = tuple(options.pop(name, None) for name in ("threads", "progress", "cache"))
-        solved = Brdf(self, wavelengths_nm, options, call, with_table=False)
+        solved = self._without_table(wavelengths_nm, options)
         if mu_in is None and theta_in_deg is None:
             return solved.spherical_albedo()
         return solved.albedo(mu_in, theta_in_deg=theta_in_deg)
@@ -362,8 +281,11 @@ class Scene:
             (Kubelka-Munk's, 1/um), mass_extinction_m2_per_kg; None where amounts or densities are
             not known.
         """
+        return self._without_table(wavelengths_nm, options).layers()
+
+    def _without_table(self, wavelengths_nm: ArrayLike, options: dict[str, Any]) -> Brdf:
         call = tuple(options.pop(name, None) for name in ("threads", "progress", "cache"))
-        return Brdf(self, wavelengths_nm, options, call, with_table=False).layers()
+        return Brdf(self, wavelengths_nm, options, call, with_table=False)
 
     def __str__(self) -> str:
         return str(self._core)
@@ -383,11 +305,3 @@ class Scene:
 
 def _scene_of(arguments: dict[str, Any]) -> Scene:
     return Scene(**arguments)
-
-
-def _sizes(law: Any, radius_um: float, variance: float) -> _core.SizeDistribution:
-    if isinstance(law, str):
-        return _core.SizeDistribution(
-            law, number("effective_radius_um", radius_um), number("effective_variance", variance)
-        )
-    return _core.SizeDistribution(radii_um=law[0], number_density=law[1])

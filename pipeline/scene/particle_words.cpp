@@ -1,0 +1,103 @@
+// The words for particles: sizes, what lies between them, how crowded they are.
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "pipeline/scene/word_setters.h"
+
+namespace miebrdf {
+namespace {
+
+constexpr NamedValue<Packing> kPackings[] = {{"independent", Packing::independent},
+                                             {"percus-yevick", Packing::percus_yevick}};
+
+std::string list_of_laws() {
+    std::string text;
+    for (const auto& form : mie::size_distribution_forms())
+        text += (text.empty() ? "" : ", ") + form.name;
+    return text;
+}
+
+void set_host(const SceneWord& word, WordValues values, Request& request) {
+    const std::string text = comma_separated(values);
+    if (text.empty()) one_value(word, values);  // which refuses none
+    request.scene.particles.host = host(text);
+}
+
+template <auto member>
+constexpr auto set_particle_number = set_number<&Request::scene, &Scene::particles, member>;
+
+template <auto member>
+constexpr auto set_size_number =
+    set_number<&Request::scene, &Scene::particles, &ParticleOptions::sizes, member>;
+
+}  // namespace
+
+std::vector<SceneWord> particle_words() {
+    const std::string group = "Particles (of media that go through Mie theory)";
+    const ParticleOptions defaults;
+    return {
+        {.name = "effective-radius",
+         .placeholder = "UM",
+         .help = "effective radius <r^3>/<r^2> in um, of media that do not say their own",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.sizes.effective_radius_um),
+         .field = "effective_radius_um",
+         .unit = "um",
+         .set = set_size_number<&mie::SizeDistribution::effective_radius_um>},
+        {.name = "effective-variance",
+         .placeholder = "V",
+         .help = "effective variance of the radii, of media that do not say their own",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.sizes.effective_variance),
+         .field = "effective_variance",
+         .set = set_size_number<&mie::SizeDistribution::effective_variance>},
+        {.name = "size-distribution",
+         .placeholder = "NAME",
+         .help = "law of the radii, of media that do not say their own: " + list_of_laws(),
+         .group = group,
+         .default_text = name_of(defaults.sizes.kind),
+         .field = "size_distribution",
+         .set = set_text<mie::parse_size_distribution, &Request::scene, &Scene::particles,
+                         &ParticleOptions::sizes, &mie::SizeDistribution::kind>},
+        {.name = "host-index",
+         .placeholder = "HOST",
+         .help = "what lies between the particles, of media that do not say it (TiO2 in PMMA): "
+                 "N, N,K or a material's name",
+         .group = group,
+         .default_text = "1",
+         .field = "host_index",
+         .set = set_host},
+        {.name = "layer-density",
+         .placeholder = "KG_M3",
+         .help = "bulk density of the layers in kg/m3, where mass fractions and a thickness "
+                 "meet; snow has 50 to 550",
+         .group = group,
+         .field = "layer_density_kg_m3",
+         .unit = "kg/m3",
+         .set = set_particle_number<&ParticleOptions::layer_density_kg_m3>},
+        {.name = "packing",
+         .placeholder = "NAME",
+         .help = "how crowded particles scatter: " + list_of(kPackings) +
+                 " (hard spheres that see their own kind; needs amounts)",
+         .group = group,
+         .default_text = kPackings[0].name,
+         .field = "packing",
+         .set = set_name<kPackings, &Request::scene, &Scene::particles, &ParticleOptions::packing>},
+        {.name = "k-floor",
+         .placeholder = "K",
+         .help = "smallest absorption index k: smaller ones of a material are raised to this",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.k_floor),
+         .field = "k_floor",
+         .set = set_particle_number<&ParticleOptions::k_floor>},
+        {.name = "mie-tolerance",
+         .placeholder = "ERROR",
+         .help = "relative error of averages over sizes; 0: a share of the tolerance",
+         .group = group,
+         .default_text = fmt::format("{}", defaults.tolerance),
+         .field = "mie_tolerance",
+         .set = set_particle_number<&ParticleOptions::tolerance>}};
+}
+
+}  // namespace miebrdf

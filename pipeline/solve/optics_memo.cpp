@@ -1,0 +1,98 @@
+#include "pipeline/solve/optics_memo.h"
+
+#include <utility>
+
+#include "pipeline/cache/packed_numbers.h"
+#include "pipeline/cache/result_cache.h"
+
+namespace miebrdf {
+namespace {
+
+std::size_t bytes_of(const MediumOptics& optics) {
+    const auto* table = optics.optics.phase.target<mie::PhaseTable>();
+    const std::size_t of_table =
+        table == nullptr ? 0 : table->parts().coefficients.size() + 2 * table->parts().edges.size();
+    return sizeof(double) * (optics.optics.chi.size() + optics.phase.size() + of_table);
+}
+
+}  // namespace
+
+std::vector<double> packed(const MediumOptics& optics) {
+    // A species alone: the extinction of a medium is not its own.
+    const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged, per_um] =
+        optics;
+    static_cast<void>(per_um);
+    const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
+    NumberPacker packer;
+    packer.add(albedo).add(one_minus_albedo).add(chi).add(has_more_moments);
+    packer.add(phase).add(phase_error).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
+    const auto* table = function.target<mie::PhaseTable>();
+    packer.add(table != nullptr);
+    if (table == nullptr) return packer.numbers();
+    const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor,
+                 gave_moments] = table->parts();
+    packer.add(edges).add(coefficients).add(mean).add(interpolation_error).add(size_error);
+    return packer.add(noise).add(noise_floor).add(gave_moments).numbers();
+}
+
+MediumOptics unpacked_optics(const std::vector<double>& numbers) {
+    NumberUnpacker unpacker(numbers);
+    MediumOptics optics;
+    const auto read = [&](auto&... values) { (unpacker.read(values), ...); };
+    rte::Optics& o = optics.optics;
+    read(o.single_scattering_albedo, o.one_minus_albedo, o.chi, o.has_more_moments);
+    read(optics.phase, optics.phase_error, optics.asymmetry, optics.q_ext, optics.error_estimate,
+         optics.converged);
+    bool has_table = false;
+    read(has_table);
+    if (!has_table) return optics;
+    mie::PhaseTable::Parts parts;
+    read(parts.edges, parts.coefficients, parts.mean, parts.interpolation_error, parts.size_error);
+    read(parts.noise, parts.noise_floor, parts.gave_moments);
+    o.phase = mie::PhaseTable(std::move(parts));
+    return optics;
+}
+
+std::shared_ptr<const MediumOptics> OpticsMemo::find(const std::string& hash) {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(hash);
+    if (known == known_.end()) return nullptr;
+    ++found_;
+    return known->second;
+}
+
+void OpticsMemo::keep(const std::string& hash, const MediumOptics& optics) {
+    const std::size_t bytes = bytes_of(optics);
+    const std::lock_guard lock(mutex_);
+    if (bytes > free_bytes_ || known_.contains(hash)) return;
+    free_bytes_ -= bytes;
+    known_.emplace(hash, std::make_shared<const MediumOptics>(optics));
+}
+
+int OpticsMemo::found() const {
+    const std::lock_guard lock(mutex_);
+    return found_;
+}
+
+std::shared_ptr<OpticsMemo> make_optics_memo(std::size_t limit_bytes) {
+    return std::make_shared<OpticsMemo>(limit_bytes);
+}
+
+MediumOptics remembered_optics(const Control& control, const std::string& hash,
+                               const std::function<MediumOptics()>& compute) {
+    if (control.memo != nullptr) {
+        if (const auto known = control.memo->find(hash)) return *known;
+    }
+    MediumOptics optics;
+    const auto numbers = control.cache != nullptr ? control.cache->find(hash) : std::nullopt;
+    if (numbers) {
+        optics = unpacked_optics(*numbers);
+    } else {
+        optics = compute();
+        if (control.cache != nullptr) control.cache->store(hash, packed(optics));
+    }
+    if (control.memo != nullptr) control.memo->keep(hash, optics);
+    return optics;
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,62 @@
+// Crowded spheres: the structure factor and what it does to single scattering.
+#include <miebrdf/brdf.h>
+
+#include <cmath>
+#include <string>
+
+#include "pipeline/solve/packing.h"
+#include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+
+using namespace miebrdf;
+using support::scene_of;
+
+namespace {
+
+double relative(double value, double truth) { return std::abs(value / truth - 1.0); }
+
+}  // namespace
+
+TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipeline][packing]") {
+    for (const double f : {0.01, 0.1, 0.3, 0.45}) {
+        // S(0) = (1 - f)^4 / (1 + 2 f)^2.
+        const double at_zero = std::pow(1 - f, 4) / ((1 + 2 * f) * (1 + 2 * f));
+        CHECK(relative(percus_yevick(f, 0.0), at_zero) <= 1e-12);
+        // Where the series ends and the closed form begins.
+        CHECK(relative(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
+        CHECK(std::abs(percus_yevick(f, 200.0) - 1) <= 0.01);
+    }
+    CHECK(relative(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
+}
+
+TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipeline][packing]") {
+    struct Case {
+        std::string species;
+        double volume, ratio, scattering, asymmetry;
+    };
+    // reference/mixture/dense.txt: mu_s' and Q_sca over independent scattering, g; 550 nm.
+    const std::string latex = "index:1.59,0,radius=0.05,distribution=mono";
+    const std::string silica = "index:1.6,0,radius=0.1,distribution=mono";
+    const auto c = GENERATE_COPY(
+        Case{latex, 0.01, 0.9587, 0.9478, 0.0899}, Case{latex, 0.1, 0.6154, 0.5622, 0.0151},
+        Case{latex, 0.3, 0.1560, 0.1340, -0.0479}, Case{silica, 0.05, 0.9554, 0.8522, 0.4351},
+        Case{silica, 0.2, 0.8141, 0.5161, 0.2052});
+    CAPTURE(c.species, c.volume);
+    const std::string host = c.species == latex ? " in index:1.33" : " in index:1.5";
+    Scene scene = scene_of(c.species + ",volume=" + std::to_string(c.volume) + host);
+    const auto layer_of = [&](Packing packing) {
+        scene.particles.packing = packing;
+        return solve(scene, {550}, {.tolerance = 1e-4}).layers().at(0);
+    };
+    const LayerOptics alone = layer_of(Packing::independent);
+    const LayerOptics crowded = layer_of(Packing::percus_yevick);
+    // Four digits after the point.
+    CHECK(std::abs(*crowded.reduced_scattering_per_um / *alone.reduced_scattering_per_um -
+                   c.ratio) <= 2e-4);
+    CHECK(std::abs(*crowded.scattering_per_um / *alone.scattering_per_um - c.scattering) <= 2e-4);
+    CHECK(std::abs(crowded.asymmetry - c.asymmetry) <= 2e-4);
+    // The note of independent scattering says the same.
+    scene.particles.packing = Packing::independent;
+    const auto notes = solve(scene, {550}).albedo({1.0}).notes;
+    REQUIRE(notes.size() == (c.volume > 0.05 ? 1 : 0));
+}

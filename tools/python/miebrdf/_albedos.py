@@ -1,0 +1,98 @@
+"""What a solved scene is asked without a table: albedos and layers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arrays import Axes, Floats, broadcast
+from ._directions import Report, at_wavelengths, cosine
+from ._options import Call
+from .errors import UsageError
+
+
+class Albedos:
+    """The part of `Brdf` that needs no table."""
+
+    wavelengths_nm: list[float]
+    _single: bool
+    _call: tuple[Any, ...]
+    _solved: _core.SolvedScene
+
+    def albedo(
+        self,
+        mu_in: ArrayLike | None = None,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        transmitted: bool = False,
+    ) -> Any:
+        """Plane albedo at each incidence, surface included.
+
+        Parameters
+        ----------
+        mu_in : float or array
+            Cosines of incidence, in (0, 1].
+        theta_in_deg : float or array
+            In place of `mu_in`.
+        transmitted : bool
+            The plane transmittance instead: net flux into what lies below the layers, of a scene
+            on a substrate without a surface.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape (wavelengths, *shape of mu_in).
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        name = "plane_transmittance" if transmitted else "plane_albedo"
+        if 0 in axes.shape:
+            empty: Floats = np.empty((len(self.wavelengths_nm), *axes.shape))
+            return at_wavelengths(empty, self.wavelengths_nm, self._single, axes, {}, name)
+        return self._albedo(name, axes.arrays[0].reshape(-1).tolist(), axes)
+
+    def mirror_reflectance(
+        self, mu_in: ArrayLike | None = None, *, theta_in_deg: ArrayLike | None = None
+    ) -> Any:
+        """What of the plane albedo goes into the mirror direction alone.
+
+        A delta function that values of the BRDF are without; only scenes with a smooth boundary or
+        a mirror have one.
+
+        Parameters and result are those of `albedo`.
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        return self._albedo("mirror_reflectance", axes.arrays[0].reshape(-1).tolist(), axes)
+
+    def spherical_albedo(self, *, transmitted: bool = False) -> Any:
+        """Share that is reflected of light from all directions alike; one for each wavelength.
+
+        `transmitted`: the spherical transmittance instead.
+        """
+        name = "spherical_transmittance" if transmitted else "spherical_albedo"
+        return self._albedo(name, [1.0], Axes([], [], {}, ()))
+
+    def _albedo(self, name: str, mu_in: list[float], axes: Axes) -> Any:
+        """One of the columns that the module computes at these cosines."""
+        with Call(*self._call) as options:
+            columns, facts = self._solved.albedo(mu_in, options)
+        if columns[name] is None:
+            have = (
+                "with a smooth boundary or a mirror"
+                if name == "mirror_reflectance"
+                else "on a substrate without a surface"
+            )
+            raise UsageError(f"{name}: only scenes {have} have one")
+        report = Report(**facts)
+        report.warn()
+        column = columns[name]
+        values = column.reshape([column.shape[0], *axes.shape])
+        attributes = {"units": "1", **report.attributes()}
+        return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes, name)
+
+    def layers(self) -> list[dict[str, Any]]:
+        """Single scattering by every layer; see `Scene.layers`."""
+        with Call(*self._call) as options:
+            return self._solved.layers(options)

@@ -1,0 +1,91 @@
+"""From the arguments of a `Scene` to the scene of the module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _core
+from ._arrays import complexes, numbers
+from ._core import Layer, Substrate
+from ._media import choice, coat, host_words, lambertian, medium_of_words, number, optional
+from .errors import UsageError
+
+
+def settled(given: dict[str, Any]) -> dict[str, Any]:
+    """The same arguments, what may be written in several ways in one of them: they can be compared,
+    pickled and given to `Scene` again."""
+    base, substrate, coats, host = (given[each] for each in ("base", "substrate", "coats", "host"))
+    if (base is None) == (substrate is None):
+        raise UsageError("scene: give either base or substrate")
+    if isinstance(coats, (str, Layer)):
+        coats = [coats]
+    layers = tuple(coat(each) for each in coats)
+    roughness = number("roughness", given["roughness"])
+    if substrate is not None and not isinstance(substrate, (str, Substrate)):
+        substrate = lambertian(substrate)
+    return {
+        **given,
+        "coats": layers,
+        "roughness": roughness,
+        "substrate": Substrate(substrate) if isinstance(substrate, str) else substrate,
+        "base": None if base is None else medium_of_words(base),
+        "size_distribution": _law(given["size_distribution"]),
+        "host": host if isinstance(host, str) else complex(complexes("host", host).reshape(-1)[0]),
+        "database": str(given["database"]),
+    }
+
+
+def core_scene(of: dict[str, Any]) -> _core.Scene:
+    """The scene of settled arguments, checked."""
+    scene = _core.Scene(of["base"], of["substrate"], list(of["coats"]), _surface(of))
+    extrapolate = of["extrapolate"]
+    if extrapolate not in ("refuse", "clamp"):
+        raise UsageError(f"extrapolate: unknown '{extrapolate}'; allowed: refuse, clamp")
+    scene.set_particles(
+        _sizes(of["size_distribution"], of["effective_radius_um"], of["effective_variance"]),
+        host_words(of["host"]),
+        number("k_floor", of["k_floor"]),
+        number("mie_tolerance", of["mie_tolerance"]),
+        optional("layer_density_kg_m3", of["layer_density_kg_m3"]),
+        choice(_core.Packing, "packing", of["packing"]),
+    )
+    if of["boundary"] is not None:
+        scene.set_boundary(of["boundary"])
+    scene.coupling = choice(_core.Coupling, "coupling", of["coupling"])
+    index = of["surface_index"]
+    scene.surface_index = None if index is None else complex(index)
+    scene.database = of["database"]
+    scene.index = _core.IndexOptions(
+        choice(_core.Interpolation, "interpolation", of["interpolation"]),
+        extrapolate == "clamp",
+        bool(of["missing_k_zero"]),
+    )
+    scene.validate()
+    return scene
+
+
+def _surface(of: dict[str, Any]) -> _core.SurfaceOptions | None:
+    if of["roughness"] == 0.0:
+        return None
+    return _core.SurfaceOptions(
+        of["roughness"],
+        choice(_core.MicrofacetDistribution, "surface_distribution", of["surface_distribution"]),
+        choice(_core.Shadowing, "shadowing", of["shadowing"]),
+        choice(_core.Fresnel, "fresnel", of["fresnel"]),
+    )
+
+
+def _law(given: Any) -> Any:
+    """The name of a law of sizes, or radii and densities as lists."""
+    if isinstance(given, str):
+        return given
+    radii, density = given
+    return numbers("radii_um", radii).tolist(), numbers("number_density", density).tolist()
+
+
+def _sizes(law: Any, radius_um: float, variance: float) -> _core.SizeDistribution:
+    if isinstance(law, str):
+        return _core.SizeDistribution(
+            law, number("effective_radius_um", radius_um), number("effective_variance", variance)
+        )
+    return _core.SizeDistribution(radii_um=law[0], number_density=law[1])
