@@ -146,7 +146,7 @@ class EnsembleAverage {
     double share_ = 1;  // of it, inside
     int terms_ = 0;
     bool moments_from_table_ = false;
-    std::optional<MomentTransform> transform_;  // tables that all passes share
+    std::optional<MomentTransform> transform_;  // the same for all passes
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
     double change_before_ = 0, absorption_before_ = 0;
@@ -183,7 +183,7 @@ void EnsembleAverage::start() {
     moments_from_table_ = request_.highest_moment > std::max(kLeastTableMoment, terms_ / 5) &&
                           request_.tolerance >= kLeastTableTolerance;
     require_angles(request_.angles_deg);
-    if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width(), run_);
+    if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width());
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
 }
 
