@@ -10,6 +10,7 @@
 #include <miebrdf/error.h>
 #include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/phase_tabulation.h"
+#include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -126,6 +127,7 @@ class EnsembleAverage {
 
   private:
     void start();
+    bool take_rays();
     void prepare_even_rule();
     int band_width() const;
     SizeSumOptions sum_options() const;
@@ -146,6 +148,7 @@ class EnsembleAverage {
     double share_ = 1;  // of it, inside
     int terms_ = 0;
     bool moments_from_table_ = false;
+    bool by_rays_ = false;
     std::optional<MomentTransform> transform_;  // the same for all passes
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
@@ -161,9 +164,11 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
       relative_index_(relative_index_of(request)),
       wave_number_per_um_(wave_number_per_um(request)) {
     start();
-    do {
-        add_pass();
-    } while (!is_enough() && refinement_->refine());
+    if (!take_rays()) {
+        do {
+            add_pass();
+        } while (!is_enough() && refinement_->refine());
+    }
     if (!request_.angles_deg.empty()) put_phase();
     if (request_.with_phase_table || moments_from_table_) put_phase_table();
 }
@@ -183,8 +188,20 @@ void EnsembleAverage::start() {
     moments_from_table_ = request_.highest_moment > std::max(kLeastTableMoment, terms_ / 5) &&
                           request_.tolerance >= kLeastTableTolerance;
     require_angles(request_.angles_deg);
-    if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width());
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
+}
+
+// Broad distributions of large rippling spheres: no sizes are sampled for their ripple.
+bool EnsembleAverage::take_rays() {
+    if (refinement_->rule() != Rule::even) return false;
+    const auto rays =
+        average_over_rays({relative_index_, request_.sizes, range_, share_, wave_number_per_um_},
+                          band_width(), request_.tolerance, run_);
+    if (!rays) return false;
+    optics_ = *rays;
+    optics_.error_estimate = std::max({optics_.error_estimate, kRounding, tail_});
+    by_rays_ = is_enough();
+    return by_rays_;
 }
 
 int EnsembleAverage::band_width() const {
@@ -204,6 +221,7 @@ SizeSumOptions EnsembleAverage::sum_options() const {
 
 // One pass over more sizes, and what is known after it.
 void EnsembleAverage::add_pass() {
+    if (request_.highest_moment >= 2 && !transform_) transform_.emplace(terms_, band_width());
     if (refinement_->rule() == Rule::even) prepare_even_rule();
     SizeSums sums =
         sum_over_sizes(relative_index_, WeightedSizes(refinement_->nodes(), wave_number_per_um_),

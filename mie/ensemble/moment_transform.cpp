@@ -28,20 +28,23 @@ void add_band(const Waves& waves, int terms, int columns, BandCovariance::Matrix
 }
 
 // Orders n handled together; enough independent recurrences to hide the latency of each.
-constexpr int kGroup = 32;
+constexpr int kGroup = 16;
 constexpr int kDiagonalsPerJob = 8;
 using Group = Eigen::Array<double, kGroup, 1>;
 using Lane = Eigen::Array<double, 8, 1>;
 
-constexpr int kInterpolating = 16;  // 8^-16 = 4e-15 for orders from 3/2 width on
-constexpr double kDirectPerWidth = 1.5;
+constexpr int kInterpolating = kGroup;  // errs by 5.8^-16 = 6e-13 for orders from width on
 
-Lane folded(const Group& g) {
-    return (g.segment<8>(0) + g.segment<8>(8)) + (g.segment<8>(16) + g.segment<8>(24));
-}
+Lane folded(const Group& g) { return g.segment<8>(0) + g.segment<8>(8); }
 
-int whole_groups(std::size_t orders) {
-    return static_cast<int>((orders + kGroup - 1) / kGroup) * kGroup;
+int whole_groups(int orders) { return (orders + kGroup - 1) / kGroup * kGroup; }
+
+// 1 / sqrt(K^2 - l^2), 0 for l >= K: there the 3j symbol vanishes. Column l.
+void fill_inverse_roots(const Eigen::ArrayXd& K, Eigen::ArrayXXd& table) {
+    for (Eigen::Index l = 0; l < table.cols(); ++l) {
+        const double last = static_cast<double>(l);
+        table.col(l) = (K > last).select(((K - last) * (K + last)).abs().rsqrt(), 0.0);
+    }
 }
 
 // (2n + 1) f_d^2 for m = n + d, all n at once: from 1 at d = 0 by its ratio from d to d + 1.
@@ -63,40 +66,31 @@ class FirstSquares {
     int d_ = 0;
 };
 
-// Everything for one d = |n - m|.
+// The recurrence for one d = |n - m|.
 class OneDiagonal {
   public:
-    OneDiagonal(const Eigen::ArrayXd& orders, const Eigen::ArrayXd& first_squares, int d, int width)
-        : orders_(orders), first_squares_(first_squares), d_(d), L_(width) {
+    OneDiagonal(int d, int width) : d_(d), L_(width) {
         for (int l = 0; l <= L_ + 1; ++l) {
             e_.push_back(l > d ? std::sqrt(static_cast<double>(l - d) * (l + d)) : 0.0);
         }
     }
 
-    // Adds the orders at first ... first + kGroup - 1 to moments, eight partial sums per l.
-    // plus, minus: of all orders.
-    void add_orders_from(int first, const Eigen::ArrayXd& plus, const Eigen::ArrayXd& minus,
-                         std::vector<Lane>& moments) const {
+    // Adds a group of orders to moments, eight partial sums per l.
+    // roots: 1 / sqrt(K^2 - l^2), column l, from this row on.
+    void add(const Group& K, const Group& first_squares, const Group& plus, const Group& minus,
+             const Eigen::ArrayXXd& roots, Eigen::Index row, std::vector<Lane>& moments) const {
         const double sides = d_ == 0 ? 1 : 2;  // m = n + d and m = n - d
-        const Group gain_plus = sides * plus.segment<kGroup>(first);
-        const Group gain_minus = sides * minus.segment<kGroup>(first);
-        const Group K = 2 * orders_.segment<kGroup>(first) + (d_ + 1);
         const Group K_squared = K.square();
-        // 0 where the 3j symbol vanishes.
-        const auto inverse_root = [&](int l) -> Group {
-            const double last = l;
-            return (K > last).select((K_squared - last * last).abs().rsqrt(), 0.0);
-        };
         // C- alternates in sign with l.
-        const Group even = gain_plus + gain_minus, odd = gain_plus - gain_minus;
-        Group f = first_squares_.segment<kGroup>(first).sqrt();
+        const Group even = sides * (plus + minus), odd = sides * (plus - minus);
+        Group f = first_squares.sqrt();
         Group f_before = Group::Zero();
-        Group root_here = inverse_root(d_);
+        Group root_here = roots.col(d_).segment<kGroup>(row);
         for (int l = d_; l <= L_; ++l) {
             const Group square = f.square();
             moments[l] += folded((l - d_) % 2 == 0 ? Group(square * even) : Group(square * odd));
             if (l == L_) break;
-            const Group root_next = inverse_root(l + 1);
+            const Group root_next = roots.col(l + 1).segment<kGroup>(row);
             const double alpha = 2 * (2 * l + 1) / e_[l + 1];
             const double beta = e_[l] / e_[l + 1];
             const double l_squared = static_cast<double>(l) * l;
@@ -109,8 +103,6 @@ class OneDiagonal {
     }
 
   private:
-    const Eigen::ArrayXd& orders_;
-    const Eigen::ArrayXd& first_squares_;
     int d_, L_;
     std::vector<double> e_;  // sqrt(l^2 - d^2)
 };
@@ -142,9 +134,15 @@ void BandCovariance::scale(double factor) {
 
 MomentTransform::MomentTransform(int terms, int width)
     : terms_(terms), width_(width), direct_(terms) {
-    const int wanted = std::max(kInterpolating, static_cast<int>(kDirectPerWidth * width));
-    if (wanted + 2 * kInterpolating < terms) direct_ = wanted;
+    const int enough = whole_groups(width);
+    if (enough + 2 * kInterpolating < terms) direct_ = enough;
     for (int n = 1; n <= direct_; ++n) orders_.push_back(n);
+    const int rows = whole_groups(direct_) + width / 2 + 1;
+    for (const int parity : {0, 1}) {
+        inverse_roots_[parity].resize(rows, width + 1);
+        fill_inverse_roots(2 * Eigen::ArrayXd::LinSpaced(rows, 1, rows) + parity,
+                           inverse_roots_[parity]);
+    }
     if (direct_ == terms) return;
     // Chebyshev points of 1/n between those of the first and the last order.
     const double low = 1.0 / terms, high = 1.0 / direct_;
@@ -192,8 +190,8 @@ std::vector<double> MomentTransform::operator()(const BandCovariance& covariance
 
 std::vector<double> MomentTransform::operator()(const Collected& collected,
                                                 const Executor& run) const {
-    const int rows = whole_groups(orders_.size());
-    Eigen::ArrayXd orders = Eigen::ArrayXd::Constant(rows, orders_.back());
+    const int rows = whole_groups(order_count());
+    Eigen::ArrayXd orders = Eigen::ArrayXd::LinSpaced(rows, 1, rows);  // filled up with more
     orders.head(order_count()) = Eigen::Map<const Eigen::ArrayXd>(orders_.data(), order_count());
     const int diagonals = std::min(width_, terms_ - 1) + 1;
     std::vector<Eigen::ArrayXd> squares;
@@ -205,14 +203,25 @@ std::vector<double> MomentTransform::operator()(const Collected& collected,
     std::vector<std::vector<Lane>> parts(jobs, std::vector<Lane>(width_ + 1, Lane::Zero()));
     run(jobs, [&](int job) {
         Eigen::ArrayXd plus = Eigen::ArrayXd::Zero(rows), minus = plus;
+        Eigen::ArrayXXd roots_between(kGroup, interpolating() > 0 ? width_ + 1 : 0);
         const int end = std::min(diagonals, (job + 1) * kDiagonalsPerJob);
         for (int d = job * kDiagonalsPerJob; d < end; ++d) {
             plus.head(order_count()) = collected.plus.col(d);
             minus.head(order_count()) = collected.minus.col(d);
-            const OneDiagonal diagonal(orders, squares[d], d, width_);
-            for (int first = 0; first < rows; first += kGroup) {
-                diagonal.add_orders_from(first, plus, minus, parts[job]);
+            const OneDiagonal diagonal(d, width_);
+            const auto add = [&](int first, const Eigen::ArrayXXd& roots, Eigen::Index row) {
+                const Group K = 2 * orders.segment<kGroup>(first) + (d + 1);
+                diagonal.add(K, squares[d].segment<kGroup>(first), plus.segment<kGroup>(first),
+                             minus.segment<kGroup>(first), roots, row, parts[job]);
+            };
+            // K = 2n + d + 1 = 2 (row + 1) + parity.
+            const int parity = d % 2 == 0 ? 1 : 0;
+            for (int first = 0; first < direct_; first += kGroup) {
+                add(first, inverse_roots_[parity], first + d / 2 + (1 - parity));
             }
+            if (interpolating() == 0) continue;
+            fill_inverse_roots(2 * orders.tail<kGroup>() + (d + 1), roots_between);
+            add(direct_, roots_between, 0);
         }
     });
     std::vector<double> moments(width_ + 1, 0.0);

@@ -44,8 +44,8 @@ class BandCovariance {
 ///     a(l+1) f_{l+1} = 2 (2l+1) f_l - a(l) f_{l-1},  a(l)^2 = (l^2 - d^2)(K^2 - l^2),  K = n + m
 ///     + 1.
 /// Where n is well above l, (2n+1) f_l^2 is an analytic function of 1/n, whose nearest singularity
-/// is n = -(l + d + 1)/2: the orders above 3/2 width are interpolated to rounding from 16 values of
-/// n. Cost: (3/2 width + 16) * width^2 / 2 steps, and 32 * terms * width multiply-adds.
+/// is n = -(l + d + 1)/2: the orders above the width are interpolated to rounding from 16 values of n.
+/// Cost: (width + 16) * width^2 / 2 steps, and 32 * terms * width multiply-adds.
 class MomentTransform {
   public:
     /// Covariances collected on the orders that are transformed: row = order, column = d;
@@ -75,6 +75,8 @@ class MomentTransform {
     int terms_, width_, direct_;
     std::vector<double> orders_;  // n of each row; above direct_ not integers
     Eigen::VectorXd places_, barycentric_;
+    // 1 / sqrt(K^2 - l^2) for each parity of K: column l, row j for K = 2 (j + 1) + parity.
+    Eigen::ArrayXXd inverse_roots_[2];
 };
 
 /// The same for a transform that is used once.

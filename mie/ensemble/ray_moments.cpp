@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 
 // Where light reflected at grazing incidence still goes along with what is diffracted, in x^(1/3)
 // below x: from the first on the less, from the second on not at all.
-double kWholeEdge = 4, kFadedEdge = 16;
+constexpr double kWholeEdge = 8, kFadedEdge = 32;
 
 constexpr int kRuleNodes = 16;
 constexpr int kMostPanelWaves = 8;  // radians of products over an order panel
@@ -83,139 +83,191 @@ OrderRule order_rule(double x, int terms, int width) {
     return rule;
 }
 
-// Smooth from 0 to 1.
-double fade(double t) {
-    t = std::clamp(t, 0.0, 1.0);
-    return t * t * t * t * (35 + t * (-84 + t * (70 - 20 * t)));
-}
+// What products of partial waves are made of, at all orders of one size, in single precision.
+class Orders {
+  public:
+    enum Part { outer_re, outer_im, edge_re, through_re, through_im, inner_re, inner_im, part_count };
 
-// The responses of one size at all orders, real and imaginary parts apart, padded by `width`.
-struct Orders {
-    struct Polarisation {
-        Eigen::ArrayXd outer_re, outer_im, edge_re, through_re, through_im, inner_re, inner_im;
-        void make_room(int count) {
-            for (auto* part : {&outer_re, &edge_re}) part->setOnes(count);
-            for (auto* part : {&outer_im, &through_re, &through_im, &inner_re, &inner_im})
-                part->setZero(count);
+    /// Orders beyond the last one do not scatter.
+    void make_room(int count) {
+        if (values_.rows() < count) values_.resize(count, 2 * part_count);
+        values_.topRows(count).setZero();
+        for (const int p : {0, 1}) {
+            values_.col(p * part_count + outer_re).head(count).setOnes();
+            values_.col(p * part_count + edge_re).head(count).setOnes();
         }
-        void put(int n, int lane, const RayResponse& r, double share) {
-            outer_re[n] = r.outer.re[lane];
-            outer_im[n] = r.outer.im[lane];
-            edge_re[n] = share * r.outer.re[lane];
-            through_re[n] = r.through.re[lane];
-            through_im[n] = r.through.im[lane];
-            inner_re[n] = r.inner.re[lane];
-            inner_im[n] = r.inner.im[lane];
+    }
+    float* part(int polarisation, Part part) {
+        return values_.col(polarisation * part_count + part).data();
+    }
+    const float* part(int polarisation, Part part) const {
+        return values_.col(polarisation * part_count + part).data();
+    }
+    void put(int polarisation, int n, int lane, const RayResponse& r, double edge) {
+        const double values[] = {r.outer.re[lane],   r.outer.im[lane],   edge * r.outer.re[lane],
+                                 r.through.re[lane], r.through.im[lane], r.inner.re[lane],
+                                 r.inner.im[lane]};
+        for (int i = 0; i < part_count; ++i) {
+            values_(n, polarisation * part_count + i) = static_cast<float>(values[i]);
         }
-    };
-    Polarisation a, b;
+    }
+
+  private:
+    Eigen::ArrayXXf values_;
 };
 
-using Row = Eigen::Array<double, kLaneCount, 1>;
+using Row = Eigen::Array<float, kLaneCount, 1>;
 
-// 4 Re <p_n q_m*> at fixed n and eight m.
-Row product(const Orders::Polarisation& p, int n, const Orders::Polarisation& q, int m) {
-    const auto at = [m](const Eigen::ArrayXd& values) -> Row { return values.segment<kLaneCount>(m); };
-    const Row reflected = (1 - p.edge_re[n]) - at(q.edge_re) + p.outer_re[n] * at(q.outer_re) +
-                          p.outer_im[n] * at(q.outer_im);
-    const double tr = p.through_re[n], ti = p.through_im[n], rr = p.inner_re[n], ri = p.inner_im[n];
-    const Row Tr = at(q.through_re), Ti = at(q.through_im), Rr = at(q.inner_re), Ri = at(q.inner_im);
-    const Row above_re = tr * Tr + ti * Ti, above_im = ti * Tr - tr * Ti;
-    const Row below_re = 1 - (rr * Rr + ri * Ri), below_im = rr * Ri - ri * Rr;
-    // Where hardly anything goes through, rounding may leave nothing below.
-    const Row square = (below_re * below_re + below_im * below_im).max(1e-28);
-    return reflected + (above_re * below_re + above_im * below_im) / square;
+// One polarisation at eight orders from m on.
+struct Waves {
+    Row outer_re, outer_im, edge_re, through_re, through_im, inner_re, inner_im;
+};
+
+Waves waves_at(const Orders& orders, int polarisation, int m) {
+    const auto at = [&](Orders::Part part) -> Row {
+        return Eigen::Map<const Row>(orders.part(polarisation, part) + m);
+    };
+    return {at(Orders::outer_re),   at(Orders::outer_im),   at(Orders::edge_re),
+            at(Orders::through_re), at(Orders::through_im), at(Orders::inner_re),
+            at(Orders::inner_im)};
 }
 
-double absorbed_at(const Orders::Polarisation& p, int n) {
-    const double outer = p.outer_re[n] * p.outer_re[n] + p.outer_im[n] * p.outer_im[n];
-    const double inner = p.inner_re[n] * p.inner_re[n] + p.inner_im[n] * p.inner_im[n];
-    const double through = p.through_re[n] * p.through_re[n] + p.through_im[n] * p.through_im[n];
-    if (!(through > 1e-26)) return 0;
-    return std::max(0.0, 1 - outer - through / (1 - inner));
+// 4 Re <p_n q_m*> at one n, whose values fill p, and eight m.
+Row product_of(const Waves& p, const Waves& q) {
+    const Row above_re = p.through_re * q.through_re + p.through_im * q.through_im;
+    const Row above_im = p.through_im * q.through_re - p.through_re * q.through_im;
+    const Row below_re = 1 - (p.inner_re * q.inner_re + p.inner_im * q.inner_im);
+    const Row below_im = p.inner_re * q.inner_im - p.inner_im * q.inner_re;
+    // Where hardly anything goes through, rounding may leave nothing below.
+    const Row square = (below_re * below_re + below_im * below_im).max(1e-14F);
+    return (1 - p.edge_re - q.edge_re) + p.outer_re * q.outer_re + p.outer_im * q.outer_im +
+           (above_re * below_re + above_im * below_im) / square;
+}
+
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// What the thread keeps from one size to the next: fresh memory costs more than the sums.
+struct Workspace {
+    Orders spheres[kLaneCount];
+    Rows plus, minus;
+    Eigen::MatrixXf shares;
+    void make_room(Eigen::Index rows, Eigen::Index columns, Eigen::Index interpolating) {
+        if (plus.rows() < rows || plus.cols() != columns) {
+            plus.resize(rows, columns);
+            minus.resize(rows, columns);
+        }
+        if (shares.cols() < rows || shares.rows() != interpolating) {
+            shares.resize(interpolating, rows);
+        }
+    }
+};
+
+Workspace& workspace() {
+    thread_local Workspace kept;
+    return kept;
 }
 
 // Sums over n of one size.
-void add_size(const Orders& orders, double x, double weight, int terms, bool absorbs,
-              const MomentTransform& transform, int width, RaySums& sums) {
+void add_size(const Orders& orders, double x, double weight, int terms,
+              const MomentTransform& transform, Workspace& work, MomentTransform::Collected& to) {
+    const int width = transform.width();
     const OrderRule rule = order_rule(x, terms, width);
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const int padded = (width + kLaneCount) / kLaneCount * kLaneCount;
     const auto rows = static_cast<Eigen::Index>(rule.order.size());
-    Matrix plus(rows, padded), minus(rows, padded);
+    work.make_room(rows, padded, transform.interpolating());
     Eigen::Index direct_rows = 0;
-    Eigen::MatrixXd shares(transform.interpolating(), rows);
     const Row steps = 2 * Row::LinSpaced(kLaneCount, 0, kLaneCount - 1);
     for (Eigen::Index i = 0; i < rows; ++i) {
         const int n = rule.order[i];
-        const double here = weight * rule.weight[i];
-        const double degenerate = here * (2 * n + 1);
-        sums.extinguished += degenerate * (1 - 0.5 * (orders.a.edge_re[n] + orders.b.edge_re[n]));
-        if (absorbs) {
-            sums.absorbed +=
-                degenerate * 0.25 * (absorbed_at(orders.a, n) + absorbed_at(orders.b, n));
+        Waves here[2];
+        for (const int p : {0, 1}) {
+            const auto at = [&](Orders::Part part) -> Row {
+                return Row::Constant(orders.part(p, part)[n]);
+            };
+            here[p] = {at(Orders::outer_re),   at(Orders::outer_im),   at(Orders::edge_re),
+                       at(Orders::through_re), at(Orders::through_im), at(Orders::inner_re),
+                       at(Orders::inner_im)};
         }
+        const double scale = 0.25 * weight * rule.weight[i];
         for (int d = 0; d < padded; d += kLaneCount) {
             const int m = n + d;
-            const Row scale = 0.25 * here * ((2 * m + 1) + steps);
-            const Row same = scale * (product(orders.a, n, orders.a, m) +
-                                      product(orders.b, n, orders.b, m));
-            const Row other = scale * (product(orders.a, n, orders.b, m) +
-                                       product(orders.b, n, orders.a, m));
-            plus.row(i).segment<kLaneCount>(d) = same + other;
-            minus.row(i).segment<kLaneCount>(d) = same - other;
+            const Waves a = waves_at(orders, 0, m), b = waves_at(orders, 1, m);
+            const Row share = static_cast<float>(scale) * (static_cast<float>(2 * m + 1) + steps);
+            const Row same = share * (product_of(here[0], a) + product_of(here[1], b));
+            const Row other = share * (product_of(here[0], b) + product_of(here[1], a));
+            Eigen::Map<Row>(work.plus.row(i).data() + d) = same + other;
+            Eigen::Map<Row>(work.minus.row(i).data() + d) = same - other;
         }
         if (n <= transform.direct()) {
-            sums.collected.plus.row(n - 1) += plus.row(i).head(width + 1);
-            sums.collected.minus.row(n - 1) += minus.row(i).head(width + 1);
+            to.plus.row(n - 1) += work.plus.row(i).head(width + 1).cast<double>();
+            to.minus.row(n - 1) += work.minus.row(i).head(width + 1).cast<double>();
             direct_rows = i + 1;
         } else {
-            shares.col(i) = transform.shares(n);
+            work.shares.col(i) = transform.shares(n).cast<float>();
         }
     }
     const Eigen::Index others = rows - direct_rows;
     if (transform.interpolating() == 0 || others == 0) return;
-    const auto right = shares.rightCols(others);
-    sums.collected.plus.bottomRows(transform.interpolating()).noalias() +=
-        right * plus.bottomRows(others).leftCols(width + 1);
-    sums.collected.minus.bottomRows(transform.interpolating()).noalias() +=
-        right * minus.bottomRows(others).leftCols(width + 1);
+    const auto right = work.shares.middleCols(direct_rows, others);
+    const auto project = [&](const Rows& from, Eigen::MatrixXd& onto) {
+        const Eigen::MatrixXf sums = right * from.middleRows(direct_rows, others).leftCols(width + 1);
+        onto.bottomRows(transform.interpolating()) += sums.cast<double>();
+    };
+    project(work.plus, to.plus);
+    project(work.minus, to.minus);
+}
+
+// sum over p of |rays|^2 / 4 that do not come out again.
+Lanes absorbed_of(const RayResponse& r) {
+    const Lanes through = norm(r.through);
+    const Lanes left = 1 - norm(r.outer) - through / (1 - norm(r.inner)).max(1e-28);
+    return (through > 1e-26).select(0.25 * left.max(0.0), 0.0);
 }
 
 template <typename Number>
 void add_eight(Number m, const Lanes& x, const Lanes& weight, const MomentTransform& transform,
-               int width, RaySums& sums) {
+               RaySums& sums) {
     Lanes last_order;
     for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(x[lane]);
     const int terms = static_cast<int>(last_order.maxCoeff());
-    std::vector<Orders> spheres(kLaneCount);
-    for (Orders& sphere : spheres) {
-        for (auto* p : {&sphere.a, &sphere.b}) p->make_room(terms + width + 2 * kLaneCount + 1);
+    Workspace& work = workspace();
+    for (Orders& sphere : work.spheres) {
+        sphere.make_room(terms + transform.width() + 2 * kLaneCount + 1);
     }
+    const Lanes edge_scale = x.pow(-1.0 / 3);
     RayWaves<Number> waves(m, x);
     RayResponse a, b;
+    Lanes extinguished = Lanes::Zero(), absorbed = Lanes::Zero();
     for (int n = 1; n <= terms; ++n) {
         waves.advance(last_order, a, b);
+        const Lanes below = (x - n) * edge_scale;
+        const Lanes t = ((below - kWholeEdge) / (kFadedEdge - kWholeEdge)).max(0.0).min(1.0);
+        // Smooth from 1 to 0.
+        const Lanes edge = 1 - t * t * t * t * (35 + t * (-84 + t * (70 - 20 * t)));
+        extinguished += (2 * n + 1) * (1 - 0.5 * edge * (a.outer.re + b.outer.re)) *
+                        (last_order >= n).select(Lanes::Ones(), Lanes::Zero());
+        if (std::imag(m) > 0) absorbed += (2 * n + 1) * (absorbed_of(a) + absorbed_of(b));
         for (int lane = 0; lane < kLaneCount; ++lane) {
-            const double below = (x[lane] - n) / std::cbrt(x[lane]);
-            const double share = 1 - fade((below - kWholeEdge) / (kFadedEdge - kWholeEdge));
-            spheres[lane].a.put(n, lane, a, share);
-            spheres[lane].b.put(n, lane, b, share);
+            work.spheres[lane].put(0, n, lane, a, edge[lane]);
+            work.spheres[lane].put(1, n, lane, b, edge[lane]);
         }
     }
+    sums.extinguished += (weight * extinguished).sum();
+    sums.absorbed += (weight * absorbed).sum();
     for (int lane = 0; lane < kLaneCount; ++lane) {
         if (!(weight[lane] > 0)) continue;
-        add_size(spheres[lane], x[lane], weight[lane], static_cast<int>(last_order[lane]),
-                 std::imag(m) > 0, transform, width, sums);
+        add_size(work.spheres[lane], x[lane], weight[lane], static_cast<int>(last_order[lane]),
+                 transform, work, sums.collected);
     }
 }
 
 }  // namespace
 
 RaySums sum_over_rays(Complex m, const WeightedSizes& sizes, const MomentTransform& transform,
-                      int width, const Executor& run) {
+                      const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
     const int jobs = (count + kLaneCount - 1) / kLaneCount;
+    const int width = transform.width();
     const auto empty = [&] {
         RaySums sums;
         sums.collected.plus.setZero(transform.order_count(), width + 1);
@@ -231,9 +283,9 @@ RaySums sum_over_rays(Complex m, const WeightedSizes& sizes, const MomentTransfo
             weight[lane] = i < count ? sizes.weights[i] : 0.0;
         }
         if (m.imag() == 0) {
-            add_eight(m.real(), x, weight, transform, width, parts[job]);
+            add_eight(m.real(), x, weight, transform, parts[job]);
         } else {
-            add_eight(m, x, weight, transform, width, parts[job]);
+            add_eight(m, x, weight, transform, parts[job]);
         }
     });
     RaySums total = empty();

@@ -1,0 +1,41 @@
+// Averages over broad distributions of large spheres by rays, where their error is known to be
+// small.
+#pragma once
+
+#include <complex>
+#include <optional>
+
+#include <miebrdf/ensemble.h>
+#include "mie/sizes/size_law.h"
+
+namespace miebrdf::mie {
+
+/// Spheres and their sizes, as all methods see them.
+struct EnsembleProblem {
+    std::complex<double> relative_index;
+    SizeDistribution sizes;
+    RadiusRange range;               ///< of the sizes that are summed
+    double share = 1;                ///< of the geometric cross-section, inside the range
+    double wave_number_per_um = 0;   ///< 2 pi n_host / lambda
+};
+
+/// What leaving out the phases between rays costs, before anything is computed: a bound of the
+/// relative error of extinction and of the absolute ones of moments, found over random ensembles
+/// (docs/maths-mie.md#rays). Infinite where rays are no description: sizes without a density or
+/// with bends, |m| near or below 1, damping that today's smooth rules take.
+struct RayBound {
+    double ends = 0;    ///< of distributions that end sharply
+    double spread = 0;  ///< sizes too alike or too small for phases to average out
+    double total() const { return ends + spread; }
+};
+RayBound ray_bound(const EnsembleProblem& problem);
+
+/// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is
+/// within the tolerance; nothing otherwise. Beside ray_bound the estimate has what the extinction
+/// differs from exact_extinction (not asked where the bound alone is small enough) and what
+/// the rule over sizes leaves in moments, measured over random ensembles.
+/// @param highest_moment  -1: none
+std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
+                                                double tolerance, const Executor& run);
+
+}  // namespace miebrdf::mie
