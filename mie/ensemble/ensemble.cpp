@@ -325,6 +325,7 @@ void EnsembleAverage::put_phase_table() {
     options.size_tolerance = relaxed * request_.phase_tolerance;
     options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
+    options.by_rays = by_rays_;
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = kSafeBandWidth + 1;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
+#include "mie/ensemble/ray_phase.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -15,6 +17,8 @@ constexpr int kLeastFamilyChunk = 16;
 // Sizes of level 0 by family, in units of the coarsest even count (3.4 ripple periods apart).
 constexpr double kFamilyShare[2] = {1.21, 1.29};
 constexpr int kLeastUnit = 32;  // without ripple: of each
+
+constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
 
 constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
@@ -54,13 +58,14 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
 
 SizeFamilies::SizeFamilies(std::complex<double> relative_index,
                            const SizeDistribution& distribution, const RadiusRange& range,
-                           double wave_number_per_um, double size_tolerance)
+                           double wave_number_per_um, double size_tolerance, bool by_rays)
     : relative_index_(relative_index),
       distribution_(distribution),
       range_(range),
       wave_number_per_um_(wave_number_per_um),
       rippled_(
-          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)) {
+          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)),
+      by_rays_(by_rays) {
     if (distribution.kind.law().single_size) {
         family_count_ = 1;
         return;
@@ -100,6 +105,9 @@ int SizeFamilies::sizes_at(int level) const {
 template <typename Scalar>
 FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>& angular,
                                     const Executor& run) const {
+    if constexpr (std::is_same_v<Scalar, float>) {
+        if (by_rays_) return level_of_rays(level, angular, run);
+    }
     const int first_family = rippled_ || level == 0 ? 0 : 1;
     std::vector<WeightedSizes> sizes(family_count_);
     std::vector<Chunk> chunks;
@@ -125,6 +133,40 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         total.intensity.col(chunks[i].family) += parts[i].at_angles / families;
         total.scattered[chunks[i].family] += parts[i].scattered / families;
+    }
+    return total;
+}
+
+FamilyIntensity SizeFamilies::level_of_rays(int level, const AngularFunctionsOf<float>& angular,
+                                            const Executor& run) const {
+    const std::vector<RayGroup> groups = ray_groups(relative_index_.real());
+    struct Piece {
+        std::size_t group;
+        int family, first, count;
+    };
+    std::vector<Piece> pieces;
+    std::vector<std::vector<WeightedSizes>> sizes(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const int most = std::max(1, kMostRayColumns / (8 * groups[g].columns())) * 8;
+        for (const int family : {0, 1}) {
+            sizes[g].push_back(ray_sizes(groups[g], distribution_, range_, wave_number_per_um_,
+                                         family, level));
+            const int count = static_cast<int>(sizes[g].back().parameters.size());
+            for (int first = 0; first < count; first += most) {
+                pieces.push_back({g, family, first, std::min(most, count - first)});
+            }
+        }
+    }
+    std::vector<RayIntensity> parts(pieces.size());
+    run(static_cast<int>(pieces.size()), [&](int job) {
+        const auto& [g, family, first, count] = pieces[job];
+        parts[job] =
+            intensity_of_rays(relative_index_, groups[g], sizes[g][family], first, count, angular);
+    });
+    FamilyIntensity total{Eigen::MatrixXd::Zero(angular.angle_count(), 2), {0, 0}};
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        total.intensity.col(pieces[i].family) += parts[i].at_angles / 2;
+        total.scattered[pieces[i].family] += parts[i].scattered / 2;
     }
     return total;
 }

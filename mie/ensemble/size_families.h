@@ -29,11 +29,15 @@ struct FamilyIntensity {
 /// Spheres that absorb their ripple converge too fast for that: their sizes, in equal ratios, are
 /// one family of 64, 128, ... Its two halves are, at level 0, the sizes at even and at odd places,
 /// and then all levels before and the new one.
+///
+/// By rays (ray_phase.h), the sizes of each group of rays form two such families: what they differ
+/// by is what interference within a group leaves. Only in single precision.
 class SizeFamilies {
   public:
     /// @param size_tolerance  of points of P; the finest level follows it
     SizeFamilies(std::complex<double> relative_index, const SizeDistribution& distribution,
-                 const RadiusRange& range, double wave_number_per_um, double size_tolerance);
+                 const RadiusRange& range, double wave_number_per_um, double size_tolerance,
+                 bool by_rays = false);
 
     int count() const { return family_count_; }  ///< 2; 1 for a single size
     /// Whether resonances narrower than any level's spacing are left.
@@ -59,12 +63,14 @@ class SizeFamilies {
 
   private:
     WeightedSizes sizes_of(int family, int level) const;
+    FamilyIntensity level_of_rays(int level, const AngularFunctionsOf<float>& angular,
+                                  const Executor& run) const;
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;
     RadiusRange range_;
     double wave_number_per_um_;
-    bool rippled_;
+    bool rippled_, by_rays_;
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;

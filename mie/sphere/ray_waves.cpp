@@ -62,14 +62,24 @@ RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), outside_(x) {
 template <typename Number>
 void RayWaves<Number>::advance(const Lanes& last_order, RayResponse& a, RayResponse& b) {
     ++order_;
+    const Lanes alive = (last_order >= order_).select(Lanes::Ones(), Lanes::Zero());
+    const bool all_alive = last_order.minCoeff() >= order_;
     const auto step = [&](Wave& wave) {
         const ComplexLanes next =
             minus(times(wave.here, scaled_by(inverse_z_, 2 * order_ - 1)), wave.before);
+        const Wave old = wave;
         wave.before = wave.here;
         wave.here = next;
+        if (all_alive) return;  // before it overflows
+        wave.before = selected(alive, wave.before, old.before);
+        wave.here = selected(alive, wave.here, old.here);
     };
     step(out_);
-    outside_.advance_some(order_, last_order);
+    if (all_alive) {
+        outside_.advance(order_);
+    } else {
+        outside_.advance_some(order_, last_order);
+    }
     if constexpr (std::is_same_v<Number, double>) {
         in_ = {conjugate(out_.here), conjugate(out_.before)};
     } else {
@@ -79,7 +89,6 @@ void RayWaves<Number>::advance(const Lanes& last_order, RayResponse& a, RayRespo
     const Number m_minus_inverse = m_ - 1.0 / m_;
     const ComplexLanes X = {outside_.psi, outside_.eta};
     const ComplexLanes X_before = {outside_.psi_before, outside_.eta_before};
-    const Lanes alive = (last_order >= order_).select(Lanes::Ones(), Lanes::Zero());
     const auto respond = [&](auto G, RayResponse& response) {
         const ComplexLanes N = G(X, X_before, in_);
         const ComplexLanes inner = G(X, X_before, out_);

@@ -32,7 +32,7 @@ class RayWaves {
     RayWaves(Number m, const Lanes& x);
 
     /// Moves to the next order; the first call gives n = 1.
-    /// @param last_order  lanes beyond theirs stop: their through is 0, and outer is 1
+    /// @param last_order  lanes beyond theirs stop, before eta_n overflows: outer is 1, the rest 0
     void advance(const Lanes& last_order, RayResponse& a, RayResponse& b);
 
   private:
