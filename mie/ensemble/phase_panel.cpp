@@ -47,10 +47,36 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
     return panels;
 }
 
-void PhasePanel::add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
+void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
                            double scattering_efficiency, double floor) {
-    sums_ = ++level_ == 0 ? level : sizes.with_level(sums_, level);
+    if (++level_ == 0) {
+        parts_ = parts;
+        part_levels_.assign(parts.size(), 0);
+    } else {
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (parts[i].intensity.size() == 0) continue;
+            parts_[i] = sizes.with_level(parts_[i], parts[i]);
+            ++part_levels_[i];
+        }
+    }
+    sums_ = parts_.front();
+    for (std::size_t i = 1; i < parts_.size(); ++i) {
+        sums_.intensity += parts_[i].intensity;
+        for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
+    }
     judge(sizes.rippled(), scattering_efficiency, floor);
+}
+
+std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
+    if (level_ < 0) return std::vector<int>(sizes.part_count(), 0);
+    std::vector<int> levels(part_levels_.size(), -1);
+    const auto noisiest = std::max_element(part_noise_.begin(), part_noise_.end());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        if (part_noise_[i] > tolerance || part_noise_[i] == *noisiest) {
+            levels[i] = part_levels_[i] + 1;
+        }
+    }
+    return levels;
 }
 
 Eigen::VectorXd PhasePanel::values() const {
@@ -75,6 +101,14 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
         worst_ = relative.cwiseAbs().maxCoeff();
         relative_ = relative.norm() / root;
         rms = error.norm() / root;
+        part_noise_.clear();
+        for (const FamilyIntensity& part : parts_) {
+            const Eigen::VectorXd of_part = 0.5 * (part.intensity.col(0) / sums_.scattered[0] -
+                                                   part.intensity.col(1) / sums_.scattered[1]);
+            part_noise_.push_back(of_part.cwiseQuotient(P.cwiseMax(floor)).norm() / root);
+        }
+    } else {
+        part_noise_.assign(parts_.size(), 0.0);
     }
     const double doubt = rippled && level_ > 0 ? kSlowestGain : 0.0;
     double missed = 0;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kBothFamilies = -1;
 
+constexpr double kPartShare = 0.4;  // of the tolerance, for one part of several
 constexpr double kCoarseShare = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
 
 // Noise of single points gives most to the lowest moments: more of them are not looked at.
@@ -83,13 +84,24 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
             angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
         }
     }
+    // The same parts for all: they have had the same before.
+    std::vector<int> levels(sizes_.part_count(), -1);
+    for (const PhasePanel& panel : panels) {
+        const std::vector<int> wanted =
+            panel.next_levels(sizes_, kPartShare * options_.size_tolerance);
+        for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = std::max(levels[i], wanted[i]);
+    }
     const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
-    const FamilyIntensity sums = sizes_.level(panels.front().level() + 1, angular, run_);
+    const std::vector<FamilyIntensity> sums = sizes_.levels(levels, angular, run_);
     Eigen::Index first = 0;
     for (PhasePanel& panel : panels) {
-        panel.add_level({sums.intensity.middleRows(first, PhaseTable::kPanelNodes),
-                         {sums.scattered[0], sums.scattered[1]}},
-                        sizes_, options_.scattering_efficiency, options_.floor);
+        std::vector<FamilyIntensity> of_panel(sums.size());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            if (sums[i].intensity.size() == 0) continue;
+            of_panel[i] = {sums[i].intensity.middleRows(first, PhaseTable::kPanelNodes),
+                           {sums[i].scattered[0], sums[i].scattered[1]}};
+        }
+        panel.add_level(of_panel, sizes_, options_.scattering_efficiency, options_.floor);
         first += PhaseTable::kPanelNodes;
         sort_in(std::move(panel));
     }

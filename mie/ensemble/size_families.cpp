@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 #include <vector>
 
 #include "mie/ensemble/ray_phase.h"
+#include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -19,6 +19,8 @@ constexpr double kFamilyShare[2] = {1.21, 1.29};
 constexpr int kLeastUnit = 32;  // without ripple: of each
 
 constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
+
+constexpr int kLastRayLevel = 6;
 
 constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
@@ -85,6 +87,7 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     const double finer = std::min(1.0, std::pow(size_tolerance / kDefaultTolerance, 1 / 1.5));
     const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
+    if (by_rays_) last_level_ = kLastRayLevel;
 }
 
 WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
@@ -105,9 +108,6 @@ int SizeFamilies::sizes_at(int level) const {
 template <typename Scalar>
 FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>& angular,
                                     const Executor& run) const {
-    if constexpr (std::is_same_v<Scalar, float>) {
-        if (by_rays_) return level_of_rays(level, angular, run);
-    }
     const int first_family = rippled_ || level == 0 ? 0 : 1;
     std::vector<WeightedSizes> sizes(family_count_);
     std::vector<Chunk> chunks;
@@ -137,8 +137,20 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
     return total;
 }
 
-FamilyIntensity SizeFamilies::level_of_rays(int level, const AngularFunctionsOf<float>& angular,
-                                            const Executor& run) const {
+int SizeFamilies::part_count() const {
+    return by_rays_ ? static_cast<int>(ray_groups(relative_index_.real()).size()) : 1;
+}
+
+std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels,
+                                                  const AngularFunctionsOf<float>& angular,
+                                                  const Executor& run) const {
+    if (by_rays_) return levels_of_rays(levels, angular, run);
+    return {level(levels.front(), angular, run)};
+}
+
+std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
+                                                          const AngularFunctionsOf<float>& angular,
+                                                          const Executor& run) const {
     const std::vector<RayGroup> groups = ray_groups(relative_index_.real());
     struct Piece {
         std::size_t group;
@@ -147,28 +159,34 @@ FamilyIntensity SizeFamilies::level_of_rays(int level, const AngularFunctionsOf<
     std::vector<Piece> pieces;
     std::vector<std::vector<WeightedSizes>> sizes(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        const int most = std::max(1, kMostRayColumns / (8 * groups[g].columns())) * 8;
+        if (levels[g] < 0) continue;
+        const int most =
+            std::max(1, kMostRayColumns / (kLaneCount * groups[g].columns())) * kLaneCount;
         for (const int family : {0, 1}) {
             sizes[g].push_back(ray_sizes(groups[g], distribution_, range_, wave_number_per_um_,
-                                         family, level));
+                                         family, levels[g]));
             const int count = static_cast<int>(sizes[g].back().parameters.size());
             for (int first = 0; first < count; first += most) {
                 pieces.push_back({g, family, first, std::min(most, count - first)});
             }
         }
     }
-    std::vector<RayIntensity> parts(pieces.size());
+    std::vector<RayIntensity> sums(pieces.size());
     run(static_cast<int>(pieces.size()), [&](int job) {
         const auto& [g, family, first, count] = pieces[job];
-        parts[job] =
+        sums[job] =
             intensity_of_rays(relative_index_, groups[g], sizes[g][family], first, count, angular);
     });
-    FamilyIntensity total{Eigen::MatrixXd::Zero(angular.angle_count(), 2), {0, 0}};
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        total.intensity.col(pieces[i].family) += parts[i].at_angles / 2;
-        total.scattered[pieces[i].family] += parts[i].scattered / 2;
+    std::vector<FamilyIntensity> parts(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (levels[g] >= 0) parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
     }
-    return total;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        FamilyIntensity& part = parts[pieces[i].group];
+        part.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
+        part.scattered[pieces[i].family] += sums[i].scattered / 2;
+    }
+    return parts;
 }
 
 template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<float>&,

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <vector>
 
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/size_sums.h"
@@ -30,8 +31,9 @@ struct FamilyIntensity {
 /// one family of 64, 128, ... Its two halves are, at level 0, the sizes at even and at odd places,
 /// and then all levels before and the new one.
 ///
-/// By rays (ray_phase.h), the sizes of each group of rays form two such families: what they differ
-/// by is what interference within a group leaves. Only in single precision.
+/// By rays (ray_phase.h), P is a sum over parts, one for each group of rays, and the sizes of each
+/// part form two such families: what they differ by is what interference within a group leaves.
+/// Only in single precision. Without rays there is one part.
 class SizeFamilies {
   public:
     /// @param size_tolerance  of points of P; the finest level follows it
@@ -52,7 +54,14 @@ class SizeFamilies {
     /// levels do where there is ripple. Families of coarser sizes may agree by chance.
     bool resolves(int level) const { return level >= resolved_level_; }
 
-    /// Sums over one level's spheres alone; the same bits for any executor. Scalar: float or
+    int part_count() const;
+    /// One level's spheres alone, part by part.
+    /// @param levels  one for each part; -1: not wanted
+    std::vector<FamilyIntensity> levels(const std::vector<int>& levels,
+                                        const AngularFunctionsOf<float>& angular,
+                                        const Executor& run) const;
+
+    /// Sums over one level's spheres alone, not by rays; the same bits for any executor. Scalar: float or
     /// double.
     template <typename Scalar>
     FamilyIntensity level(int level, const AngularFunctionsOf<Scalar>& angular,
@@ -63,8 +72,9 @@ class SizeFamilies {
 
   private:
     WeightedSizes sizes_of(int family, int level) const;
-    FamilyIntensity level_of_rays(int level, const AngularFunctionsOf<float>& angular,
-                                  const Executor& run) const;
+    std::vector<FamilyIntensity> levels_of_rays(const std::vector<int>& levels,
+                                                const AngularFunctionsOf<float>& angular,
+                                                const Executor& run) const;
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;

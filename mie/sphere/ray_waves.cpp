@@ -2,13 +2,15 @@
 
 #include <type_traits>
 
+#include "mie/sphere/vectors.h"
+
 namespace miebrdf::mie {
 namespace {
 
 using Complex = std::complex<double>;
 
-Lanes real_z(double m, const Lanes& x) { return m * x; }
-ComplexLanes complex_z(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
+Lanes inside_of(double m, const Lanes& x) { return m * x; }
+ComplexLanes inside_of(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
 
 Lanes inverse_of(const Lanes& z) { return 1 / z; }
 ComplexLanes inverse_of(const ComplexLanes& z) {
@@ -16,106 +18,142 @@ ComplexLanes inverse_of(const ComplexLanes& z) {
     return {z.re * scale, -z.im * scale};
 }
 
-Lanes scaled_by(const Lanes& z, double factor) { return z * factor; }
-ComplexLanes scaled_by(const ComplexLanes& z, double factor) {
-    return {z.re * factor, z.im * factor};
+// A wave at n and n - 1.
+struct WavePair {
+    ComplexVector here, before;
+};
+
+// G of a_n, times m.
+template <typename Number>
+MIEBRDF_VECTOR ComplexVector electric(Number m, const WavePair& x, const WavePair& z,
+                                      const Vector& n_over_x) {
+    const Number slope = m - 1.0 / m;
+    return (m * z.here) * x.before - (z.before + n_over_x * (slope * z.here)) * x.here;
 }
 
-ComplexLanes conjugate(const ComplexLanes& z) { return {z.re, -z.im}; }
+template <typename Number>
+MIEBRDF_VECTOR ComplexVector magnetic(Number m, const WavePair& x, const WavePair& z) {
+    return z.here * x.before - (m * z.before) * x.here;
+}
+
+MIEBRDF_VECTOR WavePair conjugate(const WavePair& wave) {
+    return {conjugate(wave.here), conjugate(wave.before)};
+}
+
+// -1 / N, times what the waves that come back are.
+template <typename Number>
+MIEBRDF_VECTOR void respond(Number m, const ComplexVector& N, const ComplexVector& inner,
+                            const ComplexVector& outer, const ComplexVector& round,
+                            RayResponse& response, int first) {
+    const ComplexVector minus_over_N = inverse(ComplexVector{-N.re, -N.im});
+    const ComplexVector once = minus_over_N * round;
+    store(outer * minus_over_N, response.outer, first);
+    store(inner * once, response.inner, first);
+    store((Number(-4.0) * m) * (minus_over_N * once), response.through, first);
+}
+
+// Lanes past their last order.
+void silence(const Lanes& alive, RayResponse& response) {
+    response.outer.re = (alive > 0).select(response.outer.re, 1.0);
+    response.outer.im *= alive;
+    for (ComplexLanes* z : {&response.inner, &response.through}) {
+        z->re *= alive;
+        z->im *= alive;
+    }
+}
 
 ComplexLanes selected(const Lanes& going, const ComplexLanes& a, const ComplexLanes& b) {
     return {(going > 0).select(a.re, b.re), (going > 0).select(a.im, b.im)};
 }
 
-// -a / b and factor / b^2, with one division.
-struct Quotients {
-    ComplexLanes inverse;
-    explicit Quotients(const ComplexLanes& b) {
-        const Lanes scale = 1 / norm(b);
-        inverse = {b.re * scale, -b.im * scale};
-    }
-    ComplexLanes minus_over(const ComplexLanes& a) const {
-        const ComplexLanes q = times(a, inverse);
-        return {-q.re, -q.im};
-    }
-};
-
 }  // namespace
 
 template <typename Number>
 RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), outside_(x) {
-    if constexpr (std::is_same_v<Number, double>) {
-        const Lanes z = real_z(m, x);
-        inverse_z_ = inverse_of(z);
-        // zeta_0 = -i exp(iz), zeta_{-1} = exp(iz), here without the factor.
-        round_ = {(2 * z).cos(), (2 * z).sin()};
-    } else {
-        const ComplexLanes z = complex_z(m, x);
-        inverse_z_ = inverse_of(z);
-        const Lanes damping = (-2 * z.im).exp();
-        round_ = {damping * (2 * z.re).cos(), damping * (2 * z.re).sin()};
-    }
+    const auto z = inside_of(m, x);
+    inverse_z_ = inverse_of(z);
+    // zeta_0 = -i exp(iz), zeta_{-1} = exp(iz), here without the factor.
     out_ = {{Lanes::Zero(), -Lanes::Ones()}, {Lanes::Ones(), Lanes::Zero()}};
-    in_ = {conjugate(out_.here), conjugate(out_.before)};
+    in_ = {{Lanes::Zero(), Lanes::Ones()}, {Lanes::Ones(), Lanes::Zero()}};
+    const Lanes turns = 2 * real_part(z);
+    round_ = {turns.cos(), turns.sin()};
+    if constexpr (!std::is_same_v<Number, double>) {
+        const Lanes damping = (-2 * z.im).exp();
+        round_ = times(round_, damping);
+    }
 }
 
 template <typename Number>
 void RayWaves<Number>::advance(const Lanes& last_order, RayResponse& a, RayResponse& b) {
     ++order_;
+    if (last_order.minCoeff() >= order_) {
+        advance_all(a, b);
+        return;
+    }
+    const RayWaves old = *this;
+    advance_all(a, b);
     const Lanes alive = (last_order >= order_).select(Lanes::Ones(), Lanes::Zero());
-    const bool all_alive = last_order.minCoeff() >= order_;
-    const auto step = [&](Wave& wave) {
-        const ComplexLanes next =
-            minus(times(wave.here, scaled_by(inverse_z_, 2 * order_ - 1)), wave.before);
-        const Wave old = wave;
-        wave.before = wave.here;
-        wave.here = next;
-        if (all_alive) return;  // before it overflows
-        wave.before = selected(alive, wave.before, old.before);
-        wave.here = selected(alive, wave.here, old.here);
+    const auto keep = [&](Wave& now, const Wave& before) {
+        now = {selected(alive, now.here, before.here), selected(alive, now.before, before.before)};
     };
-    step(out_);
-    if (all_alive) {
-        outside_.advance(order_);
-    } else {
-        outside_.advance_some(order_, last_order);
+    keep(out_, old.out_);
+    keep(in_, old.in_);
+    for (Lanes OutsideWaves::*part : {&OutsideWaves::psi, &OutsideWaves::psi_before,
+                                      &OutsideWaves::eta, &OutsideWaves::eta_before}) {
+        outside_.*part = (alive > 0).select(outside_.*part, old.outside_.*part);
     }
-    if constexpr (std::is_same_v<Number, double>) {
-        in_ = {conjugate(out_.here), conjugate(out_.before)};
-    } else {
-        step(in_);
-    }
-    const Lanes n_over_x = order_ * outside_.inverse_x;
-    const Number m_minus_inverse = m_ - 1.0 / m_;
-    const ComplexLanes X = {outside_.psi, outside_.eta};
-    const ComplexLanes X_before = {outside_.psi_before, outside_.eta_before};
-    const auto respond = [&](auto G, RayResponse& response) {
-        const ComplexLanes N = G(X, X_before, in_);
-        const ComplexLanes inner = G(X, X_before, out_);
-        const ComplexLanes outer = std::is_same_v<Number, double>
-                                       ? conjugate(inner)
-                                       : G(conjugate(X), conjugate(X_before), in_);
-        const Quotients over_N(N);
-        response.outer = over_N.minus_over(outer);
-        response.inner = times(over_N.minus_over(inner), round_);
-        const ComplexLanes square = times(over_N.inverse, over_N.inverse);
-        response.through = times(times(Number(-4.0) * m_, square), round_);
-        response.outer = selected(alive, response.outer, {Lanes::Ones(), Lanes::Zero()});
-        response.inner = times(response.inner, alive);
-        response.through = times(response.through, alive);
+    silence(alive, a);
+    silence(alive, b);
+}
+
+template <typename Number>
+void RayWaves<Number>::advance_all(RayResponse& a, RayResponse& b) {
+    for (int first = 0; first < kLaneCount; first += kVectorSize) advance_some(first, a, b);
+}
+
+template <typename Number>
+void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
+    constexpr bool is_real = std::is_same_v<Number, double>;
+    const double odd = 2 * order_ - 1;
+    const auto inverse_z = load(inverse_z_, first);
+    const auto step = [&](Wave& wave) __attribute__((always_inline)) {
+        const ComplexVector here = load(wave.here, first);
+        const WavePair next{odd * (inverse_z * here) - load(wave.before, first), here};
+        store(next.here, wave.here, first);
+        store(next.before, wave.before, first);
+        return next;
     };
-    respond(
-        [&](const ComplexLanes& x, const ComplexLanes& x_before, const Wave& z) {
-            const ComplexLanes A =
-                plus(z.before, times(times(m_minus_inverse, z.here), n_over_x));
-            return minus(times(times(m_, z.here), x_before), times(A, x));
-        },
-        a);
-    respond(
-        [&](const ComplexLanes& x, const ComplexLanes& x_before, const Wave& z) {
-            return minus(times(z.here, x_before), times(times(m_, z.before), x));
-        },
-        b);
+    const WavePair out = step(out_);
+    WavePair in;
+    if constexpr (is_real) {
+        in = conjugate(out);
+    } else {
+        in = step(in_);
+    }
+    const Vector inverse_x = load(outside_.inverse_x, first);
+    const Vector psi = load(outside_.psi, first), eta = load(outside_.eta, first);
+    const WavePair x{{odd * inverse_x * psi - load(outside_.psi_before, first),
+                      odd * inverse_x * eta - load(outside_.eta_before, first)},
+                     {psi, eta}};
+    store(x.here.re, outside_.psi, first);
+    store(x.here.im, outside_.eta, first);
+    store(psi, outside_.psi_before, first);
+    store(eta, outside_.eta_before, first);
+
+    const Vector n_over_x = static_cast<double>(order_) * inverse_x;
+    const ComplexVector round = load(round_, first);
+    const ComplexVector inner_a = electric(m_, x, out, n_over_x);
+    const ComplexVector inner_b = magnetic(m_, x, out);
+    const ComplexVector N_a = electric(m_, x, in, n_over_x);
+    const ComplexVector N_b = magnetic(m_, x, in);
+    if constexpr (is_real) {
+        respond(m_, N_a, inner_a, conjugate(inner_a), round, a, first);
+        respond(m_, N_b, inner_b, conjugate(inner_b), round, b, first);
+    } else {
+        const WavePair x_in = conjugate(x);
+        respond(m_, N_a, inner_a, electric(m_, x_in, in, n_over_x), round, a, first);
+        respond(m_, N_b, inner_b, magnetic(m_, x_in, in), round, b, first);
+    }
 }
 
 template class RayWaves<double>;

@@ -39,6 +39,8 @@ class RayWaves {
     struct Wave {
         ComplexLanes here, before;  // n and n - 1
     };
+    void advance_all(RayResponse& a, RayResponse& b);
+    void advance_some(int first, RayResponse& a, RayResponse& b);
 
     Number m_;
     int order_ = 0;
