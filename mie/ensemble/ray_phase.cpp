@@ -7,6 +7,7 @@
 
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/ray_waves.h"
+#include "mie/sphere/vectors.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -18,13 +19,22 @@ using Block = SphereBlockOf<float>;
 constexpr double kFaintShare = 3e-6;
 constexpr double kNothing = 1e-8;  // glories gather light a thousandfold
 
-ComplexLanes power(const ComplexLanes& z, int exponent) {
-    ComplexLanes result{Lanes::Ones(), Lanes::Zero()}, square = z;
+MIEBRDF_VECTOR ComplexVector power(const ComplexVector& z, int exponent) {
+    ComplexVector result{Vector{} + 1, Vector{}}, square = z;
     for (; exponent > 0; exponent /= 2) {
-        if (exponent % 2 == 1) result = times(result, square);
-        square = times(square, square);
+        if (exponent % 2 == 1) result = result * square;
+        square = square * square;
     }
     return result;
+}
+
+// first e^(i phi) / (1 - R e^(i phi))
+MIEBRDF_VECTOR ComplexVector all_from(const ComplexVector& first, const ComplexVector& inner,
+                                      const ComplexVector& turn) {
+    const ComplexVector turned = inner * turn;
+    const ComplexVector below{1 - turned.re, -turned.im};
+    const Vector scale = 1 / (norm(below) + 1e-28);
+    return scale * ((first * turn) * conjugate(below));
 }
 
 // The rays of a group for eight sizes, put into the block's columns.
@@ -33,9 +43,9 @@ class GroupColumns {
     /// @param first_size  of these eight among all sizes of the group
     GroupColumns(const RayGroup& group, Block& block, int first_column, int first_size,
                  const Lanes& weight)
-        : group_(group), block_(block), first_column_(first_column), weight_(weight) {
-        root_weight_ = weight.sqrt();
-        if (group.phases > 0) root_weight_ /= std::sqrt(double(group.phases));
+        : group_(group), block_(block), first_column_(first_column) {
+        half_root_weight_ = 0.5 * weight.sqrt();
+        if (group.phases > 0) half_root_weight_ /= std::sqrt(double(group.phases));
         for (int j = 0; j < group.phases; ++j) {
             ComplexLanes turn;
             for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -51,80 +61,92 @@ class GroupColumns {
 
     /// Returns sum over columns and lanes of the weighted |a|^2 + |b|^2.
     double put(int order, const RayResponse& a, const RayResponse& b) {
-        energy_ = Lanes::Zero();
-        column_ = first_column_;
-        if (group_.first_way == 0) {
-            const auto direct = [](const RayResponse& r) -> ComplexLanes {
-                return {1 - r.outer.re, -r.outer.im};
-            };
-            put_one(order, direct(a), direct(b));
-        } else if (group_.phases > 0) {
-            const ComplexLanes first_a = times(a.through, power(a.inner, group_.first_way - 1));
-            const ComplexLanes first_b = times(b.through, power(b.inner, group_.first_way - 1));
-            for (const ComplexLanes& turn : turns_) {
-                put_one(order, all_from(first_a, a.inner, turn), all_from(first_b, b.inner, turn));
-            }
-        } else {
-            ComplexLanes of_a = times(a.through, power(a.inner, group_.first_way - 1));
-            ComplexLanes of_b = times(b.through, power(b.inner, group_.first_way - 1));
-            for (int way = group_.first_way; way <= group_.last_way; ++way) {
-                put_one(order, of_a, of_b);
-                of_a = times(of_a, a.inner);
-                of_b = times(of_b, b.inner);
+        double energy = 0;
+        for (int first = 0; first < kLaneCount; first += kVectorSize) {
+            const Vector sums = put_some(order, a, b, first);
+            for (int i = 0; i < kVectorSize; ++i) energy += sums[i];
+        }
+        return energy;
+    }
+
+    /// Rows that these eight do not reach, but others of the block do.
+    void clear_beyond(int order) {
+        const int count = kLaneCount * group_.columns();
+        for (int n = order + 1; n <= block_.terms; ++n) {
+            for (auto* wave : {&block_.U, &block_.V}) {
+                wave->row(n).segment(first_column_, count).setZero();
+                wave->row(n).segment(first_column_ + block_.size, count).setZero();
             }
         }
-        return (energy_ * root_weight_.square()).sum();
     }
 
   private:
-    // first e^(i phi) / (1 - R e^(i phi))
-    static ComplexLanes all_from(const ComplexLanes& first, const ComplexLanes& inner,
-                                 const ComplexLanes& turn) {
-        const ComplexLanes turned = times(inner, turn);
-        const ComplexLanes below = {1 - turned.re, -turned.im};
-        const Lanes scale = 1 / norm(below).max(1e-28);
-        const ComplexLanes above = times(first, turn);
-        return {(above.re * below.re + above.im * below.im) * scale,
-                (above.im * below.re - above.re * below.im) * scale};
+    MIEBRDF_VECTOR Vector put_some(int order, const RayResponse& a, const RayResponse& b,
+                                   int first) {
+        const Vector weight = load(half_root_weight_, first);
+        Columns to{block_.U.row(order).data() + first_column_ + first,
+                   block_.V.row(order).data() + first_column_ + first, block_.size, Vector{}};
+        if (group_.first_way == 0) {
+            const ComplexVector outer_a = load(a.outer, first), outer_b = load(b.outer, first);
+            to.put(weight, {1 - outer_a.re, -outer_a.im}, {1 - outer_b.re, -outer_b.im});
+            return to.energy;
+        }
+        const ComplexVector inner_a = load(a.inner, first), inner_b = load(b.inner, first);
+        ComplexVector of_a = load(a.through, first) * power(inner_a, group_.first_way - 1);
+        ComplexVector of_b = load(b.through, first) * power(inner_b, group_.first_way - 1);
+        if (group_.phases > 0) {
+            for (const ComplexLanes& lanes : turns_) {
+                const ComplexVector turn = load(lanes, first);
+                to.put(weight, all_from(of_a, inner_a, turn), all_from(of_b, inner_b, turn));
+            }
+            return to.energy;
+        }
+        for (int way = group_.first_way; way <= group_.last_way; ++way) {
+            to.put(weight, of_a, of_b);
+            of_a = of_a * inner_a;
+            of_b = of_b * inner_b;
+        }
+        return to.energy;
     }
 
-    // a, b: twice the coefficients; their sign does not matter.
-    void put_one(int order, const ComplexLanes& a, const ComplexLanes& b) {
-        const Lanes half = 0.5 * root_weight_;
-        float* u = block_.U.row(order).data() + column_;
-        float* v = block_.V.row(order).data() + column_;
-        store(half * (a.re + b.re), u);
-        store(half * (a.im + b.im), u + block_.size);
-        store(half * (a.re - b.re), v);
-        store(half * (a.im - b.im), v + block_.size);
-        energy_ += 0.25 * (norm(a) + norm(b));
-        column_ += kLaneCount;
-    }
+    struct Columns {
+        float *u, *v;
+        int imaginary;  // columns further on
+        Vector energy;
 
-    static void store(const Lanes& values, float* to) {
-        Eigen::Map<Eigen::Array<float, kLaneCount, 1>> target(to);
-        target = values.cast<float>();
-    }
+        // a, b: twice the coefficients; their sign does not matter.
+        MIEBRDF_VECTOR void put(const Vector& half, const ComplexVector& a,
+                                const ComplexVector& b) {
+            const ComplexVector A = half * a, B = half * b;
+            store(A.re + B.re, u);
+            store(A.im + B.im, u + imaginary);
+            store(A.re - B.re, v);
+            store(A.im - B.im, v + imaginary);
+            energy += norm(A) + norm(B);
+            u += kLaneCount;
+            v += kLaneCount;
+        }
+    };
 
     const RayGroup& group_;
     Block& block_;
-    int first_column_, column_ = 0;
-    Lanes weight_, root_weight_, energy_;
+    int first_column_;
+    Lanes half_root_weight_;
     std::vector<ComplexLanes> turns_;
 };
 
 template <typename Number>
-void fill_eight(Number m, const Lanes& x, GroupColumns& columns, int block_terms,
-                std::vector<double>& energy) {
+void fill_eight(Number m, const Lanes& x, GroupColumns& columns, std::vector<double>& energy) {
     Lanes last_order;
     for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(x[lane]);
+    const int terms = static_cast<int>(last_order.maxCoeff());
     RayWaves<Number> waves(m, x);
     RayResponse a, b;
-    // Beyond their last order lanes do not scatter: outer is 1 and through 0.
-    for (int n = 1; n <= block_terms; ++n) {
+    for (int n = 1; n <= terms; ++n) {
         waves.advance(last_order, a, b);
         energy[n] += (2 * n + 1) * columns.put(n, a, b);
     }
+    columns.clear_beyond(terms);
 }
 
 Block& kept_block() {
@@ -182,9 +204,9 @@ RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
         GroupColumns columns(group, block, vector * columns_of_vector,
                              first_size + vector * kLaneCount, weight);
         if (relative_index.imag() == 0) {
-            fill_eight(relative_index.real(), x, columns, terms, energy);
+            fill_eight(relative_index.real(), x, columns, energy);
         } else {
-            fill_eight(relative_index, x, columns, terms, energy);
+            fill_eight(relative_index, x, columns, energy);
         }
     }
     RayIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};

@@ -52,18 +52,22 @@ MIEBRDF_VECTOR void respond(Number m, const ComplexVector& N, const ComplexVecto
     store((Number(-4.0) * m) * (minus_over_N * once), response.through, first);
 }
 
-// Lanes past their last order.
-void silence(const Lanes& alive, RayResponse& response) {
-    response.outer.re = (alive > 0).select(response.outer.re, 1.0);
-    response.outer.im *= alive;
-    for (ComplexLanes* z : {&response.inner, &response.through}) {
-        z->re *= alive;
-        z->im *= alive;
+// Lanes past their last order; what has overflowed there is not looked at.
+void silence(const Lanes& last_order, int order, RayResponse& response) {
+    for (int first = 0; first < kLaneCount; first += kVectorSize) {
+        const auto alive = load(last_order, first) >= Vector{} + order;
+        const Vector none{};
+        const auto keep = [&](Lanes& lanes, const Vector& otherwise)
+                              __attribute__((always_inline)) {
+            store(alive ? load(lanes, first) : otherwise, lanes, first);
+        };
+        keep(response.outer.re, none + 1);
+        keep(response.outer.im, none);
+        for (ComplexLanes* z : {&response.inner, &response.through}) {
+            keep(z->re, none);
+            keep(z->im, none);
+        }
     }
-}
-
-ComplexLanes selected(const Lanes& going, const ComplexLanes& a, const ComplexLanes& b) {
-    return {(going > 0).select(a.re, b.re), (going > 0).select(a.im, b.im)};
 }
 
 }  // namespace
@@ -86,29 +90,10 @@ RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), outside_(x) {
 template <typename Number>
 void RayWaves<Number>::advance(const Lanes& last_order, RayResponse& a, RayResponse& b) {
     ++order_;
-    if (last_order.minCoeff() >= order_) {
-        advance_all(a, b);
-        return;
-    }
-    const RayWaves old = *this;
-    advance_all(a, b);
-    const Lanes alive = (last_order >= order_).select(Lanes::Ones(), Lanes::Zero());
-    const auto keep = [&](Wave& now, const Wave& before) {
-        now = {selected(alive, now.here, before.here), selected(alive, now.before, before.before)};
-    };
-    keep(out_, old.out_);
-    keep(in_, old.in_);
-    for (Lanes OutsideWaves::*part : {&OutsideWaves::psi, &OutsideWaves::psi_before,
-                                      &OutsideWaves::eta, &OutsideWaves::eta_before}) {
-        outside_.*part = (alive > 0).select(outside_.*part, old.outside_.*part);
-    }
-    silence(alive, a);
-    silence(alive, b);
-}
-
-template <typename Number>
-void RayWaves<Number>::advance_all(RayResponse& a, RayResponse& b) {
     for (int first = 0; first < kLaneCount; first += kVectorSize) advance_some(first, a, b);
+    if (last_order.minCoeff() >= order_) return;
+    silence(last_order, order_, a);
+    silence(last_order, order_, b);
 }
 
 template <typename Number>

@@ -32,14 +32,13 @@ class RayWaves {
     RayWaves(Number m, const Lanes& x);
 
     /// Moves to the next order; the first call gives n = 1.
-    /// @param last_order  lanes beyond theirs stop, before eta_n overflows: outer is 1, the rest 0
+    /// @param last_order  lanes beyond theirs do not scatter: outer is 1, the rest 0
     void advance(const Lanes& last_order, RayResponse& a, RayResponse& b);
 
   private:
     struct Wave {
         ComplexLanes here, before;  // n and n - 1
     };
-    void advance_all(RayResponse& a, RayResponse& b);
     void advance_some(int first, RayResponse& a, RayResponse& b);
 
     Number m_;
