@@ -31,6 +31,12 @@ constexpr double kDarkPhaseShare = 0.03;
 constexpr double kFewWaves = 300;  // size parameter of the largest sphere
 constexpr double kDark = 0.2;      // albedo of such a half-space
 constexpr double kLeastDarkShare = 1e-3;
+// P by rays errs by up to kRayBias / x of max(P, 1/2), rms over the angles, where they interfere
+// after all. It pays where level 0 of the two families has more than 2.5 times so many sizes.
+constexpr double kRayBias = 0.5;
+constexpr double kRayBiasShare = 0.25;
+constexpr double kLeastRayFloor = 0.25;
+constexpr int kLeastRayRipples = 240;
 constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
 
 // What a size distribution without ends leaves out: well below what is asked of the result.
@@ -325,7 +331,15 @@ void EnsembleAverage::put_phase_table() {
     options.size_tolerance = relaxed * request_.phase_tolerance;
     options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
-    options.by_rays = by_rays_;
+    if (by_rays_) {
+        const double x = wave_number_per_um_ * effective_radius_of(request_.sizes);
+        const double width = wave_number_per_um_ * (range_.largest_um - range_.smallest_um);
+        const double bias = kRayBias / x;
+        options.by_rays = options.floor >= kLeastRayFloor &&
+                          bias <= kRayBiasShare * options.size_tolerance &&
+                          coarsest_even_count(relative_index_.real(), width) >= kLeastRayRipples;
+        if (options.by_rays) options.ray_bias = bias;
+    }
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = kSafeBandWidth + 1;

@@ -48,7 +48,7 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
 }
 
 void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
-                           double scattering_efficiency, double floor) {
+                           const PhaseTabulationOptions& options) {
     if (++level_ == 0) {
         parts_ = parts;
         part_levels_.assign(parts.size(), 0);
@@ -64,7 +64,7 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const Size
         sums_.intensity += parts_[i].intensity;
         for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
     }
-    judge(sizes.rippled(), scattering_efficiency, floor);
+    judge(sizes.rippled(), options);
 }
 
 std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
@@ -87,7 +87,8 @@ Eigen::VectorXd PhasePanel::values_of(int family) const {
     return sums_.intensity.col(family) / sums_.scattered[family];
 }
 
-void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor) {
+void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
+    const double scattering_efficiency = options.scattering_efficiency, floor = options.floor;
     const Eigen::VectorXd P = values();
     const double largest = P.maxCoeff();
     const double worst_before = worst_, relative_before = relative_;
@@ -116,8 +117,8 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
-    noise_ = std::max({relative_, doubt * relative_before, missed});
-    worst_noise_ = std::max({worst_, doubt * worst_before, missed});
+    noise_ = std::max({relative_, doubt * relative_before, missed}) + options.ray_bias;
+    worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + options.ray_bias;
     rms_ = std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;

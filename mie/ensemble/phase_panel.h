@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mie/ensemble/phase_tabulation.h"
 #include "mie/ensemble/size_families.h"
 
 namespace miebrdf::mie {
@@ -23,11 +24,10 @@ class PhasePanel {
     /// intensity: that part stays as it is). With ripple, levels
     /// converge slowly, so that families may agree by chance: the noise is not believed to fall by
     /// more than half.
-    /// @param scattering_efficiency  of the average, 0 when not known: sizes that miss it have
-    ///                 missed resonances too narrow for two families to tell
-    /// @param floor  errors are relative to P where that is larger, else to this
+    /// @param options  of these: scattering_efficiency (sizes that miss it have missed resonances
+    ///                 too narrow for two families to tell), floor, ray_bias
     void add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
-                   double scattering_efficiency, double floor);
+                   const PhaseTabulationOptions& options);
     /// Levels of each part to ask for next: all at first, then those whose noise is above
     /// `tolerance`, at least the noisiest; -1: not that part.
     std::vector<int> next_levels(const SizeFamilies& sizes, double tolerance) const;
@@ -50,7 +50,7 @@ class PhasePanel {
 
   private:
     double solid_angle_of_moments(int first_moment) const;
-    void judge(bool rippled, double scattering_efficiency, double floor);
+    void judge(bool rippled, const PhaseTabulationOptions& options);
 
     double lower_, upper_;
     int generation_;

@@ -101,7 +101,7 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
             of_panel[i] = {sums[i].intensity.middleRows(first, PhaseTable::kPanelNodes),
                            {sums[i].scattered[0], sums[i].scattered[1]}};
         }
-        panel.add_level(of_panel, sizes_, options_.scattering_efficiency, options_.floor);
+        panel.add_level(of_panel, sizes_, options_);
         first += PhaseTable::kPanelNodes;
         sort_in(std::move(panel));
     }

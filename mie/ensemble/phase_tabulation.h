@@ -18,6 +18,7 @@ struct PhaseTabulationOptions {
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
     bool by_rays = false;  ///< tables alone: see SizeFamilies
+    double ray_bias = 0;   ///< part of the noise: what rays that interfere after all leave
     double most_work = std::numeric_limits<double>::infinity();  ///< EnsembleRequest::phase_work
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };
