@@ -9,9 +9,11 @@
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/exact_extinction.h"
+#include "mie/ensemble/optics_differences.h"
 #include "mie/ensemble/phase_tabulation.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_sums.h"
+#include "mie/sphere/flush_to_zero.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -80,37 +82,6 @@ double wave_number_per_um(const EnsembleRequest& request) {
     return 2 * std::numbers::pi * request.host_index / (request.wavelength_nm * 1e-3);
 }
 
-// Largest of the relative changes of extinction and albedo and the absolute ones of asymmetry and
-// moments.
-double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
-    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
-                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
-                              std::abs(a.asymmetry - b.asymmetry)});
-    for (std::size_t l = 0; l < a.chi.size(); ++l) {
-        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
-    }
-    return change;
-}
-
-// What the change of the absorption does to the albedo of a half-space; 0 without absorption.
-// A half-space of similar spheres has an albedo A with 1 - A about
-// sqrt(6 (1 - omega) / (1 - omega g)): d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
-double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
-    if (!(a.one_minus_albedo > 0 && b.one_minus_albedo > 0)) return 0;
-    const double similar =
-        b.one_minus_albedo / (1 - b.single_scattering_albedo * std::min(b.asymmetry, 1.0));
-    const double sensitivity = std::min(0.15, 0.5 * std::sqrt(6 * similar));
-    return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
-}
-
-// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
-double half_space_albedo(const EnsembleOptics& optics) {
-    const double similar = optics.one_minus_albedo /
-                           (1 - optics.single_scattering_albedo * std::min(optics.asymmetry, 1.0));
-    const double s = std::sqrt(std::clamp(similar, 0.0, 1.0));
-    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
-}
-
 RadiusRange range_of(const EnsembleRequest& request) {
     const double tail = tail_for(request);
     return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
@@ -121,6 +92,17 @@ void require_angles(const std::vector<double>& angles_deg) {
     for (const double angle : angles_deg) {
         if (!(angle >= 0 && angle <= 180)) throw UsageError("angle_deg", angle, "0 to 180");
     }
+}
+
+// Every thread that takes a piece of the work flushes denormal numbers meanwhile. Not the caller
+// around it: threads that `run` starts would inherit that for good.
+Executor flushing(const Executor& run) {
+    return [&run](int count, const std::function<void(int)>& job) {
+        run(count, [&job](int i) {
+            const FlushToZero flush;
+            job(i);
+        });
+    };
 }
 
 // The average over sizes: passes of more sizes until the error estimate is met. Computes everything
@@ -380,6 +362,7 @@ void EnsembleAverage::put_phase() {
 PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const Executor& run) {
     validate(request);
     require_angles(request.angles_deg);
+    const Executor pieces = flushing(run);
     const RadiusRange range = range_of(request);
     PhaseTabulationOptions options;
     options.size_tolerance = request.phase_tolerance;
@@ -388,11 +371,12 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
     return phase_at_angles(relative_index_of(request), request.sizes, range,
                            wave_number_per_um(request), options, request.angles_deg,
-                           request.phase_allowed, run);
+                           request.phase_allowed, pieces);
 }
 
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
-    return EnsembleAverage(request, run).optics();
+    const Executor pieces = flushing(run);
+    return EnsembleAverage(request, pieces).optics();
 }
 
 int highest_moment_of(const EnsembleRequest& request) {

@@ -17,6 +17,10 @@ constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 // before better than that does so by chance.
 constexpr double kSlowestGain = 0.5;
 
+// Rays of different ways that leave backward differ little in length beside their own glories.
+constexpr double kBackward = 165 * std::numbers::pi / 180;
+constexpr double kBackwardBias = 3;
+
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
     std::vector<double> edges = {0};
@@ -117,8 +121,9 @@ void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
-    noise_ = std::max({relative_, doubt * relative_before, missed}) + options.ray_bias;
-    worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + options.ray_bias;
+    const double bias = options.ray_bias * (is_backward() ? kBackwardBias : 1);
+    noise_ = std::max({relative_, doubt * relative_before, missed}) + bias;
+    worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + bias;
     rms_ = std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
@@ -132,6 +137,8 @@ double PhasePanel::solid_angle_of_moments(int first_moment) const {
     const double legendre = damping < sine ? std::sqrt(damping / sine) : 1.0;
     return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
 }
+
+bool PhasePanel::is_backward() const { return upper_ > kBackward; }
 
 double PhasePanel::moment_noise(int first_moment) const {
     return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::kPanelNodes));

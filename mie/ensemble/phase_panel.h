@@ -17,6 +17,7 @@ class PhasePanel {
 
     double lower() const { return lower_; }  ///< radians
     double upper() const { return upper_; }
+    bool is_backward() const;                ///< among glories and the second rainbow
     int generation() const { return generation_; }  ///< times that it was halved
     int level() const { return level_; }            ///< last one added; -1: none
 

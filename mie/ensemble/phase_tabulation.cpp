@@ -15,7 +15,10 @@ namespace {
 
 constexpr int kBothFamilies = -1;
 
-constexpr double kPartShare = 0.4;  // of the tolerance, for one part of several
+constexpr double kPartShare = 0.25;  // of the tolerance, for one part of several
+// What is asked of glories decides whether directions back to the light converge, and costs little
+// by rays.
+constexpr double kBackwardShare = 0.45;
 constexpr double kCoarseShare = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
 
 // Noise of single points gives most to the lowest moments: more of them are not looked at.
@@ -109,7 +112,8 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
 
 bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
     if (panel.level() >= sizes_.last_level()) return false;
-    const double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
+    double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
+    if (options_.by_rays && panel.is_backward()) believed = kBackwardShare;
     return panel.noise() > believed * options_.size_tolerance ||
            panel.moment_noise(options_.first_moment) > believed * options_.moment_tolerance;
 }
