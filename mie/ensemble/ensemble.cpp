@@ -33,12 +33,9 @@ constexpr double kDarkPhaseShare = 0.03;
 constexpr double kFewWaves = 300;  // size parameter of the largest sphere
 constexpr double kDark = 0.2;      // albedo of such a half-space
 constexpr double kLeastDarkShare = 1e-3;
-// P by rays errs by up to kRayBias / x of max(P, 1/2), rms over the angles, where they interfere
-// after all. It pays where level 0 of the two families has more than 2.5 times so many sizes.
-constexpr double kRayBias = 0.5;
-constexpr double kRayBiasShare = 0.25;
+// Tables by rays: their bias is relative to max(P, 1/2), and a share of the tolerance.
 constexpr double kLeastRayFloor = 0.25;
-constexpr int kLeastRayRipples = 240;
+constexpr double kRayBiasShare = 0.25;
 constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
 
 // What a size distribution without ends leaves out: well below what is asked of the result.
@@ -86,6 +83,12 @@ RadiusRange range_of(const EnsembleRequest& request) {
     const double tail = tail_for(request);
     return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
                     : radius_range(request.sizes);
+}
+
+EnsembleProblem problem_of(const EnsembleRequest& request) {
+    const RadiusRange range = range_of(request);
+    return {relative_index_of(request), request.sizes, range,
+            area_share_within(request.sizes, range), wave_number_per_um(request)};
 }
 
 void require_angles(const std::vector<double>& angles_deg) {
@@ -313,15 +316,10 @@ void EnsembleAverage::put_phase_table() {
     options.size_tolerance = relaxed * request_.phase_tolerance;
     options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
-    if (by_rays_) {
-        const double x = wave_number_per_um_ * effective_radius_of(request_.sizes);
-        const double width = wave_number_per_um_ * (range_.largest_um - range_.smallest_um);
-        const double bias = kRayBias / x;
-        options.by_rays = options.floor >= kLeastRayFloor &&
-                          bias <= kRayBiasShare * options.size_tolerance &&
-                          coarsest_even_count(relative_index_.real(), width) >= kLeastRayRipples;
-        if (options.by_rays) options.ray_bias = bias;
-    }
+    if (by_rays_) options.ray_bias = phase_ray_bias(problem_of(request_));
+    options.by_rays = options.ray_bias > 0 && options.floor >= kLeastRayFloor &&
+                      options.ray_bias <= kRayBiasShare * options.size_tolerance;
+    if (!options.by_rays) options.ray_bias = 0;
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = kSafeBandWidth + 1;
@@ -369,6 +367,8 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     options.floor = request.phase_floor;
     options.most_work = request.phase_work;
     options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
+    options.ray_bias = phase_ray_bias(problem_of(request));
+    options.by_rays = options.ray_bias > 0;
     return phase_at_angles(relative_index_of(request), request.sizes, range,
                            wave_number_per_um(request), options, request.angles_deg,
                            request.phase_allowed, pieces);

@@ -17,7 +17,7 @@ struct PhaseTabulationOptions {
     int last_moment = -1;  ///< highest one; -1: none
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
-    bool by_rays = false;  ///< tables alone: see SizeFamilies
+    bool by_rays = false;  ///< see SizeFamilies
     /// Part of the noise by rays, relative to max(P, floor): what those that interfere after all
     /// leave, rms over the angles; three times that is reckoned with backward.
     double ray_bias = 0;

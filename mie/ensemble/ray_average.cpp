@@ -6,6 +6,7 @@
 
 #include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/ray_moments.h"
+#include "mie/sizes/size_nodes.h"
 #include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -29,6 +30,11 @@ constexpr double kPerMissed = 3;
 constexpr int kSizesPerRule = 16;
 constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 3e-4;
 constexpr int kMostSizes = 128;
+
+// P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
+constexpr double kPhaseBias = 0.5;
+constexpr double kLargestPhaseBound = 1e-3;
+constexpr int kLeastRipples = 240;
 
 double rule_error(double x_effective, int highest_moment, int sizes) {
     const double fineness = std::max(highest_moment, 1) / x_effective;
@@ -71,6 +77,17 @@ RayBound ray_bound(const EnsembleProblem& problem) {
     const double turned = delay_per_x * x;
     bound.spread += std::exp(-0.25 * turned * turned * problem.sizes.effective_variance);
     return bound;
+}
+
+double phase_ray_bias(const EnsembleProblem& problem) {
+    const RayBound bound = ray_bound(problem);
+    const double k = problem.wave_number_per_um;
+    const double width = k * (problem.range.largest_um - problem.range.smallest_um);
+    if (!(bound.total() <= kLargestPhaseBound) ||
+        coarsest_even_count(problem.relative_index.real(), width) < kLeastRipples) {
+        return 0;
+    }
+    return kPhaseBias / (k * effective_radius_of(problem.sizes));
 }
 
 std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
