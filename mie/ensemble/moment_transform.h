@@ -44,8 +44,8 @@ class BandCovariance {
 ///     a(l+1) f_{l+1} = 2 (2l+1) f_l - a(l) f_{l-1},  a(l)^2 = (l^2 - d^2)(K^2 - l^2),  K = n + m
 ///     + 1.
 /// Where n is well above l, (2n+1) f_l^2 is an analytic function of 1/n, whose nearest singularity
-/// is n = -(l + d + 1)/2: the orders above the width are interpolated to rounding from 16 values of n.
-/// Cost: (width + 16) * width^2 / 2 steps, and 32 * terms * width multiply-adds.
+/// is n = -(l + d + 1)/2: the orders above the width are interpolated to rounding from 16 values of
+/// n. Cost: (width + 16) * width^2 / 2 steps, and 32 * terms * width multiply-adds.
 class MomentTransform {
   public:
     /// Covariances collected on the orders that are transformed: row = order, column = d;

@@ -26,8 +26,8 @@ constexpr double kLeastSingleTolerance = 1e-4;  // single precision errs by 1e-5
 
 // Rays may differ at single angles by more than their bias, an rms over all.
 constexpr double kRayDeviations = 2;
-constexpr double kRayShare = 0.5;      // of what is allowed, for their bias
-constexpr double kRayFloor = 0.5;      // the bias is relative to max(P, this)
+constexpr double kRayShare = 0.5;       // of what is allowed, for their bias
+constexpr double kRayFloor = 0.5;       // the bias is relative to max(P, this)
 constexpr double kRayPartShare = 0.25;  // of what is allowed, for one part of several
 constexpr double kBackward_deg = 165, kBackwardBias = 3;  // phase_panel.cpp
 
@@ -37,8 +37,8 @@ struct SingleAngle {
     std::vector<FamilyIntensity> parts = {};
     std::vector<double> part_noise = {};
     FamilyIntensity sums = {};  // over parts
-    double noise = 0;     // rms
-    double differed = 0;  // half of what the families differ by, rms
+    double noise = 0;           // rms
+    double differed = 0;        // half of what the families differ by, rms
 
     double value() const { return sums.intensity.row(1).sum() / scattered(); }
     double scattered() const { return sums.scattered[0] + sums.scattered[1]; }
@@ -118,9 +118,14 @@ class AngleSeries {
                 }
                 angle.add_level(level, own, sizes_, options_.scattering_efficiency);
                 switch (judge(angle, level)) {
-                    case Verdict::more: left.push_back(std::move(angle)); break;
-                    case Verdict::not_by_rays: unsettled.push_back(std::move(angle)); break;
-                    case Verdict::done: break;
+                    case Verdict::more:
+                        left.push_back(std::move(angle));
+                        break;
+                    case Verdict::not_by_rays:
+                        unsettled.push_back(std::move(angle));
+                        break;
+                    case Verdict::done:
+                        break;
                 }
             }
             active = std::move(left);
@@ -166,7 +171,8 @@ class AngleSeries {
         }
         if (!options_.by_rays) {
             if (options_.size_tolerance >= kLeastSingleTolerance && sizes_.count() == 2) {
-                return {sizes_.level(level, AngularFunctionsOf<float>(nodes_deg, terms_, run), run)};
+                return {
+                    sizes_.level(level, AngularFunctionsOf<float>(nodes_deg, terms_, run), run)};
             }
             return {sizes_.level(level, AngularFunctions(nodes_deg, terms_, run), run)};
         }

@@ -17,7 +17,7 @@ class PhasePanel {
 
     double lower() const { return lower_; }  ///< radians
     double upper() const { return upper_; }
-    bool is_backward() const;                ///< among glories and the second rainbow
+    bool is_backward() const;                       ///< among glories and the second rainbow
     int generation() const { return generation_; }  ///< times that it was halved
     int level() const { return level_; }            ///< last one added; -1: none
 
@@ -59,7 +59,7 @@ class PhasePanel {
     std::vector<FamilyIntensity> parts_;
     std::vector<int> part_levels_;
     std::vector<double> part_noise_;
-    FamilyIntensity sums_;  // over parts
+    FamilyIntensity sums_;             // over parts
     double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
     double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
     double rms_ = 0, largest_ = 0;  // noise, and P

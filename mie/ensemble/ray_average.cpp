@@ -70,8 +70,7 @@ RayBound ray_bound(const EnsembleProblem& problem) {
         RadiusRange waves = problem.range;
         waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / problem.wave_number_per_um,
                                        waves.smallest_um, waves.largest_um);
-        const double in_step =
-            1 - area_share_within(problem.sizes, waves) / problem.share;
+        const double in_step = 1 - area_share_within(problem.sizes, waves) / problem.share;
         bound.spread = 2 * std::max(in_step, 0.0);
     }
     const double turned = delay_per_x * x;

@@ -2,22 +2,12 @@
 // small.
 #pragma once
 
-#include <complex>
 #include <optional>
 
 #include <miebrdf/ensemble.h>
-#include "mie/sizes/size_law.h"
+#include "mie/ensemble/ensemble_problem.h"
 
 namespace miebrdf::mie {
-
-/// Spheres and their sizes, as all methods see them.
-struct EnsembleProblem {
-    std::complex<double> relative_index;
-    SizeDistribution sizes;
-    RadiusRange range;               ///< of the sizes that are summed
-    double share = 1;                ///< of the geometric cross-section, inside the range
-    double wave_number_per_um = 0;   ///< 2 pi n_host / lambda
-};
 
 /// What leaving out the phases between rays costs, before anything is computed: a bound of the
 /// relative error of extinction and of the absolute ones of moments, found over random ensembles
@@ -31,7 +21,8 @@ struct RayBound {
 RayBound ray_bound(const EnsembleProblem& problem);
 
 /// What P by rays errs by, relative to max(P, 1/2), rms over the angles, found in the same way; 0
-/// where P is not to be computed by rays: no bound above, or too few ripples for rays to be cheaper.
+/// where P is not to be computed by rays: no bound above, or too few ripples for rays to be
+/// cheaper.
 double phase_ray_bias(const EnsembleProblem& problem);
 
 /// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is

@@ -40,10 +40,12 @@ void add_panel(int first, int last, OrderRule& rule) {
     const math::Quadrature gauss = math::gauss_legendre(kRuleNodes);
     const double centre = 0.5 * (first + last), half = 0.5 * count;
     std::vector<int> nodes;
-    for (const double t : gauss.nodes) nodes.push_back(static_cast<int>(std::lround(centre + half * t)));
+    for (const double t : gauss.nodes)
+        nodes.push_back(static_cast<int>(std::lround(centre + half * t)));
     std::sort(nodes.begin(), nodes.end());
     for (int i = 0; i < kRuleNodes; ++i) {
-        nodes[i] = std::clamp(nodes[i], i > 0 ? nodes[i - 1] + 1 : first, last - (kRuleNodes - 1 - i));
+        nodes[i] =
+            std::clamp(nodes[i], i > 0 ? nodes[i - 1] + 1 : first, last - (kRuleNodes - 1 - i));
     }
     const auto legendre = [&](double n) {
         Eigen::VectorXd P(kRuleNodes);
@@ -70,7 +72,8 @@ OrderRule order_rule(double x, int terms, int width) {
     const int edge = static_cast<int>(x - kFadedEdge * std::cbrt(x)) - width - 2;
     int first = 1;
     // Products at distance `width` turn by width / x per order and way through the sphere.
-    const int panel = std::max(2 * kRuleNodes, static_cast<int>(x * kMostPanelWaves / std::max(width, 32)));
+    const int panel =
+        std::max(2 * kRuleNodes, static_cast<int>(x * kMostPanelWaves / std::max(width, 32)));
     while (first + 4 * kRuleNodes < edge) {
         const int last = std::min(edge, first + panel - 1);
         add_panel(first, last, rule);
@@ -86,7 +89,16 @@ OrderRule order_rule(double x, int terms, int width) {
 // What products of partial waves are made of, at all orders of one size, in single precision.
 class Orders {
   public:
-    enum Part { outer_re, outer_im, edge_re, through_re, through_im, inner_re, inner_im, part_count };
+    enum Part {
+        outer_re,
+        outer_im,
+        edge_re,
+        through_re,
+        through_im,
+        inner_re,
+        inner_im,
+        part_count
+    };
 
     /// Orders beyond the last one do not scatter.
     void make_room(int count) {
@@ -210,7 +222,8 @@ void add_size(const Orders& orders, double x, double weight, int terms,
     if (transform.interpolating() == 0 || others == 0) return;
     const auto right = work.shares.middleCols(direct_rows, others);
     const auto project = [&](const Rows& from, Eigen::MatrixXd& onto) {
-        const Eigen::MatrixXf sums = right * from.middleRows(direct_rows, others).leftCols(width + 1);
+        const Eigen::MatrixXf sums =
+            right * from.middleRows(direct_rows, others).leftCols(width + 1);
         onto.bottomRows(transform.interpolating()) += sums.cast<double>();
     };
     project(work.plus, to.plus);

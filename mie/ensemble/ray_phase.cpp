@@ -159,8 +159,8 @@ Block& kept_block() {
 std::vector<RayGroup> ray_groups(double index) {
     // The even rule of n + 1 sizes has n: the one at the end has no weight. Below n = 2 the rays of
     // two ways have a rainbow.
-    const RayGroup two_ways = index < 2 ? RayGroup{2, 2, {41, 49}, false}
-                                        : RayGroup{2, 2, {25, 33}, false};
+    const RayGroup two_ways =
+        index < 2 ? RayGroup{2, 2, {41, 49}, false} : RayGroup{2, 2, {25, 33}, false};
     return {{0, 0, {33, 41}, false},
             {1, 1, {8, 8}, true},
             two_ways,
@@ -214,8 +214,7 @@ RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
     if (sum.scattered < kNothing * light) return sum;
     block.first_term = 1;
     double faint = 0;
-    while (block.first_term < terms &&
-           (faint += energy[block.first_term]) < kFaintShare * light) {
+    while (block.first_term < terms && (faint += energy[block.first_term]) < kFaintShare * light) {
         ++block.first_term;
     }
     angular.add_intensity(block, sum.at_angles);

@@ -61,8 +61,8 @@ class SizeFamilies {
                                         const AngularFunctionsOf<float>& angular,
                                         const Executor& run) const;
 
-    /// Sums over one level's spheres alone, not by rays; the same bits for any executor. Scalar: float or
-    /// double.
+    /// Sums over one level's spheres alone, not by rays; the same bits for any executor. Scalar:
+    /// float or double.
     template <typename Scalar>
     FamilyIntensity level(int level, const AngularFunctionsOf<Scalar>& angular,
                           const Executor& run) const;

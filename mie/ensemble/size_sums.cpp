@@ -99,7 +99,8 @@ void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
                                              Eigen::VectorXd& intensity) const {
     Matrix amplitude(functions.rows(), columns);
     const int count = terms - first + 1;
-    amplitude.noalias() = functions.middleCols(first, count) * waves.block(first, 0, count, columns);
+    amplitude.noalias() =
+        functions.middleCols(first, count) * waves.block(first, 0, count, columns);
     for (int column = 0; column < columns; ++column) {
         intensity += amplitude.col(column).template cast<double>().cwiseAbs2();
     }

@@ -57,8 +57,8 @@ void silence(const Lanes& last_order, int order, RayResponse& response) {
     for (int first = 0; first < kLaneCount; first += kVectorSize) {
         const auto alive = load(last_order, first) >= Vector{} + order;
         const Vector none{};
-        const auto keep = [&](Lanes& lanes, const Vector& otherwise)
-                              __attribute__((always_inline)) {
+        const auto keep = [&](Lanes & lanes, const Vector& otherwise)
+            __attribute__((always_inline)) {
             store(alive ? load(lanes, first) : otherwise, lanes, first);
         };
         keep(response.outer.re, none + 1);
@@ -101,7 +101,7 @@ void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
     constexpr bool is_real = std::is_same_v<Number, double>;
     const double odd = 2 * order_ - 1;
     const auto inverse_z = load(inverse_z_, first);
-    const auto step = [&](Wave& wave) __attribute__((always_inline)) {
+    const auto step = [&](Wave & wave) __attribute__((always_inline)) {
         const ComplexVector here = load(wave.here, first);
         const WavePair next{odd * (inverse_z * here) - load(wave.before, first), here};
         store(next.here, wave.here, first);

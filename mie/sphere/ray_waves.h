@@ -11,8 +11,8 @@ namespace miebrdf::mie {
 ///     a_n = 1/2 [1 - outer - sum_{p>=1} through inner^(p-1)]
 /// (Debye 1909; Hovenac & Lock 1992, J. Opt. Soc. Am. A 9, 781, eq. 5-8).
 struct RayResponse {
-    ComplexLanes outer;    ///< the wave from outside, reflected: R22
-    ComplexLanes inner;    ///< the wave from inside, reflected, after one way through the sphere: R11
+    ComplexLanes outer;  ///< the wave from outside, reflected: R22
+    ComplexLanes inner;  ///< the wave from inside, reflected, after one way through the sphere: R11
     ComplexLanes through;  ///< into the sphere, through it and out: T21 T12
 };
 
@@ -45,8 +45,8 @@ class RayWaves {
     int order_ = 0;
     OutsideWaves outside_;
     LanesOf<Number> inverse_z_;
-    Wave out_, in_;          // inside; `in_` of a real index is the conjugate of `out_`
-    ComplexLanes round_;     // exp(2 i m x)
+    Wave out_, in_;       // inside; `in_` of a real index is the conjugate of `out_`
+    ComplexLanes round_;  // exp(2 i m x)
 };
 
 }  // namespace miebrdf::mie

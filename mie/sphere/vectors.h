@@ -1,6 +1,6 @@
-// Numbers in one register of the machine, as the compiler's own vector type, for loops in which every
-// temporary has to stay in a register (expressions of fixed-size arrays are not always inlined, and
-// wider vector types than the machine's are kept in memory).
+// Numbers in one register of the machine, as the compiler's own vector type, for loops in which
+// every temporary has to stay in a register (expressions of fixed-size arrays are not always
+// inlined, and wider vector types than the machine's are kept in memory).
 #pragma once
 
 #include <cstring>
