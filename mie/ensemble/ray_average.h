@@ -12,7 +12,7 @@ namespace miebrdf::mie {
 /// What leaving out the phases between rays costs, before anything is computed: a bound of the
 /// relative error of extinction and of the absolute ones of moments, found over random ensembles
 /// (docs/maths-mie.md#rays). Infinite where rays are no description: sizes without a density or
-/// with bends, |m| near or below 1, damping that today's smooth rules take.
+/// with bends, |m| near or below 1, or damped ripple.
 struct RayBound {
     double ends = 0;    ///< of distributions that end sharply
     double spread = 0;  ///< sizes too alike or too small for phases to average out

@@ -186,7 +186,7 @@ class InsideOrders {
     void put(int n, Number value, double absorption);
     void sum_absorption_upward(std::complex<double> z, int terms);
 
-    Parts here_, before_;             // before_ stays empty where one scale does for all
+    Parts here_, before_;            // before_ stays empty where one scale does for all
     KeptVector<double> absorption_;  // of complex z
 };
 
