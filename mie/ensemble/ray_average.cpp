@@ -15,8 +15,10 @@ namespace {
 
 // The wave through the middle of a sphere is behind the diffracted one by rho = 2 x (n - 1). Where
 // that is less than about one turn there is nothing to average (anomalous diffraction).
-constexpr double kLeastDelay = 8;
+constexpr double kLeastDelay = 10;
 constexpr double kLeastIndex = 1.05;
+// A Gaussian spread of rho would leave exp(-rho^2 v / 2).
+constexpr double kPerSpread = 7;
 constexpr double kLeastRayTolerance = 1e-6;  // products are in single precision
 
 // Random ensembles (tests/mie/rays_test.cpp): extinction differs from the exact one by up to
@@ -28,7 +30,7 @@ constexpr double kPerMissed = 3;
 // Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of high
 // orders of small spheres.
 constexpr int kSizesPerRule = 16;
-constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 3e-4;
+constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
 constexpr int kMostSizes = 128;
 
 // P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
@@ -71,10 +73,10 @@ RayBound ray_bound(const EnsembleProblem& problem) {
         waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / problem.wave_number_per_um,
                                        waves.smallest_um, waves.largest_um);
         const double in_step = 1 - area_share_within(problem.sizes, waves) / problem.share;
-        bound.spread = 2 * std::max(in_step, 0.0);
+        bound.spread = 3 * std::max(in_step, 0.0);
     }
     const double turned = delay_per_x * x;
-    bound.spread += std::exp(-0.25 * turned * turned * problem.sizes.effective_variance);
+    bound.spread += std::exp(-turned * turned * problem.sizes.effective_variance / kPerSpread);
     return bound;
 }
 
