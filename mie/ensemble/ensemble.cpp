@@ -8,9 +8,13 @@
 #include <optional>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/ensemble_problem.h"
 #include "mie/ensemble/exact_extinction.h"
+#include "mie/ensemble/optics_differences.h"
 #include "mie/ensemble/phase_tabulation.h"
+#include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_sums.h"
+#include "mie/sphere/flush_to_zero.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -30,90 +34,20 @@ constexpr double kDarkPhaseShare = 0.03;
 constexpr double kFewWaves = 300;  // size parameter of the largest sphere
 constexpr double kDark = 0.2;      // albedo of such a half-space
 constexpr double kLeastDarkShare = 1e-3;
+// Tables by rays: their bias is relative to max(P, 1/2), and a share of the tolerance.
+constexpr double kLeastRayFloor = 0.25;
+constexpr double kRayBiasShare = 0.25;
 constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
 
-// What a size distribution without ends leaves out: well below what is asked of the result.
-double tail_for(const EnsembleRequest& request) {
-    if (request.sizes.kind.law().has_ends) return 0;
-    return std::clamp(0.02 * request.tolerance, 1e-16, 1e-6);
-}
-
-void validate(const EnsembleRequest& r) {
-    if (!(r.host_index >= 0.1 && r.host_index <= 10)) {
-        throw UsageError("host_index", r.host_index, "0.1 to 10");
-    }
-    if (!(r.wavelength_nm > 0 && std::isfinite(r.wavelength_nm))) {
-        throw UsageError("wavelength_nm", r.wavelength_nm, "positive and finite");
-    }
-    if (!(r.tolerance > 0 && r.tolerance < 1)) {
-        throw UsageError("tolerance", r.tolerance, "(0, 1)");
-    }
-    if (!(r.phase_floor >= 0)) throw UsageError("phase_floor", r.phase_floor, "0 or above");
-    if (!(r.phase_tolerance > 0)) {
-        throw UsageError("phase_tolerance", r.phase_tolerance, "above 0");
-    }
-    if (!(r.table_tolerance > 0)) {
-        throw UsageError("table_tolerance", r.table_tolerance, "above 0");
-    }
-    if (!(r.highest_moment >= -1 && r.highest_moment <= 100000)) {
-        throw UsageError("highest_moment", r.highest_moment, "-1 (none) to 100000");
-    }
-    const double n = r.refractive_index.real(), k = r.refractive_index.imag();
-    if (!(n / r.host_index >= 0.01 && n / r.host_index <= 100 && k >= 0 && k <= 1e3)) {
-        throw UsageError("refractive_index", fmt::format("{} + {}i", n, k),
-                         "n over host_index in [0.01, 100], k in [0, 1000]");
-    }
-}
-
-std::complex<double> relative_index_of(const EnsembleRequest& request) {
-    return request.refractive_index / request.host_index;
-}
-
-double wave_number_per_um(const EnsembleRequest& request) {
-    return 2 * std::numbers::pi * request.host_index / (request.wavelength_nm * 1e-3);
-}
-
-// Largest of the relative changes of extinction and albedo and the absolute ones of asymmetry and
-// moments.
-double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
-    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
-                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
-                              std::abs(a.asymmetry - b.asymmetry)});
-    for (std::size_t l = 0; l < a.chi.size(); ++l) {
-        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
-    }
-    return change;
-}
-
-// What the change of the absorption does to the albedo of a half-space; 0 without absorption.
-// A half-space of similar spheres has an albedo A with 1 - A about
-// sqrt(6 (1 - omega) / (1 - omega g)): d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
-double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
-    if (!(a.one_minus_albedo > 0 && b.one_minus_albedo > 0)) return 0;
-    const double similar =
-        b.one_minus_albedo / (1 - b.single_scattering_albedo * std::min(b.asymmetry, 1.0));
-    const double sensitivity = std::min(0.15, 0.5 * std::sqrt(6 * similar));
-    return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
-}
-
-// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
-double half_space_albedo(const EnsembleOptics& optics) {
-    const double similar = optics.one_minus_albedo /
-                           (1 - optics.single_scattering_albedo * std::min(optics.asymmetry, 1.0));
-    const double s = std::sqrt(std::clamp(similar, 0.0, 1.0));
-    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
-}
-
-RadiusRange range_of(const EnsembleRequest& request) {
-    const double tail = tail_for(request);
-    return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
-                    : radius_range(request.sizes);
-}
-
-void require_angles(const std::vector<double>& angles_deg) {
-    for (const double angle : angles_deg) {
-        if (!(angle >= 0 && angle <= 180)) throw UsageError("angle_deg", angle, "0 to 180");
-    }
+// Every thread that takes a piece of the work flushes denormal numbers meanwhile. Not the caller
+// around it: threads that `run` starts would inherit that for good.
+Executor flushing(const Executor& run) {
+    return [&run](int count, const std::function<void(int)>& job) {
+        run(count, [&job](int i) {
+            const FlushToZero flush;
+            job(i);
+        });
+    };
 }
 
 // The average over sizes: passes of more sizes until the error estimate is met. Computes everything
@@ -126,6 +60,7 @@ class EnsembleAverage {
 
   private:
     void start();
+    bool take_rays();
     void prepare_even_rule();
     int band_width() const;
     SizeSumOptions sum_options() const;
@@ -146,7 +81,8 @@ class EnsembleAverage {
     double share_ = 1;  // of it, inside
     int terms_ = 0;
     bool moments_from_table_ = false;
-    std::optional<MomentTransform> transform_;  // tables that all passes share
+    bool by_rays_ = false;
+    std::optional<MomentTransform> transform_;  // the same for all passes
     std::optional<SizeRefinement> refinement_;
     SizeSums total_;  // all passes that count so far
     double change_before_ = 0, absorption_before_ = 0;
@@ -161,9 +97,11 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
       relative_index_(relative_index_of(request)),
       wave_number_per_um_(wave_number_per_um(request)) {
     start();
-    do {
-        add_pass();
-    } while (!is_enough() && refinement_->refine());
+    if (!take_rays()) {
+        do {
+            add_pass();
+        } while (!is_enough() && refinement_->refine());
+    }
     if (!request_.angles_deg.empty()) put_phase();
     if (request_.with_phase_table || moments_from_table_) put_phase_table();
 }
@@ -183,8 +121,20 @@ void EnsembleAverage::start() {
     moments_from_table_ = request_.highest_moment > std::max(kLeastTableMoment, terms_ / 5) &&
                           request_.tolerance >= kLeastTableTolerance;
     require_angles(request_.angles_deg);
-    if (request_.highest_moment >= 2) transform_.emplace(terms_, band_width(), run_);
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
+}
+
+// Broad distributions of large rippling spheres: no sizes are sampled for their ripple.
+bool EnsembleAverage::take_rays() {
+    if (refinement_->rule() != Rule::even) return false;
+    const auto rays =
+        average_over_rays({relative_index_, request_.sizes, range_, share_, wave_number_per_um_},
+                          band_width(), request_.tolerance, run_);
+    if (!rays) return false;
+    optics_ = *rays;
+    optics_.error_estimate = std::max({optics_.error_estimate, kRounding, tail_});
+    by_rays_ = is_enough();
+    return by_rays_;
 }
 
 int EnsembleAverage::band_width() const {
@@ -204,6 +154,7 @@ SizeSumOptions EnsembleAverage::sum_options() const {
 
 // One pass over more sizes, and what is known after it.
 void EnsembleAverage::add_pass() {
+    if (request_.highest_moment >= 2 && !transform_) transform_.emplace(terms_, band_width());
     if (refinement_->rule() == Rule::even) prepare_even_rule();
     SizeSums sums =
         sum_over_sizes(relative_index_, WeightedSizes(refinement_->nodes(), wave_number_per_um_),
@@ -307,6 +258,10 @@ void EnsembleAverage::put_phase_table() {
     options.size_tolerance = relaxed * request_.phase_tolerance;
     options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
+    if (by_rays_) options.ray_bias = phase_ray_bias(problem_of(request_));
+    options.by_rays = options.ray_bias > 0 && options.floor >= kLeastRayFloor &&
+                      options.ray_bias <= kRayBiasShare * options.size_tolerance;
+    if (!options.by_rays) options.ray_bias = 0;
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = kSafeBandWidth + 1;
@@ -347,19 +302,23 @@ void EnsembleAverage::put_phase() {
 PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const Executor& run) {
     validate(request);
     require_angles(request.angles_deg);
+    const Executor pieces = flushing(run);
     const RadiusRange range = range_of(request);
     PhaseTabulationOptions options;
     options.size_tolerance = request.phase_tolerance;
     options.floor = request.phase_floor;
     options.most_work = request.phase_work;
     options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
+    options.ray_bias = phase_ray_bias(problem_of(request));
+    options.by_rays = options.ray_bias > 0;
     return phase_at_angles(relative_index_of(request), request.sizes, range,
                            wave_number_per_um(request), options, request.angles_deg,
-                           request.phase_allowed, run);
+                           request.phase_allowed, pieces);
 }
 
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
-    return EnsembleAverage(request, run).optics();
+    const Executor pieces = flushing(run);
+    return EnsembleAverage(request, pieces).optics();
 }
 
 int highest_moment_of(const EnsembleRequest& request) {

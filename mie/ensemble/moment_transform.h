@@ -43,26 +43,46 @@ class BandCovariance {
 /// l = |n - m|, stable because f_l grows or oscillates that way:
 ///     a(l+1) f_{l+1} = 2 (2l+1) f_l - a(l) f_{l-1},  a(l)^2 = (l^2 - d^2)(K^2 - l^2),  K = n + m
 ///     + 1.
-/// Cost: terms * width^2 / 2 steps.
+/// Where n is well above l, (2n+1) f_l^2 is an analytic function of 1/n, whose nearest singularity
+/// is n = -(l + d + 1)/2: the orders above the width are interpolated to rounding from 16 values of
+/// n. Cost: (width + 16) * width^2 / 2 steps, and 32 * terms * width multiply-adds.
 class MomentTransform {
   public:
-    /// Tables for covariances of so many terms and this width.
-    MomentTransform(int terms, int width, const Executor& run = run_in_order);
+    /// Covariances collected on the orders that are transformed: row = order, column = d;
+    /// (2m+1) times their sums over n.
+    struct Collected {
+        Eigen::MatrixXd plus, minus;
+    };
+
+    /// For covariances of so many terms and this width.
+    MomentTransform(int terms, int width);
 
     std::vector<double> operator()(const BandCovariance& covariance,
                                    const Executor& run = run_in_order) const;
+    std::vector<double> operator()(const Collected& collected,
+                                   const Executor& run = run_in_order) const;
+
+    int width() const { return width_; }
+    /// Orders 1 ... direct() are transformed one by one.
+    int direct() const { return direct_; }
+    /// All orders, and those among them, the last ones, that interpolate.
+    int order_count() const { return static_cast<int>(orders_.size()); }
+    int interpolating() const { return order_count() - direct_; }
+    /// Shares of an n above direct() on the orders that interpolate.
+    Eigen::VectorXd shares(double n) const;
 
   private:
-    int terms_, width_;
-    // 1 / sqrt(K^2 - l^2), 0 for l >= K (there the 3j symbol vanishes), for each parity of K:
-    // column l, row j for K = 2 j + parity.
+    int terms_, width_, direct_;
+    std::vector<double> orders_;  // n of each row; above direct_ not integers
+    Eigen::VectorXd places_, barycentric_;
+    // 1 / sqrt(K^2 - l^2) for each parity of K: column l, row j for K = 2 (j + 1) + parity.
     Eigen::ArrayXXd inverse_roots_[2];
 };
 
-/// The same with tables that are used once.
+/// The same for a transform that is used once.
 inline std::vector<double> moments_from_covariance(const BandCovariance& covariance,
                                                    const Executor& run = run_in_order) {
-    return MomentTransform(covariance.terms(), covariance.width(), run)(covariance, run);
+    return MomentTransform(covariance.terms(), covariance.width())(covariance, run);
 }
 
 }  // namespace miebrdf::mie

@@ -17,6 +17,10 @@ constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 // before better than that does so by chance.
 constexpr double kSlowestGain = 0.5;
 
+// Rays of different ways that leave backward differ little in length beside their own glories.
+constexpr double kBackward = 165 * std::numbers::pi / 180;
+constexpr double kBackwardBias = 3;
+
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
     std::vector<double> edges = {0};
@@ -47,10 +51,36 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
     return panels;
 }
 
-void PhasePanel::add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
-                           double scattering_efficiency, double floor) {
-    sums_ = ++level_ == 0 ? level : sizes.with_level(sums_, level);
-    judge(sizes.rippled(), scattering_efficiency, floor);
+void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
+                           const PhaseTabulationOptions& options) {
+    if (++level_ == 0) {
+        parts_ = parts;
+        part_levels_.assign(parts.size(), 0);
+    } else {
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (parts[i].intensity.size() == 0) continue;
+            parts_[i] = sizes.with_level(parts_[i], parts[i]);
+            ++part_levels_[i];
+        }
+    }
+    sums_ = parts_.front();
+    for (std::size_t i = 1; i < parts_.size(); ++i) {
+        sums_.intensity += parts_[i].intensity;
+        for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
+    }
+    judge(sizes.rippled(), options);
+}
+
+std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
+    if (level_ < 0) return std::vector<int>(sizes.part_count(), 0);
+    std::vector<int> levels(part_levels_.size(), -1);
+    const auto noisiest = std::max_element(part_noise_.begin(), part_noise_.end());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        if (part_noise_[i] > tolerance || part_noise_[i] == *noisiest) {
+            levels[i] = part_levels_[i] + 1;
+        }
+    }
+    return levels;
 }
 
 Eigen::VectorXd PhasePanel::values() const {
@@ -61,7 +91,8 @@ Eigen::VectorXd PhasePanel::values_of(int family) const {
     return sums_.intensity.col(family) / sums_.scattered[family];
 }
 
-void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor) {
+void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
+    const double scattering_efficiency = options.scattering_efficiency, floor = options.floor;
     const Eigen::VectorXd P = values();
     const double largest = P.maxCoeff();
     const double worst_before = worst_, relative_before = relative_;
@@ -75,6 +106,14 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
         worst_ = relative.cwiseAbs().maxCoeff();
         relative_ = relative.norm() / root;
         rms = error.norm() / root;
+        part_noise_.clear();
+        for (const FamilyIntensity& part : parts_) {
+            const Eigen::VectorXd of_part = 0.5 * (part.intensity.col(0) / sums_.scattered[0] -
+                                                   part.intensity.col(1) / sums_.scattered[1]);
+            part_noise_.push_back(of_part.cwiseQuotient(P.cwiseMax(floor)).norm() / root);
+        }
+    } else {
+        part_noise_.assign(parts_.size(), 0.0);
     }
     const double doubt = rippled && level_ > 0 ? kSlowestGain : 0.0;
     double missed = 0;
@@ -82,8 +121,9 @@ void PhasePanel::judge(bool rippled, double scattering_efficiency, double floor)
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
-    noise_ = std::max({relative_, doubt * relative_before, missed});
-    worst_noise_ = std::max({worst_, doubt * worst_before, missed});
+    const double bias = options.ray_bias * (is_backward() ? kBackwardBias : 1);
+    noise_ = std::max({relative_, doubt * relative_before, missed}) + bias;
+    worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + bias;
     rms_ = std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
@@ -97,6 +137,8 @@ double PhasePanel::solid_angle_of_moments(int first_moment) const {
     const double legendre = damping < sine ? std::sqrt(damping / sine) : 1.0;
     return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
 }
+
+bool PhasePanel::is_backward() const { return upper_ > kBackward; }
 
 double PhasePanel::moment_noise(int first_moment) const {
     return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::kPanelNodes));

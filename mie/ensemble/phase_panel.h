@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mie/ensemble/phase_tabulation.h"
 #include "mie/ensemble/size_families.h"
 
 namespace miebrdf::mie {
@@ -16,17 +17,21 @@ class PhasePanel {
 
     double lower() const { return lower_; }  ///< radians
     double upper() const { return upper_; }
+    bool is_backward() const;                       ///< among glories and the second rainbow
     int generation() const { return generation_; }  ///< times that it was halved
     int level() const { return level_; }            ///< last one added; -1: none
 
-    /// Adds the sums over the next level of sizes at the panel's nodes. With ripple, levels
+    /// Adds the sums over the next level of sizes at the panel's nodes, part by part (an empty
+    /// intensity: that part stays as it is). With ripple, levels
     /// converge slowly, so that families may agree by chance: the noise is not believed to fall by
     /// more than half.
-    /// @param scattering_efficiency  of the average, 0 when not known: sizes that miss it have
-    ///                 missed resonances too narrow for two families to tell
-    /// @param floor  errors are relative to P where that is larger, else to this
-    void add_level(const FamilyIntensity& level, const SizeFamilies& sizes,
-                   double scattering_efficiency, double floor);
+    /// @param options  of these: scattering_efficiency (sizes that miss it have missed resonances
+    ///                 too narrow for two families to tell), floor, ray_bias
+    void add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
+                   const PhaseTabulationOptions& options);
+    /// Levels of each part to ask for next: all at first, then those whose noise is above
+    /// `tolerance`, at least the noisiest; -1: not that part.
+    std::vector<int> next_levels(const SizeFamilies& sizes, double tolerance) const;
 
     Eigen::VectorXd values() const;
     Eigen::VectorXd values_of(int family) const;  ///< 0 or 1, each normalised by what it scatters
@@ -46,12 +51,15 @@ class PhasePanel {
 
   private:
     double solid_angle_of_moments(int first_moment) const;
-    void judge(bool rippled, double scattering_efficiency, double floor);
+    void judge(bool rippled, const PhaseTabulationOptions& options);
 
     double lower_, upper_;
     int generation_;
     int level_ = -1;
-    FamilyIntensity sums_;
+    std::vector<FamilyIntensity> parts_;
+    std::vector<int> part_levels_;
+    std::vector<double> part_noise_;
+    FamilyIntensity sums_;             // over parts
     double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
     double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
     double rms_ = 0, largest_ = 0;  // noise, and P

@@ -15,6 +15,10 @@ namespace {
 
 constexpr int kBothFamilies = -1;
 
+constexpr double kPartShare = 0.25;  // of the tolerance, for one part of several
+// What is asked of glories decides whether directions back to the light converge, and costs little
+// by rays.
+constexpr double kBackwardShare = 0.45;
 constexpr double kCoarseShare = 0.3;  // of the tolerance, while sizes do not resolve exp(2i x)
 
 // Noise of single points gives most to the lowest moments: more of them are not looked at.
@@ -49,7 +53,8 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
                                  const SizeDistribution& distribution, const RadiusRange& range,
                                  double wave_number_per_um, const PhaseTabulationOptions& options,
                                  const Executor& run)
-    : sizes_(relative_index, distribution, range, wave_number_per_um, options.size_tolerance),
+    : sizes_(relative_index, distribution, range, wave_number_per_um, options.size_tolerance,
+             options.by_rays),
       options_(options),
       run_(run),
       terms_(number_of_terms(wave_number_per_um * range.largest_um)),
@@ -82,13 +87,24 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
             angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
         }
     }
+    // The same parts for all: they have had the same before.
+    std::vector<int> levels(sizes_.part_count(), -1);
+    for (const PhasePanel& panel : panels) {
+        const std::vector<int> wanted =
+            panel.next_levels(sizes_, kPartShare * options_.size_tolerance);
+        for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = std::max(levels[i], wanted[i]);
+    }
     const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
-    const FamilyIntensity sums = sizes_.level(panels.front().level() + 1, angular, run_);
+    const std::vector<FamilyIntensity> sums = sizes_.levels(levels, angular, run_);
     Eigen::Index first = 0;
     for (PhasePanel& panel : panels) {
-        panel.add_level({sums.intensity.middleRows(first, PhaseTable::kPanelNodes),
-                         {sums.scattered[0], sums.scattered[1]}},
-                        sizes_, options_.scattering_efficiency, options_.floor);
+        std::vector<FamilyIntensity> of_panel(sums.size());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            if (sums[i].intensity.size() == 0) continue;
+            of_panel[i] = {sums[i].intensity.middleRows(first, PhaseTable::kPanelNodes),
+                           {sums[i].scattered[0], sums[i].scattered[1]}};
+        }
+        panel.add_level(of_panel, sizes_, options_);
         first += PhaseTable::kPanelNodes;
         sort_in(std::move(panel));
     }
@@ -96,7 +112,8 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
 
 bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
     if (panel.level() >= sizes_.last_level()) return false;
-    const double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
+    double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
+    if (options_.by_rays && panel.is_backward()) believed = kBackwardShare;
     return panel.noise() > believed * options_.size_tolerance ||
            panel.moment_noise(options_.first_moment) > believed * options_.moment_tolerance;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mie/ensemble/ray_phase.h"
+#include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -15,6 +17,10 @@ constexpr int kLeastFamilyChunk = 16;
 // Sizes of level 0 by family, in units of the coarsest even count (3.4 ripple periods apart).
 constexpr double kFamilyShare[2] = {1.21, 1.29};
 constexpr int kLeastUnit = 32;  // without ripple: of each
+
+constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
+
+constexpr int kLastRayLevel = 6;
 
 constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
@@ -54,13 +60,14 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
 
 SizeFamilies::SizeFamilies(std::complex<double> relative_index,
                            const SizeDistribution& distribution, const RadiusRange& range,
-                           double wave_number_per_um, double size_tolerance)
+                           double wave_number_per_um, double size_tolerance, bool by_rays)
     : relative_index_(relative_index),
       distribution_(distribution),
       range_(range),
       wave_number_per_um_(wave_number_per_um),
       rippled_(
-          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)) {
+          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)),
+      by_rays_(by_rays) {
     if (distribution.kind.law().single_size) {
         family_count_ = 1;
         return;
@@ -80,6 +87,7 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     const double finer = std::min(1.0, std::pow(size_tolerance / kDefaultTolerance, 1 / 1.5));
     const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
+    if (by_rays_) last_level_ = kLastRayLevel;
 }
 
 WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
@@ -127,6 +135,58 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
         total.scattered[chunks[i].family] += parts[i].scattered / families;
     }
     return total;
+}
+
+int SizeFamilies::part_count() const {
+    return by_rays_ ? static_cast<int>(ray_groups(relative_index_.real()).size()) : 1;
+}
+
+std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels,
+                                                  const AngularFunctionsOf<float>& angular,
+                                                  const Executor& run) const {
+    if (by_rays_) return levels_of_rays(levels, angular, run);
+    return {level(levels.front(), angular, run)};
+}
+
+std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
+                                                          const AngularFunctionsOf<float>& angular,
+                                                          const Executor& run) const {
+    const std::vector<RayGroup> groups = ray_groups(relative_index_.real());
+    struct Piece {
+        std::size_t group;
+        int family, first, count;
+    };
+    std::vector<Piece> pieces;
+    std::vector<std::vector<WeightedSizes>> sizes(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (levels[g] < 0) continue;
+        const int most =
+            std::max(1, kMostRayColumns / (kLaneCount * groups[g].columns())) * kLaneCount;
+        for (const int family : {0, 1}) {
+            sizes[g].push_back(ray_sizes(groups[g], distribution_, range_, wave_number_per_um_,
+                                         family, levels[g]));
+            const int count = static_cast<int>(sizes[g].back().parameters.size());
+            for (int first = 0; first < count; first += most) {
+                pieces.push_back({g, family, first, std::min(most, count - first)});
+            }
+        }
+    }
+    std::vector<RayIntensity> sums(pieces.size());
+    run(static_cast<int>(pieces.size()), [&](int job) {
+        const auto& [g, family, first, count] = pieces[job];
+        sums[job] =
+            intensity_of_rays(relative_index_, groups[g], sizes[g][family], first, count, angular);
+    });
+    std::vector<FamilyIntensity> parts(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (levels[g] >= 0) parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
+    }
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        FamilyIntensity& part = parts[pieces[i].group];
+        part.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
+        part.scattered[pieces[i].family] += sums[i].scattered / 2;
+    }
+    return parts;
 }
 
 template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<float>&,

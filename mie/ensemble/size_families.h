@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <vector>
 
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/size_sums.h"
@@ -29,11 +30,16 @@ struct FamilyIntensity {
 /// Spheres that absorb their ripple converge too fast for that: their sizes, in equal ratios, are
 /// one family of 64, 128, ... Its two halves are, at level 0, the sizes at even and at odd places,
 /// and then all levels before and the new one.
+///
+/// By rays (ray_phase.h), P is a sum over parts, one for each group of rays, and the sizes of each
+/// part form two such families: what they differ by is what interference within a group leaves.
+/// Only in single precision. Without rays there is one part.
 class SizeFamilies {
   public:
     /// @param size_tolerance  of points of P; the finest level follows it
     SizeFamilies(std::complex<double> relative_index, const SizeDistribution& distribution,
-                 const RadiusRange& range, double wave_number_per_um, double size_tolerance);
+                 const RadiusRange& range, double wave_number_per_um, double size_tolerance,
+                 bool by_rays = false);
 
     int count() const { return family_count_; }  ///< 2; 1 for a single size
     /// Whether resonances narrower than any level's spacing are left.
@@ -48,8 +54,15 @@ class SizeFamilies {
     /// levels do where there is ripple. Families of coarser sizes may agree by chance.
     bool resolves(int level) const { return level >= resolved_level_; }
 
-    /// Sums over one level's spheres alone; the same bits for any executor. Scalar: float or
-    /// double.
+    int part_count() const;
+    /// One level's spheres alone, part by part.
+    /// @param levels  one for each part; -1: not wanted
+    std::vector<FamilyIntensity> levels(const std::vector<int>& levels,
+                                        const AngularFunctionsOf<float>& angular,
+                                        const Executor& run) const;
+
+    /// Sums over one level's spheres alone, not by rays; the same bits for any executor. Scalar:
+    /// float or double.
     template <typename Scalar>
     FamilyIntensity level(int level, const AngularFunctionsOf<Scalar>& angular,
                           const Executor& run) const;
@@ -59,12 +72,15 @@ class SizeFamilies {
 
   private:
     WeightedSizes sizes_of(int family, int level) const;
+    std::vector<FamilyIntensity> levels_of_rays(const std::vector<int>& levels,
+                                                const AngularFunctionsOf<float>& angular,
+                                                const Executor& run) const;
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;
     RadiusRange range_;
     double wave_number_per_um_;
-    bool rippled_;
+    bool rippled_, by_rays_;
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;

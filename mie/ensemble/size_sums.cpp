@@ -95,10 +95,12 @@ void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
                                              const typename SphereBlockOf<Scalar>::Matrix& waves,
-                                             int terms, int columns,
+                                             int first, int terms, int columns,
                                              Eigen::VectorXd& intensity) const {
     Matrix amplitude(functions.rows(), columns);
-    amplitude.noalias() = functions.middleCols(1, terms) * waves.block(1, 0, terms, columns);
+    const int count = terms - first + 1;
+    amplitude.noalias() =
+        functions.middleCols(first, count) * waves.block(first, 0, count, columns);
     for (int column = 0; column < columns; ++column) {
         intensity += amplitude.col(column).template cast<double>().cwiseAbs2();
     }
@@ -108,8 +110,8 @@ template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
                                                Eigen::VectorXd& intensity) const {
     const int columns = 2 * block.size;
-    add_squares(plus_, block.U, block.terms, columns, intensity);
-    add_squares(minus_, block.V, block.terms, columns, intensity);
+    add_squares(plus_, block.U, block.first_term, block.terms, columns, intensity);
+    add_squares(minus_, block.V, block.first_term, block.terms, columns, intensity);
 }
 
 template class AngularFunctionsOf<float>;

@@ -37,7 +37,7 @@ class AngularFunctionsOf {
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
     void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
-                     int terms, int columns, Eigen::VectorXd& intensity) const;
+                     int first, int terms, int columns, Eigen::VectorXd& intensity) const;
 
     Matrix plus_, minus_;
 };

@@ -66,7 +66,7 @@ template <typename Number>
 Coefficients by_recurrence(Number m, double x) {
     const int terms = number_of_terms(x);
     const RadialFunctions radial = radial_functions(x, terms);
-    const std::vector<double>& psi = radial.psi;
+    const auto& psi = radial.psi;
     const std::vector<Number> D = logarithmic_derivatives(m * x, terms);
     const Number inverse_m = 1.0 / m;
     Coefficients c = empty(terms);
@@ -88,7 +88,7 @@ template <typename Number>
 Coefficients of_small_sphere(Number m, double x) {
     const int terms = number_of_terms(x);
     const RadialFunctions radial = radial_functions(x, terms);
-    const std::vector<double>& psi = radial.psi;
+    const auto& psi = radial.psi;
     const int start = terms + 30;  // |mx| <= 4: the start is forgotten below rounding
     const std::vector<double> E = regular_logarithmic_derivatives(x, start + 1);
     const Number m_squared = m * m;

@@ -158,7 +158,7 @@ InsideOrders<Number> InsideOrders<Number>::upward(Number z, int terms) {
 
 template <typename Number>
 void InsideOrders<Number>::sum_absorption_upward(Complex z, int terms) {
-    const std::vector<double>&re = here_.re, &im = here_.im;
+    const KeptVector<double>&re = here_.re, &im = here_.im;
     absorption_.assign(re.size(), 0.0);
     if (z.imag() >= 1) {
         for (int n = 1; n <= terms; ++n) {
@@ -174,7 +174,7 @@ void InsideOrders<Number>::sum_absorption_upward(Complex z, int terms) {
 }
 
 template <typename Number>
-InsideOrders<Number> InsideOrders<Number>::of_upward(std::vector<double> psi, int terms) {
+InsideOrders<Number> InsideOrders<Number>::of_upward(KeptVector<double> psi, int terms) {
     InsideOrders orders;
     psi.resize(whole_vectors(terms));
     std::fill(psi.begin() + terms + 1, psi.end(), 1.0);

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "mie/sphere/kept_memory.h"
 #include "mie/sphere/lane_math.h"
 
 namespace miebrdf::mie {
@@ -159,7 +160,7 @@ class InsideOrders {
     static InsideOrders upward(Number z, int terms);
 
     /// What has been computed upward elsewhere: psi_n(z), n = 0 ... terms.
-    static InsideOrders of_upward(std::vector<double> psi, int terms);
+    static InsideOrders of_upward(KeptVector<double> psi, int terms);
 
     Values here(int n) const { return here_.at(n); }  ///< psi_n ... psi_{n+7}
     Values before(int n) const {                      ///< psi_{n-1} ... psi_{n+6}
@@ -180,13 +181,13 @@ class InsideOrders {
                 return {Eigen::Map<const Lanes>(&re[n]), Eigen::Map<const Lanes>(&im[n])};
             }
         }
-        std::vector<double> re, im;  // im stays empty for real numbers
+        KeptVector<double> re, im;  // im stays empty for real numbers
     };
     void put(int n, Number value, double absorption);
     void sum_absorption_upward(std::complex<double> z, int terms);
 
-    Parts here_, before_;             // before_ stays empty where one scale does for all
-    std::vector<double> absorption_;  // of complex z
+    Parts here_, before_;            // before_ stays empty where one scale does for all
+    KeptVector<double> absorption_;  // of complex z
 };
 
 }  // namespace miebrdf::mie

@@ -10,8 +10,8 @@ namespace {
 
 // (2n - 1)/z, n = 0 ... highest_order: divided, not times 1/z, which would be another z, by a
 // rounding, for all orders; and all at once, because divisions one by one cost more than the rest.
-std::vector<double> recurrence_factors(double z, int highest_order) {
-    std::vector<double> factors(highest_order + kLaneCount);
+KeptVector<double> recurrence_factors(double z, int highest_order) {
+    KeptVector<double> factors(highest_order + kLaneCount);
     Lanes odd = Lanes::LinSpaced(kLaneCount, -1, 2 * kLaneCount - 3);
     for (int n = 0; n <= highest_order; n += kLaneCount, odd += 2 * kLaneCount) {
         Eigen::Map<Lanes> eight(factors.data() + n);
@@ -33,7 +33,7 @@ struct UpwardRecurrence {
 };
 
 // psi_n, n = turn + 1 ... highest_order, from psi_turn: downward, where it grows.
-void continue_beyond_turn(std::vector<double>& psi, int turn, double x) {
+void continue_beyond_turn(KeptVector<double>& psi, int turn, double x) {
     const int highest_order = static_cast<int>(psi.size()) - 1;
     const int start = highest_order + static_cast<int>(2 * std::cbrt(x)) + 15;
     if (x <
@@ -113,21 +113,21 @@ RadialFunctions radial_functions(double size_parameter, int highest_order, doubl
                                  double inside_parameter) {
     const double x = size_parameter;
     RadialFunctions radial;
-    std::vector<double>& psi = radial.psi;
-    std::vector<double>& eta = radial.eta;
+    KeptVector<double>& psi = radial.psi;
+    KeptVector<double>& eta = radial.eta;
     for (auto* values : {&psi, &eta}) {
         values->reserve(highest_order + 2 + kLaneCount);  // callers fill up whole vectors
         values->resize(highest_order + 2);
     }
 
     const int turn = std::min(highest_order, static_cast<int>(x)) / 2 * 2;  // psi_n oscillates
-    const std::vector<double> factors = recurrence_factors(x, highest_order + 1);
+    const KeptVector<double> factors = recurrence_factors(x, highest_order + 1);
     UpwardRecurrence eta_wave{std::sin(x), -std::cos(x)}, psi_wave{std::cos(x), std::sin(x)};
     eta[0] = eta_wave.here;
     psi[0] = psi_wave.here;
     if (inside) {
         const double z = inside_parameter;
-        const std::vector<double> inside_factors = recurrence_factors(z, highest_order + 1);
+        const KeptVector<double> inside_factors = recurrence_factors(z, highest_order + 1);
         UpwardRecurrence inside_wave{std::cos(z), std::sin(z)};
         inside[0] = inside_wave.here;
         for (int n = 1; n < turn; n += 2) {

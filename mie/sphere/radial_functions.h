@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "mie/sphere/kept_memory.h"
+
 namespace miebrdf::mie {
 
 /// Number of terms after which a_n and b_n of a sphere of this size are below rounding:
@@ -16,8 +18,8 @@ int number_of_terms(double size_parameter);
 /// psi_n = x j_n(x) and eta_n = x y_n(x), n = 0 ... highest_order; the outgoing wave is
 /// xi_n = psi_n + i eta_n (time factor exp(-i omega t)).
 struct RadialFunctions {
-    std::vector<double> psi;
-    std::vector<double> eta;
+    KeptVector<double> psi;
+    KeptVector<double> eta;
 };
 
 /// eta_n upward; psi_n upward while it oscillates (n <= x), above that from the ratio

@@ -29,7 +29,7 @@ struct PartialWaves {
     int vectors() const { return (terms + kLaneCount - 1) / kLaneCount; }
 
     int terms;
-    std::vector<double> a_re, a_im, b_re, b_im, absorbed;
+    KeptVector<double> a_re, a_im, b_re, b_im, absorbed;
 };
 
 PartialWaves::PartialWaves(int number_of_orders)
@@ -51,7 +51,7 @@ PartialWaves by_vectors(Number m, double x) {
     const bool upward = upward_is_stable(m * x, terms);
     InsideOrders<Number> inside;
     if (upward && !absorbing) {
-        std::vector<double> psi(padded + 1);
+        KeptVector<double> psi(padded + 1);
         radial = radial_functions(x, terms, psi.data(), std::real(m) * x);
         inside = InsideOrders<Number>::of_upward(std::move(psi), terms);
     } else {

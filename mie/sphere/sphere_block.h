@@ -18,6 +18,7 @@ struct SphereBlockOf {
     Matrix U, V;
     int size = 0;
     int terms = 0;
+    int first_term = 1;  ///< rows below are zero, or too little to count
 
     /// Makes room; memory grows, and is reused while the number of spheres stays. Rows may be more
     /// than terms + 1.

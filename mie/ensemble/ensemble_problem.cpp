@@ -1,0 +1,71 @@
+#include "mie/ensemble/ensemble_problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <miebrdf/error.h>
+
+namespace miebrdf::mie {
+
+double tail_for(const EnsembleRequest& request) {
+    if (request.sizes.kind.law().has_ends) return 0;
+    return std::clamp(0.02 * request.tolerance, 1e-16, 1e-6);
+}
+
+void validate(const EnsembleRequest& r) {
+    if (!(r.host_index >= 0.1 && r.host_index <= 10)) {
+        throw UsageError("host_index", r.host_index, "0.1 to 10");
+    }
+    if (!(r.wavelength_nm > 0 && std::isfinite(r.wavelength_nm))) {
+        throw UsageError("wavelength_nm", r.wavelength_nm, "positive and finite");
+    }
+    if (!(r.tolerance > 0 && r.tolerance < 1)) {
+        throw UsageError("tolerance", r.tolerance, "(0, 1)");
+    }
+    if (!(r.phase_floor >= 0)) throw UsageError("phase_floor", r.phase_floor, "0 or above");
+    if (!(r.phase_tolerance > 0)) {
+        throw UsageError("phase_tolerance", r.phase_tolerance, "above 0");
+    }
+    if (!(r.table_tolerance > 0)) {
+        throw UsageError("table_tolerance", r.table_tolerance, "above 0");
+    }
+    if (!(r.highest_moment >= -1 && r.highest_moment <= 100000)) {
+        throw UsageError("highest_moment", r.highest_moment, "-1 (none) to 100000");
+    }
+    const double n = r.refractive_index.real(), k = r.refractive_index.imag();
+    if (!(n / r.host_index >= 0.01 && n / r.host_index <= 100 && k >= 0 && k <= 1e3)) {
+        throw UsageError("refractive_index", fmt::format("{} + {}i", n, k),
+                         "n over host_index in [0.01, 100], k in [0, 1000]");
+    }
+}
+
+std::complex<double> relative_index_of(const EnsembleRequest& request) {
+    return request.refractive_index / request.host_index;
+}
+
+double wave_number_per_um(const EnsembleRequest& request) {
+    return 2 * std::numbers::pi * request.host_index / (request.wavelength_nm * 1e-3);
+}
+
+RadiusRange range_of(const EnsembleRequest& request) {
+    const double tail = tail_for(request);
+    return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
+                    : radius_range(request.sizes);
+}
+
+EnsembleProblem problem_of(const EnsembleRequest& request) {
+    const RadiusRange range = range_of(request);
+    return {relative_index_of(request), request.sizes, range,
+            area_share_within(request.sizes, range), wave_number_per_um(request)};
+}
+
+void require_angles(const std::vector<double>& angles_deg) {
+    for (const double angle : angles_deg) {
+        if (!(angle >= 0 && angle <= 180)) throw UsageError("angle_deg", angle, "0 to 180");
+    }
+}
+
+}  // namespace miebrdf::mie

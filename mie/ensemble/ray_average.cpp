@@ -1,0 +1,145 @@
+#include "mie/ensemble/ray_average.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mie/ensemble/exact_extinction.h"
+#include "mie/ensemble/ray_moments.h"
+#include "mie/sizes/size_nodes.h"
+#include "mie/sphere/lane_math.h"
+#include "mie/sphere/radial_functions.h"
+
+namespace miebrdf::mie {
+namespace {
+
+// The wave through the middle of a sphere is behind the diffracted one by rho = 2 x (n - 1). Where
+// that is less than about one turn there is nothing to average (anomalous diffraction).
+constexpr double kLeastDelay = 10;
+constexpr double kLeastIndex = 1.05;
+// A Gaussian spread of rho would leave exp(-rho^2 v / 2).
+constexpr double kPerSpread = 7;
+constexpr double kLeastRayTolerance = 1e-6;  // products are in single precision
+
+// Random ensembles (tests/mie/rays_test.cpp): extinction differs from the exact one by up to
+// `ends`, mostly by a quarter, and moments err by up to 1.2 times that difference, more where both
+// ends of the distribution happen to cancel in extinction.
+constexpr double kEndsWhenKnown = 0.25;
+constexpr double kPerMissed = 3;
+
+// Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of high
+// orders of small spheres.
+constexpr int kSizesPerRule = 16;
+constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
+constexpr int kMostSizes = 128;
+
+// P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
+constexpr double kPhaseBias = 0.5;
+constexpr double kLargestPhaseBound = 1e-3;
+constexpr int kLeastRipples = 240;
+
+double rule_error(double x_effective, int highest_moment, int sizes) {
+    const double fineness = std::max(highest_moment, 1) / x_effective;
+    return (kRuleError + kRuleErrorOfHighMoments * fineness * fineness) * kSizesPerRule / sizes;
+}
+
+}  // namespace
+
+RayBound ray_bound(const EnsembleProblem& problem) {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    const SizeLaw& law = problem.sizes.kind.law();
+    const double n = problem.relative_index.real();
+    const double x = problem.wave_number_per_um * effective_radius_of(problem.sizes);
+    if (law.single_size || !law.analytic || !(n >= kLeastIndex) ||
+        !(problem.relative_index.imag() * x <= 1)) {
+        return {never, never};
+    }
+    RayBound bound;
+    const double delay_per_x = 2 * (n - 1);
+    const double smallest = problem.wave_number_per_um * problem.range.smallest_um;
+    const double largest = problem.wave_number_per_um * problem.range.largest_um;
+    if (law.has_ends) {
+        // Q_ext = 2 - 4/rho sin(rho) of anomalous diffraction, integrated by parts: what its ends
+        // leave, each with the density there.
+        const auto density = area_density(problem.sizes);
+        for (const double at : {smallest, largest}) {
+            const double per_x =
+                density->at(at / problem.wave_number_per_um) / problem.wave_number_per_um;
+            bound.ends += per_x * 2 / (delay_per_x * delay_per_x * at);
+        }
+        bound.spread = smallest * delay_per_x < kLeastDelay ? never : 0;
+    } else {
+        RadiusRange waves = problem.range;
+        waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / problem.wave_number_per_um,
+                                       waves.smallest_um, waves.largest_um);
+        const double in_step = 1 - area_share_within(problem.sizes, waves) / problem.share;
+        bound.spread = 3 * std::max(in_step, 0.0);
+    }
+    const double turned = delay_per_x * x;
+    bound.spread += std::exp(-turned * turned * problem.sizes.effective_variance / kPerSpread);
+    return bound;
+}
+
+double phase_ray_bias(const EnsembleProblem& problem) {
+    const RayBound bound = ray_bound(problem);
+    const double k = problem.wave_number_per_um;
+    const double width = k * (problem.range.largest_um - problem.range.smallest_um);
+    if (!(bound.total() <= kLargestPhaseBound) ||
+        coarsest_even_count(problem.relative_index.real(), width) < kLeastRipples) {
+        return 0;
+    }
+    return kPhaseBias / (k * effective_radius_of(problem.sizes));
+}
+
+std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
+                                                double tolerance, const Executor& run) {
+    if (!(tolerance >= kLeastRayTolerance)) return std::nullopt;
+    const RayBound bound = ray_bound(problem);
+    const double k = problem.wave_number_per_um;
+    const double x = k * effective_radius_of(problem.sizes);
+    if (!(bound.spread + kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
+
+    int size_count = kSizesPerRule;
+    const double ratio = problem.range.largest_um / problem.range.smallest_um;
+    while (size_count < 4 * std::log(ratio)) size_count += kLaneCount;
+    while (!(rule_error(x, highest_moment, size_count) + bound.spread <= 0.5 * tolerance) &&
+           size_count < kMostSizes) {
+        size_count *= 2;
+    }
+    const double of_rule = rule_error(x, highest_moment, size_count);
+    if (!(of_rule + bound.spread + kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
+
+    EnsembleOptics optics;
+    optics.error_estimate = of_rule + bound.total();
+    double exact = 0;
+    if (!(optics.error_estimate <= 0.5 * tolerance)) {
+        exact = exact_extinction(problem.relative_index, problem.sizes, problem.range, k, run) /
+                problem.share;
+    }
+    const int terms = number_of_terms(k * problem.range.largest_um);
+    const MomentTransform transform(terms, std::max(highest_moment, 1));
+    const WeightedSizes sizes(smooth_size_nodes(problem.sizes, problem.range, size_count), k);
+    const RaySums sums = sum_over_rays(problem.relative_index, sizes, transform, run);
+    optics.q_ext = 2 * sums.extinguished / problem.share;
+    if (exact > 0) {
+        const double missed = std::abs(optics.q_ext / exact - 1);
+        optics.error_estimate =
+            of_rule + bound.spread + std::max(kPerMissed * missed, kEndsWhenKnown * bound.ends);
+        if (!(optics.error_estimate <= tolerance)) return std::nullopt;
+        optics.q_ext = exact;
+    }
+    optics.q_abs = 2 * sums.absorbed / problem.share;
+    optics.q_sca = optics.q_ext - optics.q_abs;
+    optics.one_minus_albedo = optics.q_abs / optics.q_ext;
+    optics.single_scattering_albedo = optics.q_sca / optics.q_ext;
+    optics.size_nodes = size_count;
+    optics.chi = transform(sums.collected, run);
+    const double whole = optics.chi[0];
+    for (double& chi : optics.chi) chi /= whole;
+    optics.asymmetry = optics.chi[1];
+    optics.chi.resize(std::max(highest_moment + 1, 0));
+    optics.converged = true;
+    return optics;
+}
+
+}  // namespace miebrdf::mie

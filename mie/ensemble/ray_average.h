@@ -1,0 +1,36 @@
+// Averages over broad distributions of large spheres by rays, where their error is known to be
+// small.
+#pragma once
+
+#include <optional>
+
+#include <miebrdf/ensemble.h>
+#include "mie/ensemble/ensemble_problem.h"
+
+namespace miebrdf::mie {
+
+/// What leaving out the phases between rays costs, before anything is computed: a bound of the
+/// relative error of extinction and of the absolute ones of moments, found over random ensembles
+/// (docs/maths-mie.md#rays). Infinite where rays are no description: sizes without a density or
+/// with bends, |m| near or below 1, or damped ripple.
+struct RayBound {
+    double ends = 0;    ///< of distributions that end sharply
+    double spread = 0;  ///< sizes too alike or too small for phases to average out
+    double total() const { return ends + spread; }
+};
+RayBound ray_bound(const EnsembleProblem& problem);
+
+/// What P by rays errs by, relative to max(P, 1/2), rms over the angles, found in the same way; 0
+/// where P is not to be computed by rays: no bound above, or too few ripples for rays to be
+/// cheaper.
+double phase_ray_bias(const EnsembleProblem& problem);
+
+/// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is
+/// within the tolerance; nothing otherwise. Beside ray_bound the estimate has what the extinction
+/// differs from exact_extinction (not asked where the bound alone is small enough) and what
+/// the rule over sizes leaves in moments, measured over random ensembles.
+/// @param highest_moment  -1: none
+std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
+                                                double tolerance, const Executor& run);
+
+}  // namespace miebrdf::mie

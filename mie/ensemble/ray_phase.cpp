@@ -1,0 +1,225 @@
+#include "mie/ensemble/ray_phase.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "mie/sphere/radial_functions.h"
+#include "mie/sphere/ray_waves.h"
+#include "mie/sphere/vectors.h"
+
+namespace miebrdf::mie {
+namespace {
+
+using Complex = std::complex<double>;
+using Block = SphereBlockOf<float>;
+
+// Orders from 1 on that scatter less than this share of the light together are left out.
+constexpr double kFaintShare = 3e-6;
+constexpr double kNothing = 1e-8;  // glories gather light a thousandfold
+
+MIEBRDF_VECTOR ComplexVector power(const ComplexVector& z, int exponent) {
+    ComplexVector result{Vector{} + 1, Vector{}}, square = z;
+    for (; exponent > 0; exponent /= 2) {
+        if (exponent % 2 == 1) result = result * square;
+        square = square * square;
+    }
+    return result;
+}
+
+// first e^(i phi) / (1 - R e^(i phi))
+MIEBRDF_VECTOR ComplexVector all_from(const ComplexVector& first, const ComplexVector& inner,
+                                      const ComplexVector& turn) {
+    const ComplexVector turned = inner * turn;
+    const ComplexVector below{1 - turned.re, -turned.im};
+    const Vector scale = 1 / (norm(below) + 1e-28);
+    return scale * ((first * turn) * conjugate(below));
+}
+
+// The rays of a group for eight sizes, put into the block's columns.
+class GroupColumns {
+  public:
+    /// @param first_size  of these eight among all sizes of the group
+    GroupColumns(const RayGroup& group, Block& block, int first_column, int first_size,
+                 const Lanes& weight)
+        : group_(group), block_(block), first_column_(first_column) {
+        half_root_weight_ = 0.5 * weight.sqrt();
+        if (group.phases > 0) half_root_weight_ /= std::sqrt(double(group.phases));
+        for (int j = 0; j < group.phases; ++j) {
+            ComplexLanes turn;
+            for (int lane = 0; lane < kLaneCount; ++lane) {
+                // Shifts by the golden ratio fill the circle evenly.
+                const double shift = std::fmod((first_size + lane) * std::numbers::phi, 1.0);
+                const double angle = 2 * std::numbers::pi * (j + shift) / group.phases;
+                turn.re[lane] = std::cos(angle);
+                turn.im[lane] = std::sin(angle);
+            }
+            turns_.push_back(turn);
+        }
+    }
+
+    /// Returns sum over columns and lanes of the weighted |a|^2 + |b|^2.
+    double put(int order, const RayResponse& a, const RayResponse& b) {
+        double energy = 0;
+        for (int first = 0; first < kLaneCount; first += kVectorSize) {
+            const Vector sums = put_some(order, a, b, first);
+            for (int i = 0; i < kVectorSize; ++i) energy += sums[i];
+        }
+        return energy;
+    }
+
+    /// Rows that these eight do not reach, but others of the block do.
+    void clear_beyond(int order) {
+        const int count = kLaneCount * group_.columns();
+        for (int n = order + 1; n <= block_.terms; ++n) {
+            for (auto* wave : {&block_.U, &block_.V}) {
+                wave->row(n).segment(first_column_, count).setZero();
+                wave->row(n).segment(first_column_ + block_.size, count).setZero();
+            }
+        }
+    }
+
+  private:
+    MIEBRDF_VECTOR Vector put_some(int order, const RayResponse& a, const RayResponse& b,
+                                   int first) {
+        const Vector weight = load(half_root_weight_, first);
+        Columns to{block_.U.row(order).data() + first_column_ + first,
+                   block_.V.row(order).data() + first_column_ + first, block_.size, Vector{}};
+        if (group_.first_way == 0) {
+            const ComplexVector outer_a = load(a.outer, first), outer_b = load(b.outer, first);
+            to.put(weight, {1 - outer_a.re, -outer_a.im}, {1 - outer_b.re, -outer_b.im});
+            return to.energy;
+        }
+        const ComplexVector inner_a = load(a.inner, first), inner_b = load(b.inner, first);
+        ComplexVector of_a = load(a.through, first) * power(inner_a, group_.first_way - 1);
+        ComplexVector of_b = load(b.through, first) * power(inner_b, group_.first_way - 1);
+        if (group_.phases > 0) {
+            for (const ComplexLanes& lanes : turns_) {
+                const ComplexVector turn = load(lanes, first);
+                to.put(weight, all_from(of_a, inner_a, turn), all_from(of_b, inner_b, turn));
+            }
+            return to.energy;
+        }
+        for (int way = group_.first_way; way <= group_.last_way; ++way) {
+            to.put(weight, of_a, of_b);
+            of_a = of_a * inner_a;
+            of_b = of_b * inner_b;
+        }
+        return to.energy;
+    }
+
+    struct Columns {
+        float *u, *v;
+        int imaginary;  // columns further on
+        Vector energy;
+
+        // a, b: twice the coefficients; their sign does not matter.
+        MIEBRDF_VECTOR void put(const Vector& half, const ComplexVector& a,
+                                const ComplexVector& b) {
+            const ComplexVector A = half * a, B = half * b;
+            store(A.re + B.re, u);
+            store(A.im + B.im, u + imaginary);
+            store(A.re - B.re, v);
+            store(A.im - B.im, v + imaginary);
+            energy += norm(A) + norm(B);
+            u += kLaneCount;
+            v += kLaneCount;
+        }
+    };
+
+    const RayGroup& group_;
+    Block& block_;
+    int first_column_;
+    Lanes half_root_weight_;
+    std::vector<ComplexLanes> turns_;
+};
+
+template <typename Number>
+void fill_eight(Number m, const Lanes& x, GroupColumns& columns, std::vector<double>& energy) {
+    Lanes last_order;
+    for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(x[lane]);
+    const int terms = static_cast<int>(last_order.maxCoeff());
+    RayWaves<Number> waves(m, x);
+    RayResponse a, b;
+    for (int n = 1; n <= terms; ++n) {
+        waves.advance(last_order, a, b);
+        energy[n] += (2 * n + 1) * columns.put(n, a, b);
+    }
+    columns.clear_beyond(terms);
+}
+
+Block& kept_block() {
+    thread_local Block block;
+    return block;
+}
+
+}  // namespace
+
+std::vector<RayGroup> ray_groups(double index) {
+    // The even rule of n + 1 sizes has n: the one at the end has no weight. Below n = 2 the rays of
+    // two ways have a rainbow.
+    const RayGroup two_ways =
+        index < 2 ? RayGroup{2, 2, {41, 49}, false} : RayGroup{2, 2, {25, 33}, false};
+    return {{0, 0, {33, 41}, false},
+            {1, 1, {8, 8}, true},
+            two_ways,
+            {3, 4, {17, 25}, false},
+            {5, 0, {8, 8}, true, 6}};
+}
+
+WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
+                        const RadiusRange& range, double wave_number_per_um, int family,
+                        int level) {
+    const int count = group.sizes[family];
+    if (!group.is_smooth) {
+        return WeightedSizes(
+            nested_size_nodes(distribution, range, count, level, SizeSpacing::geometric),
+            wave_number_per_um);
+    }
+    return WeightedSizes(smooth_size_nodes(distribution, range, count << level,
+                                           family == 0 ? SmoothRule::gauss : SmoothRule::fejer),
+                         wave_number_per_um);
+}
+
+RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
+                               const WeightedSizes& sizes, int first_size, int size_count,
+                               const AngularFunctionsOf<float>& angular) {
+    const int vectors = (size_count + kLaneCount - 1) / kLaneCount;
+    const int columns_of_vector = kLaneCount * group.columns();
+    const int terms = number_of_terms(sizes.parameters[first_size + size_count - 1]);
+    Block& block = kept_block();
+    block.make_room(terms, vectors * columns_of_vector);
+    std::vector<double> energy(terms + 1, 0.0);
+    double light = 0;
+    for (int vector = 0; vector < vectors; ++vector) {
+        Lanes x, weight;
+        for (int lane = 0; lane < kLaneCount; ++lane) {
+            const int i = vector * kLaneCount + lane;
+            const int at = first_size + std::min(i, size_count - 1);
+            x[lane] = sizes.parameters[at];
+            weight[lane] = i < size_count ? sizes.weights[at] : 0.0;
+        }
+        light += (weight * x.square()).sum();
+        GroupColumns columns(group, block, vector * columns_of_vector,
+                             first_size + vector * kLaneCount, weight);
+        if (relative_index.imag() == 0) {
+            fill_eight(relative_index.real(), x, columns, energy);
+        } else {
+            fill_eight(relative_index, x, columns, energy);
+        }
+    }
+    RayIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
+    for (const double share : energy) sum.scattered += 2 * share;
+    if (sum.scattered < kNothing * light) return sum;
+    block.first_term = 1;
+    double faint = 0;
+    while (block.first_term < terms && (faint += energy[block.first_term]) < kFaintShare * light) {
+        ++block.first_term;
+    }
+    angular.add_intensity(block, sum.at_angles);
+    block.first_term = 1;
+    return sum;
+}
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,44 @@
+// The phase function of broad distributions by rays of the Debye series.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "mie/ensemble/size_sums.h"
+#include "mie/sizes/size_law.h"
+
+namespace miebrdf::mie {
+
+/// Rays that leave after first_way ... last_way ways through the sphere, and how many sizes they
+/// take at level 0, in each of two families.
+struct RayGroup {
+    int first_way, last_way;  ///< last_way 0: all further ones, summed with `phases` phases
+    int sizes[2];
+    bool is_smooth;  ///< few rays come to one angle: sizes by Gauss and Fejer rules in ln r
+    int phases = 0;
+
+    int columns() const { return phases > 0 ? phases : last_way - first_way + 1; }
+};
+
+/// Groups of rays of which P is the incoherent sum:
+///     P(theta) = sum_p <|S_p(theta)|^2>.
+/// Rays of many ways are summed as T R^(p-1) e^(i phi) / (1 - R e^(i phi)) with equally spaced
+/// phases phi, which leaves the products of rays `phases` ways apart; the phases of the next size
+/// are shifted, so that these average out, too. Counts: half a per cent of max(P, 1/2), rms over
+/// the angles, for each group (docs/internals/mie-log.md).
+std::vector<RayGroup> ray_groups(double index);
+
+/// Sizes of one family of a group at a level (SizeFamilies).
+WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
+                        const RadiusRange& range, double wave_number_per_um, int family, int level);
+
+/// Sum over sizes of one group; the same bits for any executor.
+struct RayIntensity {
+    Eigen::VectorXd at_angles;
+    double scattered = 0;  ///< as FamilyIntensity
+};
+RayIntensity intensity_of_rays(std::complex<double> relative_index, const RayGroup& group,
+                               const WeightedSizes& sizes, int first_size, int size_count,
+                               const AngularFunctionsOf<float>& angular);
+
+}  // namespace miebrdf::mie

@@ -1,0 +1,254 @@
+// Rays of the Debye series against partial waves and against sums over many spheres.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+#include "mie/ensemble/phase_tabulation.h"
+#include "mie/ensemble/ray_average.h"
+#include "mie/ensemble/ray_moments.h"
+#include "mie/ensemble/size_sums.h"
+#include "mie/sphere/radial_functions.h"
+#include "mie/sphere/ray_waves.h"
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+using Complex = std::complex<double>;
+using Kind = mie::SizeDistributionKind;
+
+namespace {
+
+mie::EnsembleProblem problem_of(Kind kind, Complex m, double x_effective, double variance) {
+    mie::EnsembleProblem problem;
+    problem.relative_index = m;
+    problem.sizes.kind = kind;
+    problem.sizes.effective_radius_um = 1;
+    problem.sizes.effective_variance = variance;
+    problem.wave_number_per_um = x_effective;
+    problem.range = problem.sizes.kind.law().has_ends
+                        ? mie::radius_range(problem.sizes)
+                        : mie::radius_range(problem.sizes, 1e-6, 1 / x_effective);
+    problem.share = mie::area_share_within(problem.sizes, problem.range);
+    return problem;
+}
+
+struct Truth {
+    double q_ext = 0, one_minus_albedo = 0;
+    std::vector<double> chi;
+};
+
+// Sums over equally spaced spheres.
+Truth sampled(const mie::EnsembleProblem& problem, int width, int count, double offset) {
+    const double k = problem.wave_number_per_um;
+    mie::SizeSumOptions options;
+    options.terms = mie::number_of_terms(k * problem.range.largest_um);
+    options.band_width = width;
+    const mie::WeightedSizes sizes(
+        mie::even_size_nodes(problem.sizes, problem.range, count, offset), k);
+    const auto sums =
+        mie::sum_over_sizes(problem.relative_index, sizes, options, mie::run_in_order);
+    Truth truth;
+    const double extinguished = sums.spheres.scattered + sums.spheres.absorbed;
+    truth.q_ext = 2 * extinguished / problem.share;
+    truth.one_minus_albedo = sums.spheres.absorbed / extinguished;
+    truth.chi = mie::moments_from_covariance(sums.covariance);
+    const double whole = truth.chi[0];
+    for (double& chi : truth.chi) chi /= whole;
+    return truth;
+}
+
+template <typename Optics>
+double distance(const Optics& a, const Truth& b) {
+    double largest = std::abs(a.q_ext / b.q_ext - 1);
+    for (std::size_t l = 0; l < b.chi.size(); ++l)
+        largest = std::max(largest, std::abs(a.chi[l] - b.chi[l]));
+    return largest;
+}
+
+template <typename Number>
+double worst_coefficient(Number m) {
+    mie::Lanes x, last_order;
+    for (int lane = 0; lane < mie::kLaneCount; ++lane) {
+        x[lane] = 60 * std::pow(1.7, lane) + 0.3;  // lanes of very different x end early
+        last_order[lane] = mie::number_of_terms(x[lane]);
+    }
+    std::vector<mie::Coefficients> spheres;
+    for (const double size : x) spheres.push_back(mie::mie_coefficients(m, size));
+    mie::RayWaves<Number> waves(m, x);
+    mie::RayResponse a, b;
+    double worst = 0;
+    for (int n = 1; n <= static_cast<int>(last_order.maxCoeff()); ++n) {
+        waves.advance(last_order, a, b);
+        for (int lane = 0; lane < mie::kLaneCount; ++lane) {
+            const auto at = [lane](const mie::ComplexLanes& z) {
+                return Complex(z.re[lane], z.im[lane]);
+            };
+            const auto error = [&](const mie::RayResponse& r, const std::vector<Complex>& exact) {
+                const auto i = static_cast<std::size_t>(n) - 1;
+                const Complex reference = i < exact.size() ? exact[i] : 0.0;
+                // Near resonances the geometric sum amplifies rounding by its own denominator.
+                const Complex below = 1.0 - at(r.inner);
+                const Complex sum = 0.5 * (1.0 - at(r.outer) - at(r.through) / below);
+                return std::abs(sum - reference) * std::abs(below);
+            };
+            worst = std::max({worst, error(a, spheres[lane].a), error(b, spheres[lane].b)});
+        }
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("rays of the Debye series sum to the coefficients of the sphere", "[mie][rays]") {
+    // Rounding of upward recurrences, which grows with x (2500 at most here).
+    for (const double n : {1.05, 1.31, 1.5, 2.6, 3.7}) {
+        CAPTURE(n);
+        CHECK(worst_coefficient(n) <= 1e-12);
+    }
+    for (const Complex m : {Complex(1.31, 1e-8), Complex(1.5, 1e-4), Complex(2.6, 1e-4)}) {
+        CAPTURE(m);
+        CHECK(worst_coefficient(m) <= 5e-12);
+    }
+}
+
+TEST_CASE("no light is lost in rays through transparent spheres", "[mie][rays]") {
+    // chi_0 of the incoherent sum is what scatters; extinction comes from the forward direction.
+    const double n = GENERATE(1.2, 1.5, 2.6);
+    const auto problem = problem_of(Kind::gamma, n, 300, 0.1);
+    const double k = problem.wave_number_per_um;
+    const mie::MomentTransform transform(mie::number_of_terms(k * problem.range.largest_um), 16);
+    const mie::WeightedSizes sizes(mie::smooth_size_nodes(problem.sizes, problem.range, 24), k);
+    const auto sums =
+        mie::sum_over_rays(problem.relative_index, sizes, transform, mie::run_in_order);
+    CAPTURE(n);
+    CHECK(sums.absorbed == 0);
+    // Single precision of the products.
+    CHECK(std::abs(0.5 * transform(sums.collected)[0] / sums.extinguished - 1) <= 1e-6);
+}
+
+TEST_CASE("averages by rays are within their stated error", "[mie][rays][honesty]") {
+    std::mt19937 random(20261123);
+    const auto between = [&](double low, double high) {
+        return std::exp(
+            std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
+    };
+    int accepted = 0;
+    for (int i = 0; i < 60; ++i) {
+        const double n = 1 + between(0.06, 2.8), x = between(20, 180), v = between(0.02, 0.35);
+        const double k = i % 2 == 0 ? 0.0 : between(1e-7, 1 / x);
+        const Kind kind = std::array{Kind::power_law, Kind::gamma, Kind::log_normal}[i % 3];
+        const double tolerance = i % 4 < 2 ? 5e-3 : 5e-4;
+        const auto problem = problem_of(kind, {n, k}, x, v);
+        constexpr int width = 32;
+        const auto rays = mie::average_over_rays(problem, width, tolerance, mie::run_in_order);
+        if (!rays) continue;
+        ++accepted;
+        const int count = static_cast<int>(std::clamp(
+            20 * x * (problem.range.largest_um - problem.range.smallest_um), 1000.0, 8000.0));
+        const Truth one = sampled(problem, width, count, 0.25);
+        const Truth other = sampled(problem, width, count, 0.75);
+        const double granted = 0.5 * distance(one, other);
+        CAPTURE(name_of(kind), n, k, x, v, tolerance, granted, rays->error_estimate);
+        CHECK(rays->error_estimate <= tolerance);
+        CHECK(distance(*rays, one) <= rays->error_estimate + 2 * granted);
+        if (k > 0) {
+            const double similar =
+                rays->one_minus_albedo / (1 - rays->single_scattering_albedo * rays->asymmetry);
+            const double weight = std::min(0.15, 0.5 * std::sqrt(6 * similar));
+            const double missed = std::abs(std::log(rays->one_minus_albedo / one.one_minus_albedo));
+            const double own = std::abs(std::log(other.one_minus_albedo / one.one_minus_albedo));
+            CHECK(weight * missed <= rays->error_estimate + 2 * weight * own);
+        }
+    }
+    CHECK(accepted >= 20);
+}
+
+TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
+    const auto refused = [](const mie::EnsembleProblem& problem, double tolerance) {
+        return !mie::average_over_rays(problem, 16, tolerance, mie::run_in_order).has_value();
+    };
+    CHECK_FALSE(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-3));
+    CHECK(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-7));         // single precision
+    CHECK(refused(problem_of(Kind::gamma, 1.01, 300, 0.1), 1e-3));        // one wave in step
+    CHECK(refused(problem_of(Kind::gamma, 0.75, 300, 0.1), 1e-3));        // bubbles
+    CHECK(refused(problem_of(Kind::gamma, 1.5, 10, 0.1), 1e-3));          // small
+    CHECK(refused(problem_of(Kind::gamma, 1.3, 30, 0.001), 1e-3));        // all alike
+    CHECK(refused(problem_of(Kind::power_law, 1.5, 15, 0.1), 1e-3));      // ends
+    CHECK(refused(problem_of(Kind::gamma, {1.5, 0.1}, 300, 0.1), 1e-3));  // damped
+    auto single = problem_of(Kind::gamma, 1.5, 300, 0.1);
+    single.sizes.kind = Kind::mono;
+    CHECK(refused(single, 1e-3));
+}
+
+TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][honesty]") {
+    const auto problem = problem_of(Kind::power_law, GENERATE(1.5, 2.6), 420, 0.2);
+    const double k = problem.wave_number_per_um;
+    std::vector<double> angles_deg;
+    for (double angle = 1; angle <= 180; angle += 1) angles_deg.push_back(angle);
+    mie::SizeSumOptions sums;
+    sums.terms = mie::number_of_terms(k * problem.range.largest_um);
+    const mie::AngularFunctions functions(angles_deg, sums.terms);
+    sums.angles = &functions;
+    Eigen::VectorXd P[2];
+    double scattered = 0;
+    for (const int half : {0, 1}) {
+        const mie::WeightedSizes sizes(
+            mie::even_size_nodes(problem.sizes, problem.range, 3000, 0.25 + 0.5 * half), k);
+        const auto all =
+            mie::sum_over_sizes(problem.relative_index, sizes, sums, mie::run_in_order);
+        P[half] = all.intensity / (2 * all.spheres.scattered);
+        scattered += all.spheres.scattered;
+    }
+    const auto exact = [&](std::size_t i) { return 0.5 * (P[0][i] + P[1][i]); };
+    const auto granted = [&](std::size_t i) { return 0.5 * std::abs(P[0][i] - P[1][i]); };
+    mie::PhaseTabulationOptions options;
+    options.floor = 0.5;
+    options.interpolation_tolerance = 3e-3;
+    options.by_rays = true;
+    options.ray_bias = mie::phase_ray_bias(problem);
+    REQUIRE(options.ray_bias > 0);
+    options.scattering_efficiency = scattered;
+    const auto table = mie::tabulate_phase(problem.relative_index, problem.sizes, problem.range, k,
+                                           options, mie::run_in_order)
+                           .table;
+    double squares = 0, stated = 0, truth = 0;
+    int beyond = 0;
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+        const double mu = std::cos(angles_deg[i] * std::numbers::pi / 180);
+        const double scale = std::max(exact(i), options.floor);
+        const double error = (table(mu) - exact(i)) / scale, noise = table.noise(mu) / scale;
+        squares += error * error;
+        truth += std::pow(granted(i) / scale, 2);
+        stated += noise * noise;
+        beyond += !(std::abs(error) <= 3 * noise + 3 * granted(i) / scale);
+    }
+    CAPTURE(std::sqrt(squares / 180), std::sqrt(stated / 180), std::sqrt(truth / 180), beyond);
+    CHECK(squares <= stated + 2 * truth);
+    CHECK(beyond <= 9);  // one in twenty
+
+    // Single angles, each with an error of its own: twice an rms.
+    mie::EnsembleRequest request;
+    request.sizes = problem.sizes;
+    request.refractive_index = problem.relative_index;
+    request.wavelength_nm = 2 * std::numbers::pi * 1e3 / k;
+    request.phase_tolerance = 2e-2;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 3; i < angles_deg.size(); i += 11) places.push_back(i);
+    places.push_back(angles_deg.size() - 1);
+    for (const std::size_t i : places) request.angles_deg.push_back(angles_deg[i]);
+    const auto single = mie::phase_at_angles(request, 0.0);
+    int too_far = 0;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+        const double error = std::abs(single.phase[j] - exact(places[j]));
+        UNSCOPED_INFO(request.angles_deg[j] << " deg: P " << single.phase[j] << " exact "
+                                            << exact(places[j]) << " stated " << single.error[j]);
+        too_far += !(error <= single.error[j] + 3 * granted(places[j]));
+        CHECK(error <= 2 * single.error[j] + 3 * granted(places[j]));
+    }
+    CHECK(too_far <= 1);
+}
