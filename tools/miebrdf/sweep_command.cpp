@@ -143,6 +143,7 @@ int run_sweep(const sweep::Sweep& sweep, const SweepArguments& arguments, const 
 void require_one_task(const SweepArguments& a) {
     const int tasks = int(a.plan) + int(a.merge) + int(!a.part.empty()) + int(a.sbatch_parts > 0);
     if (tasks > 1) throw UsageError("--plan, --part, --merge and --sbatch: give one of them");
+    if (!a.part.empty()) sweep::parse_share(a.part);
 }
 
 void add_options(CLI::App& command, SweepArguments& arguments) {
