@@ -181,6 +181,10 @@ void Parts::write(const Chunk& chunk, const std::vector<SceneResult>& results) c
     file.commit();
 }
 
+fs::path Parts::unfinished_table(const fs::path& table) const {
+    return folder_ / (kName + table.filename().string());
+}
+
 void Parts::remove() const {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {

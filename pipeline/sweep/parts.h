@@ -55,6 +55,10 @@ class Parts {
     /// @throws InputError  when it cannot be written; what is there stays
     void write(const Chunk& chunk, const std::vector<SceneResult>& results) const;
 
+    /// Where a table is written before it appears beside the folder; remove() takes what a killed
+    /// process leaves of it.
+    std::filesystem::path unfinished_table(const std::filesystem::path& table) const;
+
     /// Removes the files of this folder that parts have names of, then the folder if it is empty.
     void remove() const;
 

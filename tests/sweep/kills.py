@@ -24,8 +24,8 @@ albedo = "0.1:0.9:9 linear"
 g = [0, 0.2, 0.4]
 depth = "0.1:3:30 log"
 mu_in = [0.5, 1]
-mu_out = "0.1:1:0.1"
-azimuth_deg = "0:180:30"
+mu_out = [0.3, 0.9]
+azimuth_deg = [0, 180]
 wavelength_nm = 550
 """
 
@@ -79,8 +79,9 @@ def main():
     subprocess.run(command + [str(folder / tables[1])], check=True)
     if not same(folder, tables):
         sys.exit("the table differs from that of an undisturbed run")
-    if parts.exists():
-        sys.exit("parts were left behind")
+    left = sorted(file.name for file in folder.iterdir())
+    if left != sorted(tables + ["sweep.toml"]):
+        sys.exit(f"left behind: {left}")
     if replaced:
         sys.exit(f"{replaced} finished chunks were computed again")
     print(f"{kills} kills in {runs} runs, {restarts} completed between them; "

@@ -95,13 +95,24 @@ int tell_report(const sweep::TableReport& report, const std::string& table, cons
     return report.failed + report.not_converged == 0 ? kGood : kNotConverged;
 }
 
+/// Moves a finished table out of the folder of parts, where whatever a killed run leaves of one is
+/// removed with them.
+void move_table(const fs::path& from, const fs::path& table) {
+    std::error_code error;
+    fs::rename(from, fs::is_symlink(table) ? fs::weakly_canonical(table) : table, error);
+    if (error)
+        throw InputError(fmt::format("cannot write '{}': {}", table.string(), error.message()));
+}
+
 int merge(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::Parts& parts,
           const SweepArguments& arguments, const Shell& shell) {
     const std::string& table = shell.common().output;
+    const fs::path unfinished = parts.unfinished_table(table);
     sweep::TableReport report;
     try {
-        const auto writer = writer_of(sweep, layout, table);
+        const auto writer = writer_of(sweep, layout, unfinished.string());
         report = sweep::write_table(parts, *writer, shell.control());
+        move_table(unfinished, table);
     } catch (const InputError& error) {
         throw InputError(
             fmt::format("{}; parts are kept in '{}'", error.what(), parts.folder().string()));

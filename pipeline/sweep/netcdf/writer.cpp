@@ -100,7 +100,8 @@ class NetcdfWriter : public TableWriter {
         handle_.put_text(NC_GLOBAL, "title", sweep_.title.empty() ? "miebrdf sweep" : sweep_.title);
         handle_.put_text(NC_GLOBAL, "source", origin.program);
         handle_.put_text(NC_GLOBAL, "references",
-                         fmt::format("refractive indices: {}", fmt::join(origin.sources, "; ")));
+                         fmt::format("media of the first scene and of texts: {}",
+                                     fmt::join(origin.sources, "; ")));
         handle_.put_text(NC_GLOBAL, "sweep_identity", origin.identity);
         handle_.put_text(NC_GLOBAL, "sweep_file", sweep_.text);
     }
