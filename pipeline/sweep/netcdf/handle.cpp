@@ -1,5 +1,6 @@
 #include "pipeline/sweep/netcdf/handle.h"
 
+#include <H5public.h>
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 
@@ -20,6 +21,13 @@ std::string likely_cause(const std::string& file) {
     return !unknown && space.available < kLeastRoom ? ": the disk is full" : "";
 }
 
+/// After a write that failed, HDF5 tries once more when the process ends, and crashes there. Files
+/// are closed here, so nothing is left for it to do. Only before its first use.
+void let_hdf5_rest_at_exit() {
+    static const herr_t done = H5dont_atexit();
+    static_cast<void>(done);  // too late where somebody else uses HDF5: as before
+}
+
 }  // namespace
 
 NetcdfHandle::~NetcdfHandle() {
@@ -27,6 +35,7 @@ NetcdfHandle::~NetcdfHandle() {
 }
 
 void NetcdfHandle::create(const std::string& path) {
+    let_hdf5_rest_at_exit();
     check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_));
 }
 
