@@ -6,12 +6,12 @@ say() { printf '\n== %s\n' "$*"; }
 packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev libsqlite3-dev
                   libfmt-dev libtbb-dev nlohmann-json3-dev libcli11-dev
                   libtomlplusplus-dev libyaml-dev libsodium-dev librsvg2-dev
-                  libzip-dev libopenexr-dev libpugixml-dev zlib1g-dev libjs-three
+                  libzip-dev libopenexr-dev libpugixml-dev zlib1g-dev libjs-three libnetcdf-dev
                   python3-dev pybind11-dev python3-numpy)
 # Rendering is optional; its tests run only with these.
 packages_tests=("${packages_program[@]}" catch2 libembree-dev libtinyobjloader-dev libpng-dev
-                python3-pytest python3-venv python3-xarray
-                python3-matplotlib python3-tqdm debootstrap dpkg-dev)
+                python3-pytest python3-venv python3-xarray python3-netcdf4 netcdf-bin
+                python3-matplotlib python3-tqdm chromium slurm-wlm munge debootstrap dpkg-dev)
 packages_gates=("${packages_program[@]}" clang clang-format clang-tidy python3-numpy mypy)
 packages_coverage=("${packages_tests[@]}" gcovr)
 

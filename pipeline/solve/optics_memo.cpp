@@ -74,6 +74,11 @@ int OpticsMemo::found() const {
     return found_;
 }
 
+std::size_t OpticsMemo::free_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return free_bytes_;
+}
+
 std::shared_ptr<OpticsMemo> make_optics_memo(std::size_t limit_bytes) {
     return std::make_shared<OpticsMemo>(limit_bytes);
 }

@@ -27,7 +27,8 @@ class OpticsMemo {
 
     std::shared_ptr<const MediumOptics> find(const std::string& hash);
     void keep(const std::string& hash, const MediumOptics& optics);
-    int found() const;  ///< how often something was there
+    int found() const;               ///< how often something was there
+    std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
 
   private:
     mutable std::mutex mutex_;

@@ -33,6 +33,7 @@ set(allowed_pipeline/formats materials/database pipeline/solve pipeline/io pipel
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
 set(allowed_pipeline/report pipeline/scene pipeline/solve pipeline/plan pipeline/io rte/surface rte/boundary ${rte_solver})
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io rte/surface ${rte_solver})
+set(allowed_pipeline/sweep pipeline/scene pipeline/solve pipeline/cache pipeline/io pipeline/colour materials/database materials/index ${rte_solver})
 
 set(areas_seen_by_materials materials)
 set(areas_seen_by_mie mie)

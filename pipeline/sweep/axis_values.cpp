@@ -1,0 +1,208 @@
+#include "pipeline/sweep/axis_values.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include "materials/database/names.h"
+#include "pipeline/scene/number_list.h"
+
+namespace miebrdf::sweep {
+namespace {
+
+constexpr double kLongestAxis = 1'000'000;
+
+/// "50:1000:10" of "50:1000:10 log", with what follows it.
+struct RangeText {
+    std::string range, spacing;
+};
+
+RangeText split_spacing(const std::string& text) {
+    const std::string whole = trimmed_text(text);
+    const std::size_t blank = whole.find_first_of(" \t");
+    if (blank == std::string::npos) return {whole, ""};
+    return {whole.substr(0, blank), trimmed_text(whole.substr(blank))};
+}
+
+/// first, last, count.
+std::array<double, 3> ends_and_count(const std::string& name, const RangeText& text) {
+    const std::vector<std::string> parts = split_list(text.range, ':');
+    if (parts.size() != 3) {
+        throw UsageError(
+            fmt::format("axis {}: '{}' is no range; write first:last:count {}, e.g. "
+                        "50:1000:10 {}",
+                        name, text.range, text.spacing, text.spacing));
+    }
+    std::array<double, 3> ends{};
+    for (std::size_t i = 0; i < 3; ++i) ends[i] = parse_number(parts[i], "axis " + name);
+    const double count = ends[2];
+    if (!(count >= 1 && count <= kLongestAxis && count == std::floor(count))) {
+        throw UsageError(fmt::format("axis {}: {} is no number of values; allowed: 1 to {}", name,
+                                     count, kLongestAxis));
+    }
+    if (count == 1 && ends[0] != ends[1]) {
+        throw UsageError(
+            fmt::format("axis {}: one value cannot reach from {} to {}", name, ends[0], ends[1]));
+    }
+    return ends;
+}
+
+std::vector<double> counted_range(const std::string& name, const RangeText& text) {
+    const auto [first, last, count] = ends_and_count(name, text);
+    const bool is_log = text.spacing == "log";
+    if (is_log && !(first > 0.0 && last > 0.0)) {
+        throw UsageError(fmt::format("axis {}: '{} log' goes through numbers that are not positive",
+                                     name, text.range));
+    }
+    std::vector<double> numbers;
+    for (int i = 0; i < int(count); ++i) {
+        const double t = count > 1 ? i / (count - 1) : 0.0;
+        const double value =
+            is_log ? first * std::pow(last / first, t) : first + t * (last - first);
+        // People read twelve digits of these; the ends are as they were typed.
+        numbers.push_back(i == 0                ? first
+                          : i + 1 == int(count) ? last
+                                                : std::stod(fmt::format("{:.12g}", value)));
+    }
+    return numbers;
+}
+
+std::vector<std::string> fields_of(const std::string& line) {
+    std::vector<std::string> fields = split_list(line);
+    for (std::string& field : fields) {
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+            field = field.substr(1, field.size() - 2);
+    }
+    return fields;
+}
+
+std::vector<std::vector<std::string>> read_lines(const std::string& file) {
+    std::ifstream stream(file);
+    if (!stream) throw InputError(fmt::format("cannot read '{}'", file));
+    std::vector<std::vector<std::string>> lines;
+    std::string line;
+    for (std::size_t number = 1; std::getline(stream, line); ++number) {
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+        if (trimmed(line).empty() || line.front() == '#') continue;
+        lines.push_back(fields_of(line));
+        if (lines.back().size() != lines.front().size()) {
+            throw InputError(fmt::format("'{}', line {}: {} fields; the line of names has {}", file,
+                                         number, lines.back().size(), lines.front().size()));
+        }
+    }
+    if (lines.size() < 2) {
+        throw InputError(fmt::format(
+            "'{}' has no samples; a line of names comes first, then one for each sample", file));
+    }
+    return lines;
+}
+
+std::optional<double> number_in(const std::string& text) {
+    try {
+        return parse_number(text, "");
+    } catch (const UsageError&) {
+        return std::nullopt;
+    }
+}
+
+Axis axis_of_texts(const std::string& name, const std::vector<std::string>& texts) {
+    std::vector<double> numbers;
+    for (const std::string& text : texts) {
+        const auto number = number_in(text);
+        if (!number) break;
+        numbers.push_back(*number);
+    }
+    if (numbers.size() < texts.size()) return {.name = name, .words = texts, .unit = ""};
+    return axis_of(name, numbers);
+}
+
+}  // namespace
+
+std::string unit_in(const std::string& name) {
+    static constexpr std::array<std::pair<const char*, const char*>, 9> kEndings = {
+        {{"_kg_m3", "kg m-3"},
+         {"_kg_m2", "kg m-2"},
+         {"_deg", "degree"},
+         {"_um", "um"},
+         {"_nm", "nm"},
+         {"_mm", "mm"},
+         {"_cm", "cm"},
+         {"_ppb", "1e-9"},
+         {"_ppm", "1e-6"}}};
+    for (const auto& [ending, unit] : kEndings) {
+        const std::string_view end(ending);
+        if (name.size() > end.size() && name.ends_with(end)) return unit;
+    }
+    return "";
+}
+
+Axis axis_of(const std::string& name, std::vector<double> numbers) {
+    Axis axis{.name = name, .words = {}, .numbers = std::move(numbers), .unit = unit_in(name)};
+    for (const double number : axis.numbers) {
+        if (!std::isfinite(number))
+            throw UsageError(fmt::format("axis {}: {} is not a finite number", name, number));
+        axis.words.push_back(fmt::format("{}", number));
+    }
+    return axis;
+}
+
+Axis parse_axis(const std::string& name, const std::string& text) {
+    const RangeText parts = split_spacing(text);
+    if (parts.spacing == "log" || parts.spacing == "linear") {
+        Axis axis = axis_of(name, counted_range(name, parts));
+        axis.is_logarithmic = parts.spacing == "log";
+        return axis;
+    }
+    if (!parts.spacing.empty() && text.find(',') == std::string::npos) {
+        throw UsageError(
+            fmt::format("axis {}: '{}' is no spacing; allowed: log, linear, both "
+                        "after first:last:count",
+                        name, parts.spacing));
+    }
+    if (name == "wavelength_nm") return axis_of(name, parse_wavelengths_nm(text));
+    try {
+        return axis_of(name, parse_number_list(text, "axis " + name));
+    } catch (const UsageError& error) {
+        throw UsageError(
+            fmt::format("{}; texts are written as a list, [\"TiO2\", \"ZnO\"]", error.what()));
+    }
+}
+
+std::vector<Axis> read_columns(const std::string& file, const std::vector<std::string>& columns) {
+    const auto lines = read_lines(file);
+    const std::vector<std::string>& names = lines.front();
+    std::vector<Axis> axes;
+    for (const std::string& wanted : columns.empty() ? names : columns) {
+        const auto found = std::find(names.begin(), names.end(), wanted);
+        if (found == names.end()) {
+            throw UsageError(fmt::format("'{}' has no column '{}'; it has: {}", file, wanted,
+                                         fmt::join(names, ", ")));
+        }
+        std::vector<std::string> texts;
+        for (std::size_t row = 1; row < lines.size(); ++row)
+            texts.push_back(lines[row][std::size_t(found - names.begin())]);
+        axes.push_back(axis_of_texts(wanted, texts));
+    }
+    return axes;
+}
+
+void require_monotonic(const Axis& axis) {
+    const std::vector<double>& x = axis.numbers;
+    for (std::size_t i = 1; i < x.size(); ++i) {
+        if ((x[i] > x[i - 1]) == (x[1] > x[0]) && x[i] != x[i - 1]) continue;
+        throw UsageError(fmt::format("axis {}: {} follows {}; values must ascend or descend",
+                                     axis.name, x[i], x[i - 1]));
+    }
+    for (std::size_t i = 0; axis.is_text() && i < axis.words.size(); ++i) {
+        if (std::count(axis.words.begin(), axis.words.end(), axis.words[i]) == 1) continue;
+        throw UsageError(fmt::format("axis {}: '{}' is there twice", axis.name, axis.words[i]));
+    }
+}
+
+}  // namespace miebrdf::sweep

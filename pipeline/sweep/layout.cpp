@@ -1,0 +1,84 @@
+#include "pipeline/sweep/layout.h"
+
+namespace miebrdf::sweep {
+namespace {
+
+class LayoutBuilder {
+  public:
+    void add(const std::string& name, const std::string& long_name, const std::string& unit,
+             const std::vector<const Axis*>& axes) {
+        Variable variable{name, long_name, unit, axes, layout_.record, 1};
+        for (const Axis* axis : axes) variable.size *= axis->size();
+        layout_.record += variable.size;
+        layout_.variables.push_back(std::move(variable));
+    }
+    Layout finished() { return std::move(layout_); }
+
+  private:
+    Layout layout_;
+};
+
+void add_colours(LayoutBuilder& builder, const Sweep& sweep) {
+    const bool plane = sweep.incidence.size() > 0;
+    const std::vector<const Axis*> axes =
+        plane ? std::vector<const Axis*>{&sweep.incidence} : std::vector<const Axis*>{};
+    const std::string of = std::string(" of the ") + (plane ? "plane" : "spherical") + " albedo, " +
+                           describe(sweep.viewing);
+    for (const char* name : {"X", "Y", "Z"})
+        builder.add(name, std::string("tristimulus value ") + name + of, "1", axes);
+    for (const char* name : {"L_star", "a_star", "b_star"})
+        builder.add(name, std::string("CIE 1976 ") + name + of, "1", axes);
+}
+
+}  // namespace
+
+const Variable* Layout::find(const std::string& name) const {
+    for (const Variable& variable : variables) {
+        if (variable.name == name) return &variable;
+    }
+    return nullptr;
+}
+
+Layout layout_of(const Sweep& sweep) {
+    const Axis *w = &sweep.wavelength, *in = &sweep.incidence, *out = &sweep.reflection;
+    LayoutBuilder builder;
+    for (const Output output : sweep.outputs) {
+        switch (output) {
+            case Output::brdf:
+                builder.add("brdf", "bidirectional reflectance distribution function", "sr-1",
+                            {w, in, out, &sweep.azimuth});
+                break;
+            case Output::plane_albedo:
+                builder.add("plane_albedo", "plane albedo (directional-hemispherical reflectance)",
+                            "1", {w, in});
+                break;
+            case Output::spherical_albedo:
+                builder.add("spherical_albedo", "spherical albedo (bihemispherical reflectance)",
+                            "1", {w});
+                break;
+            case Output::plane_transmittance:
+                builder.add("plane_transmittance", "net flux into the substrate", "1", {w, in});
+                break;
+            case Output::spherical_transmittance:
+                builder.add("spherical_transmittance",
+                            "net flux into the substrate, of uniform light", "1", {w});
+                break;
+            case Output::colour:
+                add_colours(builder, sweep);
+        }
+    }
+    return builder.finished();
+}
+
+std::vector<const Axis*> asked_axes(const Sweep& sweep) {
+    std::vector<const Axis*> axes;
+    for (const Axis* axis :
+         {&sweep.wavelength, &sweep.incidence, &sweep.reflection, &sweep.azimuth}) {
+        if (axis->size() > 0) axes.push_back(axis);
+    }
+    // A colour takes all wavelengths together.
+    if (sweep.outputs == std::vector{Output::colour}) axes.erase(axes.begin());
+    return axes;
+}
+
+}  // namespace miebrdf::sweep

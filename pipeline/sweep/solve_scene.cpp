@@ -1,0 +1,124 @@
+// The values of one scene.
+#include <fmt/format.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/sweep/layout.h"
+
+namespace miebrdf::sweep {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Copies the values of a variable to their place in a scene's record.
+class Record {
+  public:
+    Record(const Layout& layout, SceneResult& result) : layout_(layout), result_(result) {
+        result_.values.assign(layout.record, kNone);
+        result_.converged = true;
+    }
+
+    void set(const char* name, std::size_t first, const std::vector<double>& values) {
+        const Variable& variable = *layout_.find(name);
+        std::copy(values.begin(), values.end(),
+                  result_.values.begin() + std::ptrdiff_t(variable.offset + first));
+    }
+
+    /// Adds what an evaluation says about itself.
+    void add(const ResultReport& report) {
+        result_.error_estimate = std::max(result_.error_estimate, report.error_estimate());
+        if (report.converged()) return;
+        result_.converged = false;
+        result_.remark = "not converged: " + report.shortfall();
+        std::replace(result_.remark.begin(), result_.remark.end(), '\n', ' ');
+    }
+
+  private:
+    const Layout& layout_;
+    SceneResult& result_;
+};
+
+void add_brdf(const Brdf& brdf, const Directions& directions, Record& record) {
+    const BrdfValues values =
+        brdf.evaluate(directions, {.subsurface = false, .surface = false, .total = true});
+    for (std::size_t w = 0; w < values.slices.size(); ++w)
+        record.set("brdf", w * values.slices[w].total.size(), values.slices[w].total);
+    record.add(values);
+}
+
+void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& record) {
+    const Colorimeter colorimeter(
+        [&] {
+            std::vector<double> wavelength_nm;
+            for (const WavelengthReport& report : values.wavelengths)
+                wavelength_nm.push_back(report.wavelength_nm);
+            return wavelength_nm;
+        }(),
+        viewing);
+    for (std::size_t i = 0; i < std::max<std::size_t>(values.mu_in.size(), 1); ++i) {
+        std::vector<double> spectrum = values.spherical_albedo;
+        for (std::size_t w = 0; w < spectrum.size() && !values.mu_in.empty(); ++w)
+            spectrum[w] = values.plane_albedo[w][i];
+        const Colour colour = colorimeter(spectrum);
+        record.set("X", i, {colour.xyz.x});
+        record.set("Y", i, {colour.xyz.y});
+        record.set("Z", i, {colour.xyz.z});
+        record.set("L_star", i, {colour.lab.l});
+        record.set("a_star", i, {colour.lab.a});
+        record.set("b_star", i, {colour.lab.b});
+    }
+}
+
+void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
+    const AlbedoValues values = brdf.albedo(sweep.directions().mu_in);
+    const std::size_t in = values.mu_in.size();
+    const bool wants_transmittance =
+        sweep.wants(Output::plane_transmittance) || sweep.wants(Output::spherical_transmittance);
+    if (wants_transmittance && values.spherical_transmittance.empty()) {
+        throw UsageError(
+            "there is no transmittance of this scene; it needs a substrate in place of "
+            "the base, and no rough surface");
+    }
+    for (std::size_t w = 0; w < values.spherical_albedo.size(); ++w) {
+        if (sweep.wants(Output::plane_albedo))
+            record.set("plane_albedo", w * in, values.plane_albedo[w]);
+        if (sweep.wants(Output::spherical_albedo))
+            record.set("spherical_albedo", w, {values.spherical_albedo[w]});
+        if (sweep.wants(Output::plane_transmittance))
+            record.set("plane_transmittance", w * in, values.plane_transmittance[w]);
+        if (sweep.wants(Output::spherical_transmittance))
+            record.set("spherical_transmittance", w, {values.spherical_transmittance[w]});
+    }
+    if (sweep.wants(Output::colour)) add_colours(values, sweep.viewing, record);
+    record.add(values);
+}
+
+}  // namespace
+
+SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t scene,
+                        const Control& control) {
+    SceneResult result;
+    Record record(layout, result);
+    try {
+        const Request request = request_of(sweep, scene);
+        const Brdf brdf = solve(request.scene, sweep.wavelength.numbers, request.solver, control);
+        if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep.directions(), record);
+        if (sweep.outputs != std::vector{Output::brdf}) add_albedos(sweep, brdf, record);
+        return result;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        result.remark = "failed: not enough memory";
+    } catch (const std::exception& error) {
+        result.remark = fmt::format("failed: {}", error.what());
+    }
+    std::fill(result.values.begin(), result.values.end(), kNone);
+    result.error_estimate = kNone;
+    result.converged = false;
+    return result;
+}
+
+}  // namespace miebrdf::sweep

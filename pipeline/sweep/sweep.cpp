@@ -1,0 +1,224 @@
+#include "pipeline/sweep/sweep.h"
+
+#include <fmt/format.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <numbers>
+#include <set>
+
+#include "pipeline/solve/resolved_scene.h"
+
+namespace miebrdf::sweep {
+namespace {
+
+bool starts_with_theta(const Axis& axis) { return axis.name.rfind("theta", 0) == 0; }
+
+std::vector<double> cosines_of(const Axis& axis) {
+    std::vector<double> cosines = axis.numbers;
+    if (!starts_with_theta(axis)) return cosines;
+    for (double& value : cosines) value = std::cos(value * std::numbers::pi / 180.0);
+    return cosines;
+}
+
+std::string filled(const std::string& text, const Sweep& sweep,
+                   const std::vector<std::size_t>& place) {
+    std::string out = text;
+    for (std::size_t d = 0; d < sweep.dimensions.size(); ++d) {
+        for (const Axis& axis : sweep.dimensions[d].axes) {
+            const std::string gap = "{" + axis.name + "}";
+            for (std::size_t at = out.find(gap); at != std::string::npos; at = out.find(gap, at)) {
+                out.replace(at, gap.size(), axis.words[place[d]]);
+                at += axis.words[place[d]].size();
+            }
+        }
+    }
+    return out;
+}
+
+std::vector<WordValue> filled(const TemplateWord& word, const Sweep& sweep,
+                              const std::vector<std::size_t>& place) {
+    const bool is_flag = find_scene_word(word.name)->kind == WordKind::flag;
+    std::vector<WordValue> values;
+    for (const WordValue& value : word.values) {
+        const auto* text = std::get_if<std::string>(&value);
+        if (text == nullptr) {
+            values.push_back(value);
+            continue;
+        }
+        const std::string whole = filled(*text, sweep, place);
+        if (is_flag && (whole == "true" || whole == "false")) {
+            values.emplace_back(whole == "true");
+        } else if (!whole.empty()) {
+            values.emplace_back(whole);  // an empty text says nothing: no coat, for example
+        }
+    }
+    return values;
+}
+
+std::size_t scene_at(const Sweep& sweep, const std::vector<std::size_t>& place) {
+    std::size_t scene = 0;
+    for (std::size_t d = 0; d < place.size(); ++d)
+        scene = scene * sweep.dimensions[d].size() + place[d];
+    return scene;
+}
+
+/// The scene at the start of all dimensions but one.
+std::size_t neighbour(const Sweep& sweep, std::size_t dimension, std::size_t index) {
+    std::vector<std::size_t> place(sweep.dimensions.size(), 0);
+    place[dimension] = index;
+    return scene_at(sweep, place);
+}
+
+void look_up(const Sweep& sweep, std::size_t scene) {
+    const Request request = request_of(sweep, scene);
+    validate(request.scene);
+    resolve(request.scene, sweep.wavelength.numbers);
+}
+
+/// Names of everything that goes through Mie theory in a scene.
+std::set<std::string> mie_jobs(const Sweep& sweep, std::size_t scene) {
+    std::set<std::string> jobs;
+    const ResolvedScene resolved =
+        resolve(request_of(sweep, scene).scene, sweep.wavelength.numbers);
+    const auto add = [&](const ResolvedMedium& medium) {
+        for (const ResolvedSpecies& species : medium.species)
+            jobs.insert(species.key.begin(), species.key.end());
+    };
+    for (std::size_t m = resolved.first_medium(); m < resolved.media.size(); ++m)
+        add(resolved.media[m]);
+    for (const ResolvedDepth& depth : resolved.depths) {
+        if (depth.reference) add(*depth.reference);
+    }
+    return jobs;
+}
+
+/// Whether scenes along this dimension need other optics; where a scene cannot be looked up, they
+/// are taken to.
+bool is_optical(const Sweep& sweep, std::size_t dimension) {
+    const std::size_t last = sweep.dimensions[dimension].size() - 1;
+    try {
+        const std::set<std::string> first = mie_jobs(sweep, 0);
+        for (const std::size_t index : {std::min<std::size_t>(1, last), last}) {
+            if (mie_jobs(sweep, neighbour(sweep, dimension, index)) != first) return true;
+        }
+        return false;
+    } catch (const Error&) {
+        return true;
+    }
+}
+
+}  // namespace
+
+std::size_t Sweep::scenes() const {
+    std::size_t product = 1;
+    for (const Dimension& dimension : dimensions) product *= dimension.size();
+    return product;
+}
+
+std::size_t Sweep::scenes_per_group() const {
+    std::size_t product = 1;
+    for (std::size_t d = optical_dimensions; d < dimensions.size(); ++d)
+        product *= dimensions[d].size();
+    return product;
+}
+
+bool Sweep::wants(Output output) const {
+    return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
+}
+
+Directions Sweep::directions() const {
+    return {cosines_of(incidence), cosines_of(reflection), azimuth.numbers};
+}
+
+const char* name_of(Output output) {
+    switch (output) {
+        case Output::brdf:
+            return "brdf";
+        case Output::plane_albedo:
+            return "plane_albedo";
+        case Output::spherical_albedo:
+            return "spherical_albedo";
+        case Output::plane_transmittance:
+            return "plane_transmittance";
+        case Output::spherical_transmittance:
+            return "spherical_transmittance";
+        case Output::colour:
+            return "colour";
+    }
+    return "";
+}
+
+std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene) {
+    std::vector<std::size_t> place(sweep.dimensions.size());
+    for (std::size_t d = place.size(); d-- > 0;) {
+        place[d] = scene % sweep.dimensions[d].size();
+        scene /= sweep.dimensions[d].size();
+    }
+    return place;
+}
+
+Request request_of(const Sweep& sweep, std::size_t scene) {
+    const std::vector<std::size_t> place = place_of(sweep, scene);
+    Request request;
+    for (const TemplateWord& word : sweep.words) {
+        const std::vector<WordValue> values = filled(word, sweep, place);
+        if (values.empty()) continue;
+        apply(*find_scene_word(word.name), values, request);
+    }
+    return request;
+}
+
+std::vector<std::string> gaps_in(const std::string& text) {
+    std::vector<std::string> names;
+    for (std::size_t at = text.find_first_of("{}"); at != std::string::npos;
+         at = text.find_first_of("{}", at)) {
+        const std::size_t end = text[at] == '{' ? text.find_first_of("{}", at + 1) : at;
+        if (end == std::string::npos || text[at] == '}' || text[end] == '{' || end == at + 1) {
+            throw UsageError(
+                fmt::format("'{}': braces hold the name of an axis, {{radius_um}}", text));
+        }
+        names.push_back(text.substr(at + 1, end - at - 1));
+        at = end + 1;
+    }
+    return names;
+}
+
+void order_for_sharing(Sweep& sweep) {
+    std::vector<Dimension> optical, others;
+    for (std::size_t d = 0; d < sweep.dimensions.size(); ++d)
+        (is_optical(sweep, d) ? optical : others).push_back(sweep.dimensions[d]);
+    sweep.optical_dimensions = optical.size();
+    sweep.dimensions = std::move(optical);
+    sweep.dimensions.insert(sweep.dimensions.end(), others.begin(), others.end());
+}
+
+void check_names(const Sweep& sweep) {
+    std::exception_ptr reason;
+    try {
+        look_up(sweep, 0);
+    } catch (const Error&) {
+        reason = std::current_exception();
+    }
+    for (std::size_t d = 0; d < sweep.dimensions.size(); ++d) {
+        const Dimension& dimension = sweep.dimensions[d];
+        const bool has_text = std::any_of(dimension.axes.begin(), dimension.axes.end(),
+                                          [](const Axis& axis) { return axis.is_text(); });
+        // Numbers along one dimension fail together or at an end.
+        std::vector<std::size_t> tried = {dimension.size() - 1};
+        for (std::size_t i = 0; has_text && i + 1 < dimension.size(); ++i) tried.push_back(i);
+        for (const std::size_t index : tried) {
+            try {
+                look_up(sweep, neighbour(sweep, d, index));
+                reason = nullptr;
+            } catch (const Error&) {
+                if (has_text) throw;
+            }
+        }
+    }
+    if (reason) std::rethrow_exception(reason);
+}
+
+}  // namespace miebrdf::sweep

@@ -1,0 +1,100 @@
+// A sweep: one scene with gaps, the values that fill them, and what is wanted of every scene.
+//
+// Scenes are numbered in the order of the table: the first dimension advances slowest.
+#pragma once
+
+#include <miebrdf/brdf.h>
+#include <miebrdf/colour.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pipeline/scene/request.h"
+#include "pipeline/scene/scene_words.h"
+
+namespace miebrdf::sweep {
+
+/// A name and its values.
+struct Axis {
+    std::string name = {};
+    std::vector<std::string> words = {};  ///< as somebody would type them
+    std::vector<double> numbers = {};     ///< the same; empty: texts, such as names of materials
+    std::string unit = {};                ///< "um"; empty: none
+    bool is_logarithmic = false;          ///< even steps of the logarithm
+
+    std::size_t size() const { return words.size(); }
+    bool is_text() const { return numbers.empty(); }
+};
+
+/// Axes that advance together: one of its own, or the columns of a file.
+struct Dimension {
+    std::string name = {};
+    std::vector<Axis> axes = {};  ///< of the same length, at least one
+
+    std::size_t size() const { return axes.front().size(); }
+    /// Whether its values are coordinates: a single axis of the dimension's name.
+    bool is_coordinate() const { return axes.size() == 1 && axes.front().name == name; }
+};
+
+enum class Output {
+    brdf,
+    plane_albedo,
+    spherical_albedo,
+    plane_transmittance,
+    spherical_transmittance,
+    colour,
+};
+
+/// A word of the scene; texts in its values may have {NAME} for the value of an axis.
+struct TemplateWord {
+    std::string name;
+    std::vector<WordValue> values;
+    std::string where;  ///< "sweep file 'x.toml', line 3, column 8", for messages
+};
+
+struct Sweep {
+    std::string title = {};
+    std::vector<TemplateWord> words = {};
+    std::vector<Dimension> dimensions = {};  ///< of scenes, the slowest first
+    /// How many of the dimensions, the first ones, change single scattering (order_for_sharing).
+    std::size_t optical_dimensions = 0;
+    /// What one solution is asked at; axes without values are not wanted. Angles of incidence and
+    /// reflection are cosines or, by their names, degrees.
+    Axis wavelength, incidence, reflection, azimuth;
+    std::vector<Output> outputs = {};
+    Viewing viewing = {};
+    std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen
+    std::string text = {};             ///< the file, for the provenance of tables
+
+    std::size_t scenes() const;
+    /// Scenes with the same place along the optical dimensions: they share Mie theory.
+    std::size_t scenes_per_group() const;
+    bool wants(Output output) const;
+    Directions directions() const;
+};
+
+const char* name_of(Output output);
+
+/// Index along every dimension.
+std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene);
+
+/// The scene of this number.
+/// @throws UsageError, InputError  for values that no scene can have
+Request request_of(const Sweep& sweep, std::size_t scene);
+
+/// The names in braces of a text: "base {a} {b}" has a and b. @throws UsageError  for a lone brace
+std::vector<std::string> gaps_in(const std::string& text);
+
+/// Moves the dimensions that change single scattering to the front, so that scenes that share it
+/// follow each other. Which these are is found by looking up the first scene and its neighbours
+/// along each dimension.
+void order_for_sharing(Sweep& sweep);
+
+/// Looks up what can be looked up before anything runs: the first scene, each value of an axis of
+/// texts.
+/// @throws UsageError, InputError  the first scene's, if no neighbour of it can be solved either;
+///         the one of a text
+void check_names(const Sweep& sweep);
+
+}  // namespace miebrdf::sweep

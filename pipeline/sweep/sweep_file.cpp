@@ -1,0 +1,292 @@
+#include "pipeline/sweep/sweep_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/error.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "materials/database/names.h"
+#include "pipeline/sweep/axis_values.h"
+#include "pipeline/sweep/sweep_checks.h"
+
+namespace miebrdf::sweep {
+namespace {
+
+const std::vector<std::string> kKeys = {"title", "scene",   "axes",    "outputs",
+                                        "units", "combine", "viewing", "chunk"};
+
+std::string read_text(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    if (!std::filesystem::is_regular_file(path) || !stream)
+        throw InputError(fmt::format("sweep file '{}' does not exist or cannot be read", path));
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::string> names_of_words() {
+    std::vector<std::string> names;
+    for (const SceneWord& word : scene_words()) {
+        if (word.name != "wavelengths") names.push_back(word.name);
+    }
+    return names;
+}
+
+class SweepFile {
+  public:
+    explicit SweepFile(const std::string& path) : path_(path) {
+        sweep_.text = read_text(path);
+        try {
+            root_ = toml::parse(sweep_.text, path);
+        } catch (const toml::parse_error& error) {
+            throw InputError(located(error.source(), std::string(error.description())));
+        }
+    }
+
+    Sweep read() {
+        check_keys(root_, kKeys, "key");
+        sweep_.title = text_of_key("title");
+        read_axes();
+        read_units();
+        read_words();
+        read_outputs();
+        if (const std::string eye = text_of_key("viewing"); !eye.empty())
+            at(*root_.get("viewing"), [&] { sweep_.viewing = viewing(eye); });
+        if (const toml::node* chunk = root_.get("chunk")) {
+            const auto count = chunk->value_exact<std::int64_t>();
+            if (!count || *count < 1 || *count > 1'000'000)
+                refuse(*chunk, "'chunk' is a number of scenes, 1 to 1000000");
+            sweep_.scenes_per_chunk = std::size_t(*count);
+        }
+        at(root_, [&] { check_sweep(sweep_); });
+        return std::move(sweep_);
+    }
+
+  private:
+    std::string located(const toml::source_region& where, const std::string& reason) const {
+        return fmt::format("sweep file '{}', line {}, column {}: {}", path_, where.begin.line,
+                           where.begin.column, reason);
+    }
+    [[noreturn]] void refuse(const toml::node& node, const std::string& reason) const {
+        throw InputError(located(node.source(), reason));
+    }
+    [[noreturn]] void refuse_word(const toml::source_region& where, const std::string& reason,
+                                  std::string_view word,
+                                  const std::vector<std::string>& known) const {
+        const auto nearest = materials::nearest_names(word, known, 3);
+        throw UsageError(located(
+            where, reason + (nearest.empty()
+                                 ? fmt::format("; allowed: {}", fmt::join(known, ", "))
+                                 : fmt::format("; did you mean {}?", fmt::join(nearest, " or ")))));
+    }
+
+    /// Does something; what is wrong is said with the place of this value.
+    template <typename Action>
+    void at(const toml::node& node, const Action& action) const {
+        try {
+            action();
+        } catch (const UsageError& error) {
+            throw UsageError(located(node.source(), error.what()));
+        } catch (const InputError& error) {
+            throw InputError(located(node.source(), error.what()));
+        }
+    }
+
+    void check_keys(const toml::table& table, const std::vector<std::string>& known,
+                    const std::string& what) const {
+        for (const auto& [key, value] : table) {
+            const std::string name(key.str());
+            if (std::find(known.begin(), known.end(), name) == known.end())
+                refuse_word(key.source(), fmt::format("unknown {} '{}'", what, name), name, known);
+        }
+    }
+
+    /// Empty if there is no such key at the top.
+    std::string text_of_key(const std::string& key) const {
+        const toml::node* node = root_.get(key);
+        if (node == nullptr) return {};
+        const auto text = node->value_exact<std::string>();
+        if (!text) refuse(*node, fmt::format("'{}' is a text", key));
+        return *text;
+    }
+
+    const toml::table& table_of_key(const std::string& key, const std::string& example) const {
+        const toml::node* node = root_.get(key);
+        if (node == nullptr || !node->is_table())
+            throw InputError(
+                fmt::format("sweep file '{}' needs a table [{}], {}", path_, key, example));
+        return *node->as_table();
+    }
+
+    /// Keys of a table in the order of the file; toml++ sorts them.
+    static std::vector<std::pair<std::string, const toml::node*>> in_order(
+        const toml::table& table) {
+        std::vector<std::pair<std::string, const toml::node*>> keys;
+        for (const auto& [key, value] : table) keys.emplace_back(key.str(), &value);
+        const auto place = [](const auto& entry) {
+            const toml::source_position where = entry.second->source().begin;
+            return std::pair(where.line, where.column);
+        };
+        std::sort(keys.begin(), keys.end(),
+                  [&](const auto& a, const auto& b) { return place(a) < place(b); });
+        return keys;
+    }
+
+    void read_axes() {
+        for (const auto& [name, node] : in_order(table_of_key("axes", "one line for each axis"))) {
+            at(*node, [&, &axis_name = name, &value = *node] {
+                if (const toml::table* columns = value.as_table()) {
+                    sweep_.dimensions.push_back({axis_name, columns_of(axis_name, *columns)});
+                } else {
+                    place_axis(sweep_, axis_of_node(axis_name, value));
+                }
+            });
+        }
+        const std::string combine = text_of_key("combine");
+        if (combine == "zip") {
+            at(*root_.get("combine"), [&] { zip_dimensions(sweep_); });
+        } else if (!combine.empty() && combine != "product") {
+            refuse(*root_.get("combine"),
+                   fmt::format("unknown way to combine axes '{}'; allowed: product, zip", combine));
+        }
+    }
+
+    Axis axis_of_node(const std::string& name, const toml::node& node) const {
+        if (const auto text = node.value_exact<std::string>()) return parse_axis(name, *text);
+        if (const auto number = node.value<double>()) return axis_of(name, {*number});
+        const toml::array* list = node.as_array();
+        if (list == nullptr || list->empty())
+            throw InputError(
+                fmt::format("axis {}: write a number, a range \"50:1000:10 log\" or a "
+                            "list with at least one value",
+                            name));
+        std::vector<double> numbers;
+        std::vector<std::string> texts;
+        for (const toml::node& item : *list) {
+            if (const auto text = item.value_exact<std::string>()) {
+                texts.push_back(*text);
+            } else if (const auto number = item.value<double>(); number && !item.is_boolean()) {
+                numbers.push_back(*number);
+            } else {
+                throw InputError(fmt::format("axis {}: a list of numbers or of texts", name));
+            }
+        }
+        if (!numbers.empty() && !texts.empty())
+            throw InputError(fmt::format("axis {}: numbers and texts in one list", name));
+        if (texts.empty()) return axis_of(name, numbers);
+        if (name == "wavelength_nm")
+            return parse_axis(name, fmt::format("{}", fmt::join(texts, ",")));
+        return {.name = name, .words = texts, .unit = ""};
+    }
+
+    /// Columns of a file, which is looked for beside the sweep file.
+    std::vector<Axis> columns_of(const std::string& name, const toml::table& table) const {
+        check_keys(table, {"file", "columns"}, "key");
+        const toml::node* file = table.get("file");
+        if (file == nullptr || !file->is_string())
+            throw InputError(fmt::format("axis {}: a table needs file = \"samples.csv\"", name));
+        std::vector<std::string> columns;
+        if (const toml::node* list = table.get("columns")) {
+            if (!list->is_array()) refuse(*list, "'columns' is a list of names");
+            for (const toml::node& item : *list->as_array())
+                columns.push_back(item.value_or(std::string()));
+        }
+        const auto path = std::filesystem::path(path_).parent_path() / file->as_string()->get();
+        return read_columns(path.string(), columns);
+    }
+
+    void read_units() {
+        const toml::node* node = root_.get("units");
+        if (node == nullptr) return;
+        const toml::table& units = table_of_key("units", "name = \"unit\"");
+        for (const auto& [key, value] : units) {
+            const std::string name(key.str());
+            Axis* axis = find_axis(sweep_, name);
+            if (axis == nullptr)
+                refuse_word(key.source(), fmt::format("there is no axis '{}'", name), name,
+                            axis_names(sweep_));
+            if (!value.is_string()) refuse(value, "a unit is a text, \"um\"");
+            axis->unit = value.as_string()->get();
+        }
+    }
+
+    WordValue word_value(const toml::node& node) const {
+        if (const auto flag = node.value_exact<bool>()) return *flag;
+        if (const auto text = node.value_exact<std::string>()) {
+            at(node, [&] {
+                for (const std::string& gap : gaps_in(*text)) use_axis(node, gap);
+            });
+            return *text;
+        }
+        const auto number = node.value<double>();
+        if (!number) refuse(node, "a number, a text or a list of them");
+        return *number;
+    }
+
+    void use_axis(const toml::node& node, const std::string& name) const {
+        const std::vector<std::string> known = scene_axis_names(sweep_);
+        if (std::find(known.begin(), known.end(), name) != known.end()) return;
+        refuse_word(node.source(), fmt::format("there is no axis '{}' for {{{}}}", name, name),
+                    name, known);
+    }
+
+    void read_words() {
+        for (const auto& [name, node] :
+             in_order(table_of_key("scene", "whose keys are the words of a scene file"))) {
+            if (name == "wavelengths") {
+                throw UsageError(located(node->source(),
+                                         "wavelengths are an axis: write wavelength_nm = "
+                                         "\"400:700:10\" in [axes]"));
+            }
+            if (find_scene_word(name) == nullptr)
+                refuse_word(node->source(), fmt::format("unknown word '{}'", name), name,
+                            names_of_words());
+            TemplateWord word{name, {}, located(node->source(), "")};
+            if (const toml::array* list = node->as_array()) {
+                for (const toml::node& item : *list) word.values.push_back(word_value(item));
+            } else {
+                word.values.push_back(word_value(*node));
+            }
+            const auto* off =
+                word.values.size() == 1 ? std::get_if<bool>(&word.values[0]) : nullptr;
+            if (off == nullptr || *off) sweep_.words.push_back(std::move(word));
+        }
+    }
+
+    void read_outputs() {
+        const toml::node* node = root_.get("outputs");
+        const toml::array* list = node == nullptr ? nullptr : node->as_array();
+        if (list == nullptr || list->empty()) {
+            throw InputError(fmt::format(
+                "sweep file '{}' asks for nothing; write outputs = [\"plane_albedo\"] above its "
+                "tables; allowed: {}",
+                path_, fmt::join(output_names(), ", ")));
+        }
+        for (const toml::node& item : *list) {
+            const std::string name = item.value_or(std::string());
+            if (!add_output(sweep_, name)) {
+                refuse_word(item.source(), fmt::format("unknown output '{}'", name), name,
+                            output_names());
+            }
+        }
+    }
+
+    std::string path_;
+    toml::table root_;
+    Sweep sweep_;
+};
+
+}  // namespace
+
+Sweep read_sweep_file(const std::string& path) {
+    Sweep sweep = SweepFile(path).read();
+    check_names(sweep);
+    order_for_sharing(sweep);
+    return sweep;
+}
+
+}  // namespace miebrdf::sweep

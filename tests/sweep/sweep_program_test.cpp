@@ -1,0 +1,121 @@
+// Sweeps and look-ups as their users type them.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "pipeline/sweep/netcdf/netcdf_table.h"
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using Catch::Contains;
+using support::run_program;
+
+namespace {
+
+constexpr char kProgramSweep[] = R"(outputs = ["brdf", "spherical_albedo"]
+chunk = 3
+[scene]
+base = "hg:{albedo},{g}"
+tolerance = 1e-2
+[axes]
+albedo = "0.1:0.9:5 linear"
+g = [0, 0.2, 0.4]
+mu_in = [0.5, 1]
+mu_out = [0.3, 0.6, 0.9]
+azimuth_deg = "0:180:90"
+wavelength_nm = [500, 600]
+)";
+
+std::string bytes_of(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string extension() { return sweep::has_netcdf() ? ".nc" : ".csv"; }
+
+}  // namespace
+
+TEST_CASE("parts of several processes merge to the bytes of one", "[sweep][program]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("s.toml", kProgramSweep);
+    const std::string one = folder / ("one" + extension()), many = folder / ("many" + extension());
+    REQUIRE(run_program("sweep " + file + " -o " + one).exit_code == 0);
+    const auto early = run_program("sweep " + file + " --merge -o " + many);
+    CHECK(early.exit_code == 3);
+    CHECK_THAT(early.err, Contains("5 of 5 chunks are missing"));
+    for (const char* part : {"3/3", "1/3", "2/3"})
+        REQUIRE(run_program("sweep " + file + " --part " + part + " -o " + many).exit_code == 0);
+    REQUIRE(run_program("sweep " + file + " --merge -o " + many).exit_code == 0);
+    CHECK(bytes_of(one) == bytes_of(many));
+    CHECK_FALSE(std::filesystem::exists(many + ".parts"));
+
+    const auto again = run_program("sweep " + file + " -o " + many);
+    CHECK(again.exit_code == 0);
+    CHECK_THAT(again.err, Contains("complete already"));
+}
+
+TEST_CASE("CSV has a row for each scene, wavelength and direction", "[sweep][program]") {
+    const support::TemporaryFolder folder;
+    const std::string table = folder / "t.csv";
+    REQUIRE(
+        run_program("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table).exit_code ==
+        0);
+    const support::CsvOutput csv(bytes_of(table));
+    REQUIRE(csv.size() == 5 * 3 * 2 * 2 * 3 * 3);
+    const auto alone = run_program(
+        "brdf --base hg:0.1,0 --tolerance 1e-2 --wavelengths 500,600 --mu-in 0.5,1 --mu-out "
+        "0.3,0.6,0.9 --azimuth 0,90,180 --no-cache");
+    const support::CsvOutput expected(alone.out);
+    REQUIRE(expected.size() == 36);
+    CHECK(csv.text(0, "converged") == "1");
+    CHECK(csv.text(0, "brdf") == expected.text(0, "brdf"));  // to the last bit
+}
+
+TEST_CASE("look-ups find nodes and what lies between", "[sweep][program]") {
+    if (!sweep::has_netcdf()) {
+        WARN("skipped: this build has no NetCDF");
+        return;
+    }
+    const support::TemporaryFolder folder;
+    const std::string table = folder / "t.nc";
+    REQUIRE(
+        run_program("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table).exit_code ==
+        0);
+    const auto run = run_program("lookup " + table +
+                                 " --albedo 0.6 --g=0.2 --wavelength 550 --variables "
+                                 "spherical_albedo --interpolation cubic");
+    REQUIRE(run.exit_code == 0);
+    const support::CsvOutput found(run.out);
+    REQUIRE(found.size() == 1);
+    const support::CsvOutput exact(
+        run_program("albedo --base hg:0.6,0.2 --wavelengths 550 --no-cache").out);
+    const double error = std::abs(found.number(0, "value") - exact.number(0, "spherical_albedo"));
+    CHECK(error <= 0.02 * found.number(0, "value"));
+    const auto all = run_program("lookup " + table + " --albedo 0.5 --variables spherical_albedo");
+    CHECK(support::CsvOutput(all.out).size() == 3 * 2);
+
+    CHECK(run_program("lookup " + table + " --albedo 0.95").exit_code == 2);
+    CHECK_THAT(run_program("lookup " + table + " --radius 3").err,
+               Contains("no axis 'radius'") && Contains("albedo"));
+    CHECK_THAT(run_program("lookup " + table + " --albedo").err, Contains("needs a value"));
+    CHECK(run_program("lookup " + folder.write("no.nc", "no table")).exit_code == 3);
+}
+
+TEST_CASE("sweeps refuse what they cannot do before they begin", "[sweep][program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("s.toml", kProgramSweep);
+    CHECK(run_program("sweep " + file).exit_code == 2);
+    CHECK_THAT(run_program("sweep " + file + " -o " + (folder / "t.xls")).err, Contains(".nc"));
+    CHECK_THAT(run_program("sweep " + file + " --plan --merge -o " + (folder / "t.csv")).err,
+               Contains("one of them"));
+    CHECK_THAT(run_program("sweep " + file + " --part 5/4 -o " + (folder / "t.csv")).err,
+               Contains("5/4"));
+    const auto plan = run_program("sweep " + file + " --plan");
+    CHECK(plan.exit_code == 0);
+    CHECK_THAT(plan.out, Contains("scenes,15,"));
+    const auto script = run_program("sweep " + file + " --sbatch 4 -o " + (folder / "t.csv"));
+    CHECK_THAT(script.out, Contains("--array=1-4"));
+    CHECK_FALSE(std::filesystem::exists(folder / "t.csv.parts"));
+}

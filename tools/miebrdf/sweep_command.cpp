@@ -1,0 +1,211 @@
+// miebrdf sweep: tables over many scenes.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include <miebrdf/error.h>
+#include "pipeline/sweep/netcdf/netcdf_table.h"
+#include "pipeline/sweep/run.h"
+#include "pipeline/sweep/slurm.h"
+#include "pipeline/sweep/sweep_file.h"
+#include "pipeline/sweep/sweep_plan.h"
+#include "tools/miebrdf/command.h"
+
+namespace miebrdf::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SweepArguments {
+    std::string file;
+    std::string part;
+    std::size_t sbatch_parts = 0;
+    bool plan = false, merge = false, keep_parts = false;
+    double sample_s = 30.0;
+};
+
+bool is_netcdf(const std::string& table) { return fs::path(table).extension() == ".nc"; }
+
+/// Refuses what no table can be written to, before anything is computed for it.
+void require_table(const std::string& table) {
+    const std::string extension = fs::path(table).extension().string();
+    if (table.empty() || table == "-")
+        throw UsageError("sweep writes a file; give -o table.nc or -o table.csv");
+    if (extension != ".nc" && extension != ".csv") {
+        throw UsageError(fmt::format(
+            "'{}': unknown kind of table '{}'; allowed: .nc (NetCDF-4), .csv", table, extension));
+    }
+    if (extension == ".nc" && !sweep::has_netcdf())
+        throw UsageError(
+            "this build cannot write NetCDF; install libnetcdf-dev, then configure and "
+            "build again, or write a .csv");
+}
+
+std::unique_ptr<sweep::TableWriter> writer_of(const sweep::Sweep& sweep,
+                                              const sweep::Layout& layout,
+                                              const std::string& table) {
+    return is_netcdf(table) ? sweep::make_netcdf_writer(sweep, layout, table)
+                            : sweep::make_csv_writer(sweep, layout, table);
+}
+
+/// Whether the table is there already, whole: it appears when all parts are in it.
+bool is_complete(const sweep::Sweep& sweep, const std::string& table) {
+    if (!fs::is_regular_file(table)) return false;
+    return (is_netcdf(table) ? sweep::identity_of_netcdf(table) : sweep::identity_of_csv(table)) ==
+           sweep::identity_of(sweep);
+}
+
+Table plan_table(const sweep::SweepPlan& plan, const Control& control) {
+    Table table;
+    table.columns = {"quantity", "value", "unit"};
+    const auto add = [&](const char* name, double value, const char* unit) {
+        table.rows.push_back({std::string(name), value, std::string(unit)});
+    };
+    add("scenes", double(plan.scenes), "");
+    add("groups that share Mie theory", double(plan.groups), "");
+    add("chunks", double(plan.chunks), "");
+    add("values", plan.values, "");
+    add("NetCDF file before compression", std::ceil(plan.netcdf_bytes / 1e3), "kB");
+    add("CSV file, about", std::ceil(plan.csv_bytes / 1e3), "kB");
+    add("memory, at most", std::ceil(plan.memory_bytes / 1e6), "MB");
+    add("scenes timed", double(plan.sampled), "");
+    add("time for them", rounded(plan.sample_seconds, 3), "s");
+    add("time of the sweep", rounded(plan.seconds, 3), "s");
+    add("standard error of it", rounded(plan.seconds_error, 2), "s");
+    table.facts.emplace_back(
+        "estimate", fmt::format("from {} groups of {}, {}, on this machine as it was just now",
+                                plan.sampled_groups, plan.groups,
+                                control.threads > 0 ? fmt::format("{} threads", control.threads)
+                                                    : std::string("all processors")));
+    return table;
+}
+
+int tell_report(const sweep::TableReport& report, const std::string& table, const Shell& shell) {
+    shell.note(fmt::format("{}: {} scenes, {} failed, {} not converged, error estimate {:.2g}",
+                           table, report.scenes, report.failed, report.not_converged,
+                           report.error_estimate));
+    if (!report.first_remark.empty())
+        shell.note(fmt::format("the first of these: {}", report.first_remark));
+    Table files;
+    files.columns = {"file", "scenes", "failed", "not_converged", "error_estimate"};
+    files.rows.push_back({table, double(report.scenes), double(report.failed),
+                          double(report.not_converged), report.error_estimate});
+    shell.tell_written(std::move(files));
+    return report.failed + report.not_converged == 0 ? kGood : kNotConverged;
+}
+
+/// Moves a finished table out of the folder of parts, where whatever a killed run leaves of one is
+/// removed with them.
+void move_table(const fs::path& from, const fs::path& table) {
+    std::error_code error;
+    fs::rename(from, fs::is_symlink(table) ? fs::weakly_canonical(table) : table, error);
+    if (error)
+        throw InputError(fmt::format("cannot write '{}': {}", table.string(), error.message()));
+}
+
+int merge(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::Parts& parts,
+          const SweepArguments& arguments, const Shell& shell) {
+    const std::string& table = shell.common().output;
+    const fs::path unfinished = parts.unfinished_table(table);
+    sweep::TableReport report;
+    try {
+        const auto writer = writer_of(sweep, layout, unfinished.string());
+        report = sweep::write_table(parts, *writer, shell.control());
+        move_table(unfinished, table);
+    } catch (const InputError& error) {
+        throw InputError(
+            fmt::format("{}; parts are kept in '{}'", error.what(), parts.folder().string()));
+    }
+    if (!arguments.keep_parts) parts.remove();
+    return tell_report(report, table, shell);
+}
+
+int run_sweep(const sweep::Sweep& sweep, const SweepArguments& arguments, const Shell& shell) {
+    const sweep::Layout layout = sweep::layout_of(sweep);
+    const std::string& table = shell.common().output;
+    if (arguments.plan) {
+        const Control control = shell.control();
+        const auto plan = sweep::plan_sweep(sweep, layout, arguments.sample_s, control);
+        Shell to_screen(shell.command_line());
+        to_screen.write(plan_table(plan, control));
+        return kGood;
+    }
+    const fs::path folder = sweep::Parts::folder_of(table);
+    if (is_complete(sweep, table)) {
+        shell.note(fmt::format("'{}' is complete already; remove it to compute it again", table));
+        if (!arguments.keep_parts && fs::is_directory(folder))
+            sweep::Parts(sweep, layout, folder).remove();
+        return kGood;
+    }
+    const sweep::Parts parts(sweep, layout, folder);
+    if (!arguments.merge) {
+        const auto share =
+            arguments.part.empty() ? sweep::Share{} : sweep::parse_share(arguments.part);
+        const auto report = sweep::run_share(sweep, layout, parts, share, shell.control());
+        shell.note(fmt::format("{} of {} chunks were there; {} scenes computed", report.found,
+                               report.chunks, report.computed_scenes));
+        if (!arguments.part.empty()) return kGood;
+    }
+    return merge(sweep, layout, parts, arguments, shell);
+}
+
+/// Refuses options that exclude each other.
+void require_one_task(const SweepArguments& a) {
+    const int tasks = int(a.plan) + int(a.merge) + int(!a.part.empty()) + int(a.sbatch_parts > 0);
+    if (tasks > 1) throw UsageError("--plan, --part, --merge and --sbatch: give one of them");
+    if (!a.part.empty()) sweep::parse_share(a.part);
+}
+
+void add_options(CLI::App& command, SweepArguments& arguments) {
+    command.add_option("sweep", arguments.file, "sweep file (TOML): scene, axes, outputs")
+        ->type_name("SWEEP.toml")
+        ->required();
+    command.add_flag("--plan", arguments.plan,
+                     "tell number of scenes, time from a timed sample, memory and file size; "
+                     "compute nothing else");
+    command
+        .add_option("--sample-seconds", arguments.sample_s,
+                    "of --plan: no more scenes are timed after this")
+        ->type_name("S")
+        ->check(CLI::Range(0.0, 1e6))
+        ->capture_default_str();
+    command
+        .add_option("--part", arguments.part,
+                    "compute share I of N (every N-th chunk) and write no table")
+        ->type_name("I/N");
+    command.add_flag("--merge", arguments.merge, "write the table from parts that are all there");
+    command
+        .add_option("--sbatch", arguments.sbatch_parts,
+                    "print a script for Slurm: a job array of N parts, and how to merge them")
+        ->type_name("N")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+    command.add_flag("--keep-parts", arguments.keep_parts,
+                     "leave the folder FILE.parts when the table is complete");
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<SweepArguments>();
+    add_options(command, *arguments);
+    shell.add_common_options(command, Writes::file);
+    command.footer(
+        "Finished chunks are kept in FILE.parts: the same command goes on where one was ended.\n\n"
+        "Example:\n  miebrdf sweep docs/examples/sweeps/snow.toml -o snow.nc");
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        require_one_task(*arguments);
+        if (!arguments->plan) require_table(shell.common().output);
+        const sweep::Sweep sweep = sweep::read_sweep_file(arguments->file);
+        if (arguments->sbatch_parts == 0)
+            return [=, &shell] { return run_sweep(sweep, *arguments, shell); };
+        return [=, &shell]() -> int {
+            Shell to_screen(shell.command_line());
+            to_screen.write_text(sweep::slurm_script(arguments->file, shell.common().output,
+                                                     arguments->sbatch_parts));
+            return kGood;
+        };
+    });
+}
+
+}  // namespace miebrdf::program
