@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "pipeline/scene/number_list.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
-#include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf::sweep {
 namespace {
