@@ -21,6 +21,7 @@ inline double half_sine_place(double share) {
 /// sin^2(pi x / 2) at x = 0, 1/(count-1), ..., 1.
 inline std::vector<double> half_sine_nodes(int count) {
     std::vector<double> nodes;
+    nodes.reserve(std::size_t(count));
     for (int k = 0; k < count; ++k) nodes.push_back(half_sine(double(k) / (count - 1)));
     return nodes;
 }

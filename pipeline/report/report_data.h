@@ -36,7 +36,7 @@ struct ReportScene {
 /// Largest interpolation error that a page aims at, relative to the largest value at an incidence.
 inline constexpr double kPageTolerance = 8e-4;
 
-struct ReportData {
+struct ReportData {  // NOLINT(bugprone-exception-escape): moving JSON does not throw
     nlohmann::json root;
     PageBytes bytes;  ///< the arrays that it names
     bool converged = true;
