@@ -4,7 +4,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 # Each defines one name for those behind it.
-set(modules data colour brdf chart controls object lobe panels app selftest)
+set(modules data colour brdf chart controls webgl object lobe panels app selftest)
 
 file(READ "${FOLDER}/page.html" page)
 file(READ "${FOLDER}/page.css" style)

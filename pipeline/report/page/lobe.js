@@ -19,11 +19,8 @@ const LobeView = (() => {
 
   class View {
     constructor(canvas) {
-      const context = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
-      if (!context || typeof THREE === 'undefined') throw new Error('no WebGL 2');
       this.canvas = canvas;
-      this.renderer = new THREE.WebGLRenderer({ canvas, context });
-      this.renderer.setClearColor(0, 0);
+      this.renderer = webglRenderer(canvas);
       this.camera = new THREE.OrthographicCamera(-1.15, 1.15, 1.0, -0.5, 0.1, 20);
       this.scene = new THREE.Scene();
       this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8890a0, 0.75));

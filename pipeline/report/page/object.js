@@ -164,11 +164,8 @@ const ObjectView = (() => {
   // Draws with WebGL 2 into a canvas.
   class Drawn3d {
     constructor(canvas) {
-      const context = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
-      if (!context || typeof THREE === 'undefined') throw new Error('no WebGL 2');
       this.canvas = canvas;
-      this.renderer = new THREE.WebGLRenderer({ canvas, context });
-      this.renderer.setClearColor(0, 0);
+      this.renderer = webglRenderer(canvas);
       this.camera = new THREE.OrthographicCamera(-1.06, 1.06, 1.06, -1.06, 0.1, 10);
       this.camera.position.z = 5;
       this.table = new Float32Array(4 * NX * ROWS);
