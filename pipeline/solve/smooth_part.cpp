@@ -12,9 +12,10 @@ namespace {
 /// Stands for the horizon, where R itself has a limit but mu = 0 is no direction.
 constexpr double kHorizon = 1e-9;
 /// Relative to all orders of a pair: what the orders left out of a series may add up to.
-constexpr double kNegligible = 1e-8;
-/// Orders are summed so many at a time.
-constexpr std::size_t kLanes = 4;
+constexpr double kNegligible = 1e-7;
+constexpr std::size_t kLanes = SmoothPart::kLanes;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+using FloatLanes = Eigen::Array<float, kLanes, 1>;
 
 std::size_t whole_lanes(std::size_t orders) { return (orders + kLanes - 1) / kLanes * kLanes; }
 
@@ -72,19 +73,14 @@ const std::vector<double>& SmoothPart::nodes() {
     return cosines;
 }
 
-SmoothPart::SmoothPart(std::vector<double> modes, std::size_t orders)
-    : orders_(whole_lanes(orders)) {
-    if (orders_ == orders) {
-        modes_ = std::move(modes);
-    } else {
-        modes_.assign(kNodes * kNodes * orders_, 0.0);
-        for (std::size_t i = 0; i < modes.size(); ++i)
-            modes_[i / orders * orders_ + i % orders] = modes[i];
-    }
-    // Made zero here, once, so that sums of several parts are exactly that.
+SmoothPart::SmoothPart(const std::vector<double>& modes, std::size_t orders)
+    : orders_(whole_lanes(orders)), modes_(kNodes * kNodes * orders_, 0.0F) {
     for (std::size_t pair = 0; pair < kNodes * kNodes; ++pair) {
-        double* const a = &modes_[pair * orders_];
-        std::fill(a + orders_that_matter(a, orders_), a + orders_, 0.0);
+        const double* const a = &modes[pair * orders];
+        // The others are zero from here on, so that sums of several parts are exactly that.
+        const std::size_t count = orders_that_matter(a, orders);
+        std::transform(a, a + count, &modes_[pair * orders_],
+                       [](double mode) { return static_cast<float>(mode); });
     }
     count_needed();
 }
@@ -94,7 +90,7 @@ void SmoothPart::count_needed() {
     for (std::size_t pair = 0; pair < of_pair.size(); ++pair) {
         std::size_t& count = of_pair[pair];
         count = orders_;
-        while (count > 0 && modes_[pair * orders_ + count - 1] == 0.0) --count;
+        while (count > 0 && modes_[pair * orders_ + count - 1] == 0.0F) --count;
     }
     needed_.assign(kStencils * kStencils, 1);
     for (std::size_t in = 0; in < kStencils; ++in) {
@@ -112,21 +108,22 @@ void SmoothPart::count_needed() {
 
 void SmoothPart::scale(const std::vector<double>& in, const std::vector<double>& out) {
     for (std::size_t pair = 0; pair * orders_ < modes_.size(); ++pair) {
-        const double factor = in[pair / kNodes] * out[pair % kNodes];
+        const auto factor = static_cast<float>(in[pair / kNodes] * out[pair % kNodes]);
         for (std::size_t m = 0; m < orders_; ++m) modes_[pair * orders_ + m] *= factor;
     }
 }
 
 void SmoothPart::add(const SmoothPart& other, double weight) {
     if (other.orders_ > orders_) {
-        std::vector<double> wider(kNodes * kNodes * other.orders_, 0.0);
+        std::vector<float> wider(kNodes * kNodes * other.orders_, 0.0F);
         for (std::size_t i = 0; i < modes_.size(); ++i)
             wider[i / orders_ * other.orders_ + i % orders_] = modes_[i];
         modes_ = std::move(wider);
         orders_ = other.orders_;
     }
     for (std::size_t i = 0; i < other.modes_.size(); ++i)
-        modes_[i / other.orders_ * orders_ + i % other.orders_] += weight * other.modes_[i];
+        modes_[i / other.orders_ * orders_ + i % other.orders_] +=
+            static_cast<float>(weight * other.modes_[i]);
     count_needed();
 }
 
@@ -137,26 +134,29 @@ void SmoothPart::series_at(double mu_in, double mu_out, std::vector<double>& ser
 void SmoothPart::series_at(const NodeStencil& in, const NodeStencil& out, double mu_sum,
                            std::vector<double>& series) const {
     if (modes_.empty()) {
-        series.assign(1, 0.0);
+        series.assign(kLanes, 0.0);
         return;
     }
     constexpr std::size_t count = NodeStencil::kNodes;
-    const std::size_t needed = needed_[in.first * kStencils + out.first];
-    series.resize(whole_lanes(needed));
-    using Lanes = Eigen::Array<double, kLanes, 1>;
+    const std::size_t needed = whole_lanes(needed_[in.first * kStencils + out.first]);
+    series.resize(needed);
+    std::array<float, count> weight_in, weight_out;
+    for (std::size_t j = 0; j < count; ++j) {
+        weight_in[j] = static_cast<float>(in.weight[j] / mu_sum);
+        weight_out[j] = static_cast<float>(out.weight[j]);
+    }
     for (std::size_t m = 0; m < needed; m += kLanes) {
-        Lanes sum = Lanes::Zero();
+        FloatLanes sum = FloatLanes::Zero();
         for (std::size_t i = 0; i < count; ++i) {
-            const double* a = &modes_[((in.first + i) * kNodes + out.first) * orders_ + m];
-            Lanes row = Lanes::Zero();
+            const float* a = &modes_[((in.first + i) * kNodes + out.first) * orders_ + m];
+            FloatLanes row = FloatLanes::Zero();
             for (std::size_t o = 0; o < count; ++o, a += orders_)
-                row += out.weight[o] * Eigen::Map<const Lanes>(a);
-            sum += in.weight[i] * row;
+                row += weight_out[o] * Eigen::Map<const FloatLanes>(a);
+            sum += weight_in[i] * row;
         }
         Eigen::Map<Lanes> target(&series[m]);
-        target = sum / mu_sum;
+        target = sum.cast<double>();
     }
-    series.resize(needed);
 }
 
 double at_cosine(const std::vector<double>& at_nodes, double mu) {
@@ -164,13 +164,26 @@ double at_cosine(const std::vector<double>& at_nodes, double mu) {
 }
 
 double cosine_sum(const std::vector<double>& a, double cos_azimuth) {
-    double next = 0.0, after = 0.0;
-    for (std::size_t m = a.size() - 1; m > 0; --m) {
-        const double current = a[m] + 2.0 * cos_azimuth * next - after;
+    // cos(m azimuth) and, kLanes orders lower, cos((kLanes - m) azimuth).
+    std::array<double, kLanes + 1> cosine = {1.0, cos_azimuth};
+    for (std::size_t m = 2; m <= kLanes; ++m)
+        cosine[m] = 2.0 * cos_azimuth * cosine[m - 1] - cosine[m - 2];
+    Lanes here, lower;
+    for (std::size_t m = 0; m < kLanes; ++m) {
+        const auto lane = static_cast<Eigen::Index>(m);
+        here[lane] = cosine[m];
+        lower[lane] = cosine[kLanes - m];
+    }
+    const double step = 2.0 * cosine[kLanes];
+    Lanes next = Lanes::Zero(), after = Lanes::Zero();
+    for (std::size_t m = a.size() - kLanes; m > 0; m -= kLanes) {
+        const Lanes current = Eigen::Map<const Lanes>(&a[m]) + step * next - after;
         after = next;
         next = current;
     }
-    return a[0] + cos_azimuth * next - after;
+    const Lanes sum =
+        here * (Eigen::Map<const Lanes>(a.data()) - after) + (step * here - lower) * next;
+    return sum.sum();
 }
 
 }  // namespace miebrdf

@@ -21,10 +21,14 @@ struct NodeStencil {
 };
 
 /// (mu_in + mu_out) R^m on the cosines sin^2(pi x / 2), x = 0, 1/48, ..., 1, interpolated between
-/// them in x by sixth-order Lagrange polynomials; at these cosines nothing is interpolated.
+/// them in x by sixth-order Lagrange polynomials; at these cosines nothing is interpolated. Kept in
+/// single precision: 1e-7 of a pair's largest order, where interpolation is seldom better than
+/// 1e-6.
 class SmoothPart {
   public:
     static constexpr std::size_t kNodes = 49;
+    /// Orders are summed so many at a time.
+    static constexpr std::size_t kLanes = 8;
 
     /// The cosines, ascending; the first stands for the horizon.
     static const std::vector<double>& nodes();
@@ -33,15 +37,15 @@ class SmoothPart {
     SmoothPart() = default;
     /// @param modes  [(in * kNodes + out) * orders + m]: (mu_in + mu_out) a_m with
     ///               R = a_0 + sum a_m cos(m azimuth); the last orders of a pair are taken as 0
-    ///               where they add up to less than 1e-8 of all: near the vertical few are left
-    SmoothPart(std::vector<double> modes, std::size_t orders);
+    ///               where they add up to less than 1e-7 of all: near the vertical few are left
+    SmoothPart(const std::vector<double>& modes, std::size_t orders);
 
     /// Multiplies by in(mu_in) out(mu_out), both given at the nodes.
     void scale(const std::vector<double>& in, const std::vector<double>& out);
     /// Adds `weight` times another table.
     void add(const SmoothPart& other, double weight);
 
-    /// The coefficients a_m at a pair of cosines; at least one.
+    /// The coefficients a_m at a pair of cosines, filled up with zeros to a multiple of kLanes.
     void series_at(double mu_in, double mu_out, std::vector<double>& series) const;
     /// The same for places that are known; many wavelengths share them.
     /// @param mu_sum  mu_in + mu_out
@@ -52,15 +56,16 @@ class SmoothPart {
     static constexpr std::size_t kStencils = kNodes - NodeStencil::kNodes + 1;
     void count_needed();
 
-    std::size_t orders_ = 0;  ///< a multiple of 4, filled up with zeros
-    std::vector<double> modes_;
+    std::size_t orders_ = 0;  ///< a multiple of kLanes, filled up with zeros
+    std::vector<float> modes_;
     std::vector<std::uint32_t> needed_;  ///< orders that matter, [first_in * kStencils + first_out]
 };
 
 /// Any function given at the nodes, between them.
 double at_cosine(const std::vector<double>& at_nodes, double mu);
 
-/// a_0 + sum a_m cos(m azimuth) by Clenshaw's recurrence.
+/// a_0 + sum a_m cos(m azimuth) by Clenshaw's recurrence over every kLanes-th order.
+/// @param a  a multiple of SmoothPart::kLanes coefficients
 double cosine_sum(const std::vector<double>& a, double cos_azimuth);
 
 }  // namespace miebrdf

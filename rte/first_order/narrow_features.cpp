@@ -123,12 +123,14 @@ Eigen::MatrixXd strengths_at(std::span<const std::vector<ScaledMedium>> stacks,
     return strengths;
 }
 
-// sum over k of weights times values [k * stacks + stack]: one number for each stack.
-auto weighted_sums(const Eigen::Ref<const Eigen::VectorXd>& values,
-                   const Eigen::VectorXd& weights) {
-    return Eigen::Map<const Eigen::MatrixXd>(values.data(), values.size() / weights.size(),
-                                             weights.size()) *
-           weights;
+// Adds the sum over k of weights times values [k * stacks + stack], for each stack.
+template <typename Values>
+void add_weighted(const Values& values, const Eigen::VectorXd& weights, double* sums) {
+    const Eigen::Index stacks = values.size() / weights.size();
+    for (Eigen::Index k = 0; k < weights.size(); ++k) {
+        for (Eigen::Index stack = 0; stack < stacks; ++stack)
+            sums[stack] += weights[k] * values[k * stacks + stack];
+    }
 }
 
 // Degrees at the end that sum to less than the tolerance at every angle: |P_l| <= 1.
@@ -267,32 +269,40 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
                             std::span<const double> mu_out,
                             std::span<const double> cos_azimuth) const {
     if (none()) return;
+    if (table_) {
+        add_from_table(reflection, mu_in, mu_out, cos_azimuth);
+        return;
+    }
     std::vector<double> angles;
     for (const double in : mu_in) {
         for (const double out : mu_out) {
-            for (const double cosine : cos_azimuth) {
+            for (const double cosine : cos_azimuth)
                 angles.push_back(std::acos(cos_scattering_angle(in, out, cosine)));
-            }
         }
     }
-    Eigen::MatrixXd sums;  // without a table: row = direction, column = function
-    if (!table_) {
-        sums = sum_degrees(strengths_, Eigen::Map<const Eigen::VectorXd>(
-                                           angles.data(), Eigen::Index(angles.size())));
-    }
-    Eigen::VectorXd values(strengths_.rows());
-    std::size_t k = 0;
+    const Eigen::MatrixXd sums = sum_degrees(
+        strengths_, Eigen::Map<const Eigen::VectorXd>(angles.data(), Eigen::Index(angles.size())));
+    Eigen::Index k = 0;
     for (const double in : mu_in) {
         for (const double out : mu_out) {
             const Eigen::VectorXd weights = weights_at(1.0 / in + 1.0 / out) / (4.0 * (in + out));
-            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k) {
-                if (table_) {
-                    table_->evaluate(angles[k], values);
-                } else {
-                    values = sums.row(Eigen::Index(k));
-                }
-                Eigen::Map<Eigen::VectorXd>(&reflection[k * stacks_], Eigen::Index(stacks_))
-                    .noalias() += weighted_sums(values, weights);
+            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k)
+                add_weighted(sums.row(k), weights, &reflection[std::size_t(k) * stacks_]);
+        }
+    }
+}
+
+void NarrowFeatures::add_from_table(double* reflection, std::span<const double> mu_in,
+                                    std::span<const double> mu_out,
+                                    std::span<const double> cos_azimuth) const {
+    Eigen::VectorXd values(strengths_.rows());
+    for (const double in : mu_in) {
+        for (const double out : mu_out) {
+            const Eigen::VectorXd weights = weights_at(1.0 / in + 1.0 / out) / (4.0 * (in + out));
+            for (const double cosine : cos_azimuth) {
+                table_->evaluate(std::acos(cos_scattering_angle(in, out, cosine)), values);
+                add_weighted(values, weights, reflection);
+                reflection += stacks_;
             }
         }
     }

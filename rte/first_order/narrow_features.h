@@ -57,6 +57,8 @@ class NarrowFeatures {
     void find_strengths(std::span<const std::vector<ScaledMedium>> stacks);
     /// As few functions of q in place of one for each node.
     void reduce_rank();
+    void add_from_table(double* reflection, std::span<const double> mu_in,
+                        std::span<const double> mu_out, std::span<const double> cos_azimuth) const;
     /// The functions of q.
     Eigen::VectorXd weights_at(double q) const;
 

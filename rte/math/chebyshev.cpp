@@ -1,6 +1,7 @@
 #include "rte/math/chebyshev.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -62,6 +63,7 @@ AngleTable::AngleTable(const Functions& functions, double narrowest,
     std::vector<Panel> panels = first_panels();
     while (!panels.empty()) panels = refine(panels, functions, narrowest, tolerance);
     sort_panels();
+    index_panels();
 }
 
 std::vector<AngleTable::Panel> AngleTable::first_panels() const {
@@ -93,7 +95,8 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
         if (upper - lower <= narrowest || has_converged(coefficients, tolerance)) {
             lower_.push_back(lower);
             upper_.push_back(upper);
-            coefficients_.push_back(coefficients);
+            coefficients_.insert(coefficients_.end(), coefficients.data(),
+                                 coefficients.data() + coefficients.size());
         } else {
             const double middle = 0.5 * (lower + upper);
             halves.push_back({lower, middle});
@@ -109,27 +112,48 @@ void AngleTable::sort_panels() {
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return upper_[a] < upper_[b]; });
     std::vector<double> lower, upper;
-    std::vector<Eigen::MatrixXd> coefficients;
+    std::vector<double> coefficients;
+    coefficients.reserve(coefficients_.size());
+    const auto size = std::ptrdiff_t(kNodes) * function_count_;
     for (const std::size_t p : order) {
         lower.push_back(lower_[p]);
         upper.push_back(upper_[p]);
-        coefficients.push_back(std::move(coefficients_[p]));
+        const auto own = coefficients_.begin() + std::ptrdiff_t(p) * size;
+        coefficients.insert(coefficients.end(), own, own + size);
     }
     lower_ = std::move(lower);
     upper_ = std::move(upper);
     coefficients_ = std::move(coefficients);
 }
 
+void AngleTable::index_panels() {
+    first_of_cell_.resize(upper_.size());
+    std::size_t panel = 0;
+    for (std::size_t cell = 0; cell < upper_.size(); ++cell) {
+        const double start = pi * double(cell) / double(upper_.size());
+        while (upper_[panel] <= start) ++panel;
+        first_of_cell_[cell] = std::uint32_t(panel);
+    }
+}
+
 void AngleTable::evaluate(double angle, Eigen::Ref<Eigen::VectorXd> values) const {
-    const auto above = std::lower_bound(upper_.begin(), upper_.end() - 1, angle);
-    const auto panel = std::size_t(above - upper_.begin());
+    const auto cell = std::size_t(angle * (double(upper_.size()) / pi));
+    std::size_t panel = first_of_cell_[std::min(cell, upper_.size() - 1)];
+    while (panel > 0 && lower_[panel] > angle) --panel;  // rounding, at the border of two cells
+    while (panel + 1 < upper_.size() && upper_[panel] < angle) ++panel;
     const double t =
         (2.0 * angle - lower_[panel] - upper_[panel]) / (upper_[panel] - lower_[panel]);
-    Eigen::Matrix<double, kNodes, 1> chebyshev;
-    chebyshev[0] = 1.0;
-    chebyshev[1] = t;
-    for (int k = 2; k < kNodes; ++k) chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
-    values.noalias() = coefficients_[panel] * chebyshev;
+    std::array<double, kNodes> chebyshev = {1.0, t};
+    for (std::size_t k = 2; k < kNodes; ++k)
+        chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
+    const auto count = std::size_t(function_count_);
+    const double* coefficients = &coefficients_[panel * kNodes * count];
+    double* const sums = values.data();
+    for (std::size_t f = 0; f < count; ++f) sums[f] = coefficients[f];
+    for (std::size_t k = 1; k < kNodes; ++k) {
+        coefficients += count;
+        for (std::size_t f = 0; f < count; ++f) sums[f] += chebyshev[k] * coefficients[f];
+    }
 }
 
 }  // namespace miebrdf::math

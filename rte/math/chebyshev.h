@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -59,11 +60,15 @@ class AngleTable {
     std::vector<Panel> refine(const std::vector<Panel>& panels, const Functions& functions,
                               double narrowest, const AngleTolerance& tolerance);
     void sort_panels();
+    void index_panels();
 
     int function_count_ = 0;
     std::vector<double> upper_;  ///< ascending, last = pi
     std::vector<double> lower_;
-    std::vector<Eigen::MatrixXd> coefficients_;  ///< row = function, column = degree
+    /// [(panel * kNodes + degree) * function_count() + function]
+    std::vector<double> coefficients_;
+    /// Of as many equal cells of [0, pi] as there are panels: the first panel that reaches into it.
+    std::vector<std::uint32_t> first_of_cell_;
 };
 
 }  // namespace miebrdf::math

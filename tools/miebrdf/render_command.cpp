@@ -124,13 +124,18 @@ class Stopwatch {
 /// The scene options themselves are the material, unless there are --material strings.
 std::vector<std::vector<Request>> material_requests(const RenderArguments& arguments,
                                                     const std::vector<double>& wavelength_nm) {
-    if (arguments.scene.given("base") == !arguments.materials.empty()) {
-        throw UsageError("a picture needs either --base (with its options) or --material strings");
+    const SceneArguments& scene = arguments.scene;
+    const bool is_described =
+        scene.given("base") || scene.given("substrate") || scene.given("coat");
+    if (is_described == !arguments.materials.empty()) {
+        throw UsageError(
+            "a picture needs either --base, --substrate or --coat (with their options) or "
+            "--material strings");
     }
     std::vector<std::vector<Request>> all;
     for (const std::string& text : arguments.materials)
         all.push_back(parse_material(text, wavelength_nm));
-    if (arguments.scene.given("base")) all.push_back({arguments.scene.parse()});
+    if (is_described) all.push_back({arguments.scene.parse()});
     return all;
 }
 
