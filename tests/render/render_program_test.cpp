@@ -51,6 +51,18 @@ TEST_CASE("materials of render take the sizes of their layers, and lists of them
     CHECK(picture("base=index:1.5,0.01,radius=0.2/0.2/0.4") != wanted);
 }
 
+TEST_CASE("render takes a film on a ground, without a base", "[render][program]") {
+    const support::TemporaryFolder folder;
+    const auto outcome =
+        run_render({"--substrate=lambert:0.2", "--coat=hg:0.9,0.5@1", "-o", folder / "a.png"});
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 0);
+    const auto both = run_render(
+        {"--substrate=lambert:0.2", "--material=base=isotropic:0.9", "-o", folder / "b.png"});
+    CHECK(both.exit_code == 2);
+    CHECK(both.err.find("either --base, --substrate or --coat") != std::string::npos);
+}
+
 TEST_CASE("render refuses lights that cannot be, naming them", "[render][program][errors]") {
     const support::TemporaryFolder folder;
     struct Case {
