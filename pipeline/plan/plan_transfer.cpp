@@ -36,9 +36,11 @@ void Planner::radiative_transfer() {
     if (!needs_layers_ || jobs_.empty()) return;
     plan_.steps.push_back(
         {"radiative transfer",
-         fmt::format("{}{} of a half-space and {}, {}{} streams, {}",
+         fmt::format("{}{} of {}{}, {}{} streams, {}",
                      orders() == 1 || most_fourier_orders(scene_) > 0 ? "" : "about ",
-                     counted(static_cast<std::size_t>(orders()), "order"), counted(coats(), "coat"),
+                     counted(static_cast<std::size_t>(orders()), "order"),
+                     shows_substrate() ? "" : "a half-space and ",
+                     counted(coats(), shows_substrate() ? "layer" : "coat"),
                      solver_.streams > 0 ? "" : "about ", streams_, counted(cosines(), "cosine")),
          jobs_.size(), jobs() * transfer_cost(orders(), layers())});
     if (!is_albedo()) {

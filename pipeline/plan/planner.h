@@ -40,9 +40,8 @@ class Planner {
     double jobs() const { return static_cast<double>(jobs_.size()); }
     /// Media that show: lowest_, ..., the uppermost.
     std::size_t layers() const { return scene_.media.size() - lowest_; }
-    std::size_t coats() const {
-        return layers() - (lowest_ == scene_.first_medium() && scene_.substrate ? 0 : 1);
-    }
+    bool shows_substrate() const { return scene_.substrate && lowest_ == scene_.first_medium(); }
+    std::size_t coats() const { return layers() - (shows_substrate() ? 0 : 1); }
     std::size_t cosines() const;
     /// Fourier orders of one solution under the rules, and without them.
     int orders() const;

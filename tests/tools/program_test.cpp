@@ -265,6 +265,10 @@ TEST_CASE("a plan names the work and what is left out, for options and for scene
     CHECK(scene.text(0, "result") == "1 albedo");
     CHECK(scene.text(scene.size() - 1, "result") == "2 brdf");
     CHECK(folder.count() == 1);  // nothing was computed
+    const auto drawdown = csv_of("plan albedo --coat hg:0.9,0.5@1 --over black,white");
+    CHECK(drawdown.text(0, "result") == "albedo over black");
+    CHECK(drawdown.text(0, "detail").find("1 order of 1 layer") != std::string::npos);
+    CHECK(drawdown.text(drawdown.size() - 1, "result") == "albedo over lambert:0.8");
     CHECK(support::run_program("plan").exit_code == 2);
     CHECK(support::run_program("plan brdf").exit_code == 2);
 }

@@ -38,25 +38,40 @@ Table empty_table() {
     return table;
 }
 
-Plan plan_of(const BrdfQuestion& question, const Control& control, EarlierWork* earlier) {
-    return plan_evaluate(solved(question.request, control), question.directions, question.parts,
-                         earlier);
+void add_plans(Table& table, const BrdfQuestion& question, const Control& control,
+               EarlierWork& earlier, const std::string& name) {
+    add_plan(table,
+             plan_evaluate(solved(question.request, control), question.directions, question.parts,
+                           &earlier),
+             name);
 }
 
-Plan plan_of(const AlbedoQuestion& question, const Control& control, EarlierWork* earlier) {
-    return plan_albedo(solved(question.request, control), question.mu_in, earlier);
+void add_plans(Table& table, const AlbedoQuestion& question, const Control& control,
+               EarlierWork& earlier, const std::string& name) {
+    if (question.over.empty()) {
+        const Brdf brdf = solved(question.request, control);
+        add_plan(table, plan_albedo(brdf, question.mu_in, &earlier), name);
+        return;
+    }
+    Request request = question.request;
+    for (const Substrate& ground : question.over) {
+        request.scene.substrate = ground;
+        add_plan(table, plan_albedo(solved(request, control), question.mu_in, &earlier),
+                 name + " over " + describe(ground));
+    }
 }
 
-/// The plan of a result of a scene file.
+/// The plans of a result of a scene file.
 template <typename Arguments>
-Plan plan_of(const SceneFileResult& result, const Control& control, EarlierWork& earlier) {
+void add_plans(Table& table, const SceneFileResult& result, const Control& control,
+               EarlierWork& earlier, const std::string& name) {
     CLI::App command;
     Shell shell("", &result);
     Arguments arguments;
     arguments.add_to(command, shell);
     shell.add_common_options(command);
     read_keys(result, command);
-    return plan_of(arguments.parse(), control, &earlier);
+    add_plans(table, arguments.parse(), control, earlier, name);
 }
 
 int plan_scene_file(const std::string& path, const Shell& shell) {
@@ -67,9 +82,9 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
     for (const SceneFileResult& result : read_scene_results(path)) {
         const std::string name = fmt::format("{} {}", ++number, result.command);
         if (result.command == "brdf") {
-            add_plan(table, plan_of<BrdfArguments>(result, control, earlier), name);
+            add_plans<BrdfArguments>(table, result, control, earlier, name);
         } else if (result.command == "albedo") {
-            add_plan(table, plan_of<AlbedoArguments>(result, control, earlier), name);
+            add_plans<AlbedoArguments>(table, result, control, earlier, name);
         } else {
             table.facts.emplace_back("not planned", name + ": plans are made of brdf and albedo");
         }
@@ -87,7 +102,8 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name, const std::
     shell.add_common_options(*command);
     shell.on_run(*command, [arguments, name, &shell] {
         Table table = empty_table();
-        add_plan(table, plan_of(arguments->parse(), shell.control(), nullptr), name);
+        EarlierWork earlier;
+        add_plans(table, arguments->parse(), shell.control(), earlier, name);
         shell.write(std::move(table));
         return kGood;
     });
