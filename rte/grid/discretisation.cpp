@@ -13,8 +13,12 @@
 namespace miebrdf::rte {
 namespace {
 
-// Below this share of the tolerance (2l+1) chi_l is dropped (docs/numerics.md).
-constexpr double kNegligibleMoment = 0.01;
+// Degrees with (2l+1) chi_l = x below this are dropped. Light scattered once has all of them; what
+// they do to the rest is about 0.002 x or 0.005 x^2, whichever is more (docs/numerics.md).
+double negligible_moment(double tolerance) {
+    return std::min(0.05 * std::sqrt(tolerance), 20.0 * tolerance);
+}
+
 // chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
 constexpr double kSlowAbove = 1e-2;
 // Few values of phase functions with more than this at the typical number of nodes get probes.
@@ -74,7 +78,7 @@ std::size_t moments_that_show(const Stack& stack, double tolerance) {
     std::size_t count = most_moments(stack);
     const auto shows = [&](std::size_t l) {
         return (2.0 * double(l) + 1.0) * largest_moment(stack, int(l)) >
-               kNegligibleMoment * tolerance;
+               negligible_moment(tolerance);
     };
     while (count > least && !shows(count - 1)) --count;
     return count;
