@@ -12,14 +12,15 @@
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "rte/first_order/first_order.h"
+#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
 
-// Streams that `auto` may go up to for Mie media; more would want moments that cost more than all
-// the rest (docs/numerics.md).
-constexpr int kMostAutomaticStreams = 64;
+// Moments that `auto` may use of Mie media where no phase function is wanted; more would cost more
+// than all the rest (docs/numerics.md).
+constexpr int kMostAutomaticMoments = 128;
 
 /// Where P is below half of its mean over the sphere, noise is judged against that: single
 /// scattering R = P / (4 (mu + mu')) of such angles is small beside the largest value at any
@@ -93,8 +94,10 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
 OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
     OpticsDemand demand;
     demand.tolerance = mie_tolerance > 0.0 ? mie_tolerance : kMieShare * solver.tolerance;
-    // With n streams the solver keeps 2 n moments at most, and delta-M needs one more.
-    demand.highest_moment = 2 * (solver.streams > 0 ? solver.streams : kMostAutomaticStreams);
+    // So many the solver keeps at most, and delta-M needs one more.
+    demand.highest_moment = solver.streams > 0
+                                ? rte::moments_per_node(solver.streams) * solver.streams
+                                : kMostAutomaticMoments;
     demand.whole_phase_function =
         phase == PhaseDemand::whole && solver.single_scattering_correction;
     return demand;

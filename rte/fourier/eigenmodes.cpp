@@ -151,7 +151,7 @@ const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMe
     form_matrices(mode, medium.strengths, grid);
     if (mode.fourier_order > 0 && medium.strongest() < kScattersLittle) {
         U_ = eigenmodes_.even;
-        eigenmodes_.physical = refine_nodes(grid, 0.1 * tolerance);
+        eigenmodes_.physical = refine_nodes(grid, 0.01 * tolerance);
         if (eigenmodes_.physical) {
             eigenmodes_.rates = eigenmodes_.rates.cwiseSqrt();
             return eigenmodes_;

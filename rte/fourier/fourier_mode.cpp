@@ -20,6 +20,33 @@ void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     }
 }
 
+// The nodes integrate the product of any two degrees exactly: the projection would change nothing.
+bool points_suffice(const ZenithGrid& grid, int degrees) {
+    if (degrees == 1 || grid.panels.empty()) return true;
+    const GridPanel& panel = grid.panels.front();
+    if (grid.panels.size() > 1 || panel.beyond > 0.0 || panel.map == GridPanel::Map::circular)
+        return false;
+    const Eigen::Index power = panel.map == GridPanel::Map::squared ? 3 : 1;  // of t in mu
+    return 2 * (degrees - 1) * power + power - 1 <= 2 * panel.count - 1;
+}
+
+// The lowest two of order 0 are polynomials that any grid holds, and energy depends on their last
+// digits.
+void legendre_functions_at_nodes(int fourier_order, int degrees, const ZenithGrid& grid,
+                                 FourierMode& mode) {
+    if (points_suffice(grid, degrees)) {
+        math::legendre_functions(fourier_order, degrees, grid.mu, mode.at_nodes);
+        return;
+    }
+    const NodeProjection& projection = mode.projections.find(grid, degrees);
+    math::legendre_functions(fourier_order, degrees, projection.fine.mu, mode.samples);
+    mode.at_nodes.resize(grid.size(), mode.samples.cols());
+    mode.at_nodes.noalias() = projection.of_order(fourier_order) * mode.samples;
+    if (fourier_order > 0) return;
+    mode.at_nodes.col(0).setOnes();
+    if (degrees > 1) mode.at_nodes.col(1) = grid.mu;
+}
+
 }  // namespace
 
 void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
@@ -35,7 +62,7 @@ void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vect
 void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
                        const RequestedDirections& requested, FourierMode& mode) {
     mode.fourier_order = fourier_order;
-    math::legendre_functions(fourier_order, degrees, grid.mu, mode.at_nodes);
+    legendre_functions_at_nodes(fourier_order, degrees, grid, mode);
     math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
     if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());

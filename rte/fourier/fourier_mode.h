@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rte/grid/directions.h"
+#include "rte/grid/node_projection.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
@@ -16,18 +17,23 @@ namespace miebrdf::rte {
 /// Columns alternate in parity: (-1)^(l-m) = +1 for column 0, 2, ...
 struct FourierMode {
     int fourier_order = 0;             ///< m
-    math::ScratchMatrix at_nodes;      ///< n x (L - m)
+    math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
     math::ScratchMatrix at_out;        ///< the rows of at_requested of outgoing cosines
     math::ScratchMatrix at_in;         ///< and of incident ones
+    math::ScratchMatrix samples;       ///< at the fine nodes of the projection
+    NodeProjections projections = {};  ///< of the grids and degrees so far
 };
 
 /// Rows of a table: result(k, .) = table(which[k], .).
 void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
                  math::ScratchMatrix& result);
 
-/// Tables for one Fourier order m.
+/// Tables for one Fourier order m: Y at the requested cosines, and its projection at the nodes,
+/// with which light at the nodes is scattered as if the integrals over the polynomial through it
+/// were exact for every degree. So many more than 2n moments may be kept, and U and V
+/// (eigenmodes.h) stay positive definite: a projection makes no eigenvalue of scattering larger.
 ///
 /// For m = 0 the functions are made orthogonal to Y_0 (even l) and Y_1 (odd l) under the grid's own
 /// quadrature, at the nodes and by the same combination everywhere else. On a rule that integrates

@@ -26,36 +26,61 @@ bool all_at_zenith(const RequestedDirections& requested, const std::vector<int>&
 
 }  // namespace
 
-ZenithGrid make_gauss_grid(int count) {
-    require_count(count);
-    const auto rule = math::gauss_legendre(count, 0.0, 1.0);
-    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
-    for (int i = 0; i < count; ++i) {
-        grid.mu[i] = rule.nodes[i];
-        grid.weights[i] = rule.weights[i];
+double GridPanel::cosine(double t) const {
+    const double shape = map == Map::straight  ? t
+                         : map == Map::squared ? t * t * (2.0 - t)
+                                               : std::sin(0.5 * std::numbers::pi * t);
+    const double c = widest * shape;
+    return beyond == 0.0 && share == 1.0 ? c : std::sqrt(beyond + share * c * c);
+}
+
+double GridPanel::slope(double t) const {
+    const double quarter = 0.5 * std::numbers::pi;
+    const double dc = widest * (map == Map::straight  ? 1.0
+                                : map == Map::squared ? t * (4.0 - 3.0 * t)
+                                                      : quarter * std::cos(quarter * t));
+    if (beyond == 0.0 && share == 1.0) return dc;
+    const double mu = cosine(t);
+    return std::sqrt(share * (mu * mu - beyond)) * dc / mu;  // mu dmu = share c dc
+}
+
+bool GridPanel::ends_at_zenith() const {
+    constexpr double rounding = 1e-12;
+    return map != Map::circular && std::abs(cosine(1.0) - 1.0) <= rounding;
+}
+
+ZenithGrid make_panel_grid(std::vector<GridPanel> panels) {
+    ZenithGrid grid;
+    Eigen::Index first = 0;
+    for (const GridPanel& panel : panels) first += panel.count;
+    grid.mu.resize(first);
+    grid.weights.resize(first);
+    first = 0;
+    for (const GridPanel& panel : panels) {
+        const auto rule = math::gauss_legendre(int(panel.count), 0.0, 1.0);
+        for (std::size_t k = 0; k < rule.nodes.size(); ++k, ++first) {
+            grid.mu[first] = panel.cosine(rule.nodes[k]);
+            grid.weights[first] = rule.weights[k] * panel.slope(rule.nodes[k]);
+        }
     }
+    grid.panels = std::move(panels);
     return grid;
 }
 
+ZenithGrid make_gauss_grid(int count) {
+    require_count(count);
+    return make_panel_grid({{.count = count}});
+}
+
 ZenithGrid make_mapped_gauss_grid(int count) {
-    ZenithGrid grid = make_gauss_grid(count);
-    const Eigen::ArrayXd t = grid.mu.array();
-    grid.weights.array() *= t * (4.0 - 3.0 * t);  // dmu / dt
-    grid.mu = (t.square() * (2.0 - t)).matrix();
-    return grid;
+    require_count(count);
+    return make_panel_grid({{.count = count, .map = GridPanel::Map::squared}});
 }
 
 ZenithGrid make_paper_grid(int count) {
     require_count(count);
-    const double quarter_pi = 0.25 * std::numbers::pi;
-    const auto rule = math::gauss_legendre(count, -1.0, 1.0);
-    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
-    for (int i = 0; i < count; ++i) {
-        const int k = count - 1 - i;  // the cosine descends where G ascends
-        grid.mu[i] = std::cos(quarter_pi * (rule.nodes[k] + 1.0));
-        grid.weights[i] =
-            quarter_pi * rule.weights[k] * std::sin(quarter_pi * (rule.nodes[k] + 1.0));
-    }
+    // pi/4 G + pi/4 is a quarter turn less pi t / 2.
+    ZenithGrid grid = make_panel_grid({{.count = count, .map = GridPanel::Map::circular}});
     grid.weights /= grid.weights.sum();  // only matters below 6 nodes
     return grid;
 }

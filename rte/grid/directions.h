@@ -10,14 +10,34 @@
 
 namespace miebrdf::rte {
 
+/// A part of the hemisphere that has Gauss nodes of its own: mu(t), smooth, with t in (0, 1).
+struct GridPanel {
+    enum class Map { straight, squared, circular };
+
+    Eigen::Index count = 0;   ///< nodes
+    Map map = Map::straight;  ///< c(t) / widest is t, t^2 (2 - t) or sin(pi t / 2)
+    double widest = 1.0;
+    double share = 1.0, beyond = 0.0;  ///< mu^2 = beyond + share c^2
+
+    double cosine(double t) const;
+    double slope(double t) const;  ///< dmu / dt
+    /// 1 - mu falls to 0 like 1 - t at the end of the panel.
+    bool ends_at_zenith() const;
+    bool operator==(const GridPanel&) const = default;
+};
+
 /// Nodes and weights for integrals over mu in (0, 1), mu ascending. Ascending order matters: the
 /// matrices built on it are graded (large at grazing), and their small eigenvalues stay accurate.
 struct ZenithGrid {
     Eigen::VectorXd mu;
     Eigen::VectorXd weights;
+    std::vector<GridPanel> panels = {};  ///< in the order of their nodes
 
     Eigen::Index size() const { return mu.size(); }
 };
+
+/// Gauss nodes of each panel; panels in ascending order of mu.
+ZenithGrid make_panel_grid(std::vector<GridPanel> panels);
 
 /// Gauss-Legendre on (0, 1): exact for polynomials of degree 2n - 1 in mu.
 ZenithGrid make_gauss_grid(int count);

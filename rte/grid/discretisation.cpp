@@ -13,8 +13,16 @@
 namespace miebrdf::rte {
 namespace {
 
-// chi_n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
-constexpr double kSlowAbove = 1e-3;
+// Degrees with (2l+1) chi_l = x below this are dropped. Light scattered once has all of them; what
+// they do to the rest is about 0.002 x or 0.005 x^2, whichever is more (docs/numerics.md).
+double negligible_moment(double tolerance) {
+    return std::min(0.05 * std::sqrt(tolerance), 20.0 * tolerance);
+}
+
+// chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
+constexpr double kSlowAbove = 1e-2;
+// Few values of phase functions with more than this at the typical number of nodes get probes.
+constexpr double kProbedAbove = 1e-3;
 // Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
 // never claims less.
 constexpr double kRounding = 1e-13;
@@ -61,14 +69,26 @@ double largest_moment(const Stack& stack, int degree) {
 // A phase function with so much beyond degree n that the error does not yet fall geometrically with
 // the number of nodes.
 bool converges_slowly(const Stack& stack, int streams) {
-    return largest_moment(stack, streams) > kSlowAbove;
+    return largest_moment(stack, 2 * streams) > kSlowAbove;
+}
+
+// Degrees up to the last one that shows, in any medium.
+std::size_t moments_that_show(const Stack& stack, double tolerance) {
+    constexpr std::size_t least = 4;
+    std::size_t count = most_moments(stack);
+    const auto shows = [&](std::size_t l) {
+        return (2.0 * double(l) + 1.0) * largest_moment(stack, int(l)) >
+               negligible_moment(tolerance);
+    };
+    while (count > least && !shows(count - 1)) --count;
+    return count;
 }
 
 // Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
 std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
     const bool simple = most_moments(stack) <= 8;
-    const int start = simple ? 8 : options.tolerance >= 1e-3 ? 16 : 24;
+    const int start = simple ? 8 : options.tolerance >= 1e-4 ? 12 : 16;
     std::vector<int> ladder;
     for (const int n : steps) {
         if (n >= start) ladder.push_back(n);
@@ -201,14 +221,16 @@ double work_of(int streams, int fourier_orders) {
 
 }  // namespace
 
+int moments_per_node(int streams) { return streams < 4 ? 2 : streams < 12 ? 3 : 4; }
+
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options,
                                      int streams) {
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    // Half-range Gauss integrates products of two degrees up to l + l' <= 2n - 1. What is beyond
-    // has decayed by l = 2n, or the soft cutoff of delta-M lets it fade (docs/numerics.md).
-    choice.moments = int(std::min(most_usable_moments(stack), std::size_t(2 * streams)));
+    const auto carried = std::size_t(moments_per_node(streams) * streams);
+    choice.moments = int(std::min(
+        {carried, most_usable_moments(stack), moments_that_show(stack, options.tolerance)}));
     return choice;
 }
 
@@ -258,7 +280,7 @@ AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
     : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
     const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
     const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
-    if (!are_few || !converges_slowly(stack, streams)) return;
+    if (!are_few || largest_moment(stack, streams) <= kProbedAbove) return;
     for (const double azimuth : asked.azimuth_deg) {
         for (const double offset : kProbeOffsets_deg) {
             directions_.azimuth_deg.push_back(azimuth + offset);

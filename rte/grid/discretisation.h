@@ -18,7 +18,12 @@ struct Discretisation {
     int moments = 0;  ///< at most this many are kept
 };
 
-/// Grid and moments for a given number of nodes.
+/// Most moments kept for each node: nodes see more than 2n degrees as far as they can resolve them
+/// (NodeProjection). Few nodes gain little, and lose the sign of the faintest light.
+int moments_per_node(int streams);
+
+/// Grid and moments for a given number of nodes. Of moments that fall off no more are kept than the
+/// tolerance shows.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
 /// One solution with one discretisation.
@@ -40,9 +45,9 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
                             std::size_t block, const Solve& solve);
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
-/// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.9 at
-/// (0.05, 0.2, 0), 16 and 24 nodes: 1e-5 apart, and both 6e-4 off). Their difference at azimuths
-/// beside those tells: 6e-4 at 6 degrees.
+/// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at
+/// (0.03, 0.2, 40), 16 and 24 nodes: 1e-6 apart, and both 1.2e-3 off). Their difference at azimuths
+/// beside those tells.
 class AzimuthProbes {
   public:
     /// Up to 16 values of a stack with slowly falling moments get probes; all others none.

@@ -99,11 +99,17 @@ Eigen::Index RefractionGrid::nodes_below(double index) const {
 
 ZenithGrid RefractionGrid::in_medium(double index) const {
     const Eigen::Index count = nodes_below(index);
-    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+    ZenithGrid grid{Eigen::VectorXd(count), Eigen::VectorXd(count), {}};
     const Eigen::Index above = size() - count;
     for (const RefractionPanel& panel : panels_) {
         if (panel.high > index) continue;
         const double beyond = (index - panel.high) * (index + panel.high);  // n^2 - high^2
+        grid.panels.push_back(
+            {.count = panel.count,
+             .map = panel.mapped ? GridPanel::Map::squared : GridPanel::Map::straight,
+             .widest = panel.widest,
+             .share = panel.high * panel.high / (index * index),
+             .beyond = beyond / (index * index)});
         for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
             const double t = t_[p];
             const double c = panel.widest * (panel.mapped ? t * t * (2.0 - t) : t);

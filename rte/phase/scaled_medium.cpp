@@ -117,6 +117,11 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
         ++not_geometric;
     }
 
+    // No smooth peak is above all moments that are left: where they fall steeply a window reaches
+    // back to much larger ones.
+    double highest = 0.0;
+    for (int l = moments; l < count; ++l) highest = std::max(highest, std::abs(moment[l]));
+
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
         // Near the end the window shrinks on both sides, so that a slope does not become a bias.
@@ -134,6 +139,7 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
                                      : std::pow(std::sin(0.5 * std::numbers::pi * left), 2);
             smooth += share * (std::exp(log_mean / weight) - smooth);
         }
+        smooth = std::clamp(smooth, -highest, highest);
         split.peak.push_back(smooth);
         split.rest.push_back(chi[std::size_t(l)] - smooth);
         largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));

@@ -79,11 +79,12 @@ TEST_CASE("closed form, fixed point and doubling find the same reflection", "[rt
 
 TEST_CASE("requested cosines that happen to be nodes get the nodes' reflection",
           "[rte][half_space]") {
+    // Five moments: 16 mapped nodes integrate the product of any two degrees exactly, so that what
+    // a node sees of them is the value there.
     const auto grid = rte::make_mapped_gauss_grid(16);
     const std::vector<double> mu(grid.mu.data(), grid.mu.data() + grid.size());
     const int order = GENERATE(0, 3);
-    const auto problem =
-        make_problem(rte::henyey_greenstein_optics(0.97, 0.7), order, grid, 24, mu);
+    const auto problem = make_problem(rte::henyey_greenstein_optics(0.97, 0.7), order, grid, 5, mu);
     const auto half_space = solve(HalfSpaceMethod::automatic, problem);
     const Eigen::VectorXd D = rte::flux_weights(grid);
     // Two different formulas for one number; rounding only.
@@ -128,11 +129,35 @@ TEST_CASE("absorption of 1e-15 to 1e-3 darkens as the square root (van de Hulst)
     CHECK(std::abs(dark - leading) <= 4.0 * absorption + 4e-15);
 }
 
-TEST_CASE("moments that the grid cannot carry are refused, not answered", "[rte][half_space]") {
-    // 8 nodes, 16 moments of g = 0.99 without delta-M: no physical solution exists.
+namespace {
+
+// Without delta-M.
+FourierProblem sharp_peak(const rte::ZenithGrid& grid, int moments) {
     const auto optics = rte::henyey_greenstein_optics(1.0, 0.99);
-    FourierProblem problem = make_problem(optics, 0, rte::make_gauss_grid(8), 16, {0.5});
-    const auto raw = rte::scale_optics(optics, 16, false);
+    FourierProblem problem = make_problem(optics, 0, grid, moments, {0.5});
+    const auto raw = rte::scale_optics(optics, moments, false);
     problem.medium = {raw.strengths(), raw.one_minus_albedo};
-    CHECK_FALSE(solve(HalfSpaceMethod::automatic, problem).physical);
+    return problem;
+}
+
+}  // namespace
+
+TEST_CASE("8 nodes carry any number of moments of a peak that they cannot resolve",
+          "[rte][half_space]") {
+    const int moments = GENERATE(8, 16, 64, 400);
+    const auto kind =
+        GENERATE(rte::GridKind::gauss, rte::GridKind::mapped_gauss, rte::GridKind::paper);
+    const auto problem = sharp_peak(rte::make_zenith_grid(kind, 8), moments);
+    const auto half_space = solve(HalfSpaceMethod::automatic, problem);
+    CAPTURE(moments, int(kind));
+    REQUIRE(half_space.physical);
+    const Eigen::VectorXd D = rte::flux_weights(problem.grid);
+    CHECK(std::abs((half_space.rows * D)[0] - 1.0) <= 1e-12);
+}
+
+TEST_CASE("moments that the grid cannot carry are refused, not answered", "[rte][half_space]") {
+    // Point values at 8 nodes of 16 moments: no physical solution exists.
+    rte::ZenithGrid points = rte::make_gauss_grid(8);
+    points.panels.clear();
+    CHECK_FALSE(solve(HalfSpaceMethod::automatic, sharp_peak(points, 16)).physical);
 }
