@@ -21,6 +21,7 @@ enum ExitCode { kGood = 0, kCheckFailed = 1, kUsage = 2, kBadInput = 3, kNotConv
 struct CommonOptions {
     std::string output;  ///< -o FILE; empty or "-": standard output
     bool json = false;
+    bool no_comments = false;  ///< of tables as CSV
     bool quiet = false;
     int threads = 0;
     std::string progress = "auto";

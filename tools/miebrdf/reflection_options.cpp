@@ -90,7 +90,7 @@ CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const st
 
 void ColourArguments::add_to(CLI::App& command) {
     command
-        .add_option("--colour", viewing_,
+        .add_option("--colour,--color", viewing_,
                     "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a "
                     "or e, by the 2-degree observer or, after a comma, that of 10: d65,10")
         ->type_name("ILLUMINANT");
