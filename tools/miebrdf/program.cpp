@@ -145,7 +145,8 @@ std::string did_you_mean(std::string_view asked, const std::vector<std::string>&
 std::vector<std::string> option_names(const CLI::App& command) {
     std::vector<std::string> names;
     for (const CLI::Option* option : command.get_options()) {
-        if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+        const std::vector<std::string>& long_names = option->get_lnames();
+        names.insert(names.end(), long_names.begin(), long_names.end());
     }
     for (const CLI::App* group : subcommands(command)) {
         if (!group->get_name().empty()) continue;
