@@ -112,7 +112,7 @@ Picture draw_hemisphere(const HemisphereMap& map, const Caption& caption) {
                               2 * kRadius, 2 * kRadius);
     draw_marks(drawing, disk, map.incidence_deg);
     drawing.text({disk.centre.x, drawing.height() - 10},
-                 fmt::format("incidence {:g}\u00b0:  \u25cb source  \u00d7 mirror direction",
+                 fmt::format("incidence {:.4g}\u00b0:  \u25cb source  \u00d7 mirror direction",
                              map.incidence_deg),
                  {12, Anchor::middle, 0, "#000000"});
     draw_colour_bar(drawing, axis, {disk.centre.x + kRadius + 34, top}, 16, 2 * kRadius);

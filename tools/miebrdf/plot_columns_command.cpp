@@ -38,7 +38,7 @@ const std::vector<double>& column(const NumberTable& table, const std::string& n
 }
 
 /// A column's name for people: "plane_albedo" -> "plane albedo", "radius_um" -> "radius [µm]".
-std::string words_of(std::string column) {
+std::string axis_words(std::string column) {
     constexpr std::pair<const char*, const char*> kNames[] = {
         {"wavelength_nm", "vacuum wavelength [nm]"},
         {"mu_in", "cosine of incidence"},
@@ -70,8 +70,8 @@ std::string words_of(std::string column) {
 int run(const ColumnsArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     plot::Panel panel;
-    panel.x.label = arguments.x_label.empty() ? words_of(arguments.x) : arguments.x_label;
-    panel.y.label = arguments.y_label.empty() ? words_of(arguments.y) : arguments.y_label;
+    panel.x.label = arguments.x_label.empty() ? axis_words(arguments.x) : arguments.x_label;
+    panel.y.label = arguments.y_label.empty() ? axis_words(arguments.y) : arguments.y_label;
     if (!arguments.y_range.empty()) {
         const auto [low, high] = parse_range(arguments.y_range, false);
         panel.y.lowest = low;
