@@ -158,7 +158,7 @@ void ExportArguments::check_format() const {
                 ? std::string("it has no options of the file")
                 : fmt::format("of the file's options it takes {}", fmt::join(taken, ", "))));
     }
-    if (command_->get_option("--resolution")->count() > 0 && lists_everything()) {
+    if (command_->get_option("--resolution")->count() > 0 && lists_all_directions()) {
         throw UsageError("--resolution is for lists that are not given; here all three are");
     }
     parse_brdf_part(component_);

@@ -67,12 +67,23 @@ Request compared(const std::string& text, const Request& first,
     return request;
 }
 
+/// "effective radius 0.1 um" as charts have it.
+std::string on_charts(std::string label) {
+    const std::pair<std::string, std::string> replaced[] = {
+        {"effective radius", "radius"}, {" um", " \u00b5m"}, {"optical depth", "\u03c4 ="}};
+    for (const auto& [from, to] : replaced) {
+        const std::size_t at = label.find(from);
+        if (at != std::string::npos) label.replace(at, from.size(), to);
+    }
+    return label;
+}
+
 std::vector<ShownScene> family_of(const std::string& vary, const Request& first) {
     const Family family = parse_family(vary);
     std::vector<ShownScene> members;
     for (const double value : family.values) {
         ShownScene member{first};
-        member.label = family.apply(value, member.request);
+        member.label = on_charts(family.apply(value, member.request));
         member.shade =
             static_cast<double>(members.size()) / static_cast<double>(family.values.size() - 1);
         members.push_back(std::move(member));
@@ -153,7 +164,7 @@ std::vector<ShownMedium> shown_media(const std::vector<std::string>& media,
     for (const double value : family.values) {
         Request request;
         request.scene.base = medium(media.front());
-        const std::string label = family.apply(value, request);
+        const std::string label = on_charts(family.apply(value, request));
         shown.push_back(
             {describe(request.scene.base), label,
              static_cast<double>(shown.size()) / static_cast<double>(family.values.size() - 1)});
