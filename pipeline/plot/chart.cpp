@@ -91,6 +91,19 @@ std::vector<LegendEntry> legend_of(const std::vector<Panel>& panels, Colours& co
     return entries;
 }
 
+/// Whether no curve runs through the place of the note, in the upper or the lower left corner.
+bool note_is_free(const Placed& p, bool above) {
+    const double width = SvgDrawing::text_width(p.panel.note, 12.5) + 16, height = 24;
+    for (const Curve& curve : p.panel.curves) {
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            const Point at = p.at(curve.x[i], curve.y[i]);
+            const double off = above ? at.y - p.top : p.bottom - at.y;
+            if (at.x - p.left <= width && off <= height) return false;
+        }
+    }
+    return true;
+}
+
 }  // namespace
 
 Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, double width) {
@@ -121,7 +134,9 @@ Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, dou
         const Placed& p = placed[i];
         draw_axes(drawing, p, i + 1 == placed.size());
         for (const Curve& curve : p.panel.curves) draw_curve(drawing, p, curve, colours.of(curve));
-        drawing.text({p.left + 8, p.top + 17}, p.panel.note, {12.5, Anchor::start, 0, "#000000"});
+        drawing.text({p.left + 8,
+                      note_is_free(p, true) || !note_is_free(p, false) ? p.top + 17 : p.bottom - 9},
+                     p.panel.note, {12.5, Anchor::start, 0, "#000000"});
     }
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
 }

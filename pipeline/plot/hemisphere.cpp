@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kWidth = 460.0;
 constexpr double kRadius = 145.0;
+constexpr double kSteepest_deg = 85.0;
 
 struct Disk {
     Point centre;
@@ -65,12 +66,14 @@ void check(const HemisphereMap& map) {
     }
 }
 
-/// Those of the disk.
+/// Those that choose the ends of the colours: at the horizon a BRDF may fall or grow without bound,
+/// and the rest of the picture would be of one colour.
 std::vector<double> shown_values(const HemisphereMap& map) {
     std::vector<double> values;
     for (int y = 0; y < map.size / 2; ++y) {
         for (int x = 0; x < map.size; ++x) {
-            if (pixel_angles(map.size, x, y))
+            const auto angles = pixel_angles(map.size, x, y);
+            if (angles && angles->zenith_deg <= kSteepest_deg)
                 values.push_back(map.value[static_cast<std::size_t>(y * map.size + x)]);
         }
     }

@@ -36,7 +36,8 @@ std::optional<ViewAngles> pixel_angles(int size, int x, int y);
 PixelMap pixels_of(const HemisphereMap& map, const Axis& axis);
 
 /// The radius is the zenith angle; azimuth 0, the mirror side, is on the right, and the source on
-/// the left (open circle; the mirror direction is a cross).
+/// the left (open circle; the mirror direction is a cross). The colours span the values up to 85
+/// degrees; beyond, they are those of the ends.
 /// @throws std::invalid_argument  as pixels_of(), and when there is nothing to show
 Picture draw_hemisphere(const HemisphereMap& map, const Caption& caption);
 

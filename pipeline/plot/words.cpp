@@ -1,7 +1,9 @@
 #include "pipeline/plot/words.h"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
+#include <string_view>
 
 namespace miebrdf::plot {
 namespace {
@@ -25,12 +27,34 @@ std::vector<std::string> balanced(const std::string& text, double size, double w
     return lines;
 }
 
+/// Whether a word stays with the number before it.
+bool is_unit(std::string word) {
+    constexpr const char* kUnits[] = {"nm", "\u00b5m", "um",  "mm",         "cm",
+                                      "%",  "ppb",     "ppm", "kg/m\u00b2", "="};
+    while (!word.empty() && std::string_view(",;:)").find(word.back()) != std::string_view::npos)
+        word.pop_back();
+    return std::find(std::begin(kUnits), std::end(kUnits), word) != std::end(kUnits);
+}
+
+/// Words, numbers with their units, and "\u03c4 = 0.1" as one.
+std::vector<std::string> pieces_of(const std::string& text) {
+    std::vector<std::string> pieces;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (!pieces.empty() && (is_unit(word) || pieces.back().ends_with(" ="))) {
+            pieces.back() += " " + word;
+        } else {
+            pieces.push_back(word);
+        }
+    }
+    return pieces;
+}
+
 }  // namespace
 
 std::vector<std::string> wrapped(const std::string& text, double size, double width) {
     std::vector<std::string> lines;
-    std::istringstream words(text);
-    for (std::string word; words >> word;) {
+    for (const std::string& word : pieces_of(text)) {
         const bool joins =
             !lines.empty() && SvgDrawing::text_width(lines.back() + " " + word, size) <= width;
         if (joins) {
