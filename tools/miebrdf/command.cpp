@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -83,6 +84,7 @@ Job Shell::prepare() const {
         if (progress_ != nullptr) progress_->begin();
         const int code = job();
         if (progress_ != nullptr) progress_->end();
+        for (const std::string& line : notes_at_end_) note(line);
         return code;
     };
 }
@@ -149,6 +151,11 @@ Control Shell::control() const {
     };
     control.piece_done = [line = progress_] { line->piece_done(); };
     return control;
+}
+
+void Shell::note_at_end(const std::string& line) const {
+    const auto known = std::find(notes_at_end_.begin(), notes_at_end_.end(), line);
+    if (known == notes_at_end_.end()) notes_at_end_.push_back(line);
 }
 
 void Shell::note(const std::string& line) const {

@@ -151,7 +151,7 @@ void SceneArguments::note_default_sizes(const Scene& scene) const {
         if (found == nullptr) found = find(layer.medium);
     }
     if (found == nullptr) return;
-    shell_->note(fmt::format(
+    shell_->note_at_end(fmt::format(
         "no radius is given for {}: its spheres have the effective radius {} um, as in the paper; "
         "a radius is written {},radius=0.1 (um) or ,radius=100nm",
         describe(*found), scene.particles.sizes.effective_radius_um, describe(*found)));
