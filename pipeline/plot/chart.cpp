@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "pipeline/plot/panel.h"
+#include "pipeline/plot/words.h"
 
 namespace miebrdf::plot {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 constexpr double kMarginRight = 18.0;
 constexpr double kPanelGap = 22.0;
 constexpr double kFooter = 48.0;
-constexpr double kTitleSize = 14.0;
 
 void check(const std::vector<Panel>& panels) {
     if (panels.empty()) throw std::invalid_argument("a chart without panels");
@@ -85,10 +85,23 @@ std::vector<LegendEntry> legend_of(const std::vector<Panel>& panels, Colours& co
                 std::any_of(entries.begin(), entries.end(),
                             [&](const LegendEntry& e) { return e.label == curve.label; });
             if (!curve.label.empty() && !listed)
-                entries.push_back({curve.label, colour, curve.mark, curve.swatch});
+                entries.push_back({curve.label, colour, curve.mark, curve.swatch, curve.shade});
         }
     }
     return entries;
+}
+
+/// Whether no curve runs through the place of the note, in the upper or the lower left corner.
+bool note_is_free(const Placed& p, bool above) {
+    const double width = SvgDrawing::text_width(p.panel.note, 12.5) + 16, height = 24;
+    for (const Curve& curve : p.panel.curves) {
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            const Point at = p.at(curve.x[i], curve.y[i]);
+            const double off = above ? at.y - p.top : p.bottom - at.y;
+            if (at.x - p.left <= width && off <= height) return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace
@@ -105,7 +118,8 @@ Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, dou
                           Axis(panel.y, all_values(panel, true)), 0, width - kMarginRight, 0, 0});
         left = std::max(left, 36.0 + widest_tick(placed.back().y));
     }
-    double y = caption.title.empty() ? 8.0 : 30.0;
+    const double legend_top = draw_title(nullptr, caption.title, width);
+    double y = legend_top;
     y += draw_legend(nullptr, legend, left, width - kMarginRight, y) + 6.0;
     for (Placed& p : placed) {
         p.left = left;
@@ -114,13 +128,15 @@ Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, dou
         y = p.bottom + kPanelGap;
     }
     SvgDrawing drawing(width, std::ceil(y - kPanelGap + kFooter));
-    drawing.text({0.5 * width, 22}, caption.title, {kTitleSize, Anchor::middle, 0, "#000000"});
-    draw_legend(&drawing, legend, left, width - kMarginRight, caption.title.empty() ? 8.0 : 30.0);
+    draw_title(&drawing, caption.title, width);
+    draw_legend(&drawing, legend, left, width - kMarginRight, legend_top);
     for (std::size_t i = 0; i < placed.size(); ++i) {
         const Placed& p = placed[i];
         draw_axes(drawing, p, i + 1 == placed.size());
         for (const Curve& curve : p.panel.curves) draw_curve(drawing, p, curve, colours.of(curve));
-        drawing.text({p.left + 8, p.top + 17}, p.panel.note, {12.5, Anchor::start, 0, "#000000"});
+        drawing.text({p.left + 8,
+                      note_is_free(p, true) || !note_is_free(p, false) ? p.top + 17 : p.bottom - 9},
+                     p.panel.note, {12.5, Anchor::start, 0, "#000000"});
     }
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
 }

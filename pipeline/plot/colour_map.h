@@ -1,7 +1,6 @@
 // Colours that stay apart for colour-blind readers and in grey print.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "pipeline/plot/axis.h"
@@ -34,22 +33,5 @@ void draw_colour_bar(SvgDrawing& drawing, const Axis& axis, Point corner, double
 /// Colour of a value on the axis; values beyond its ends get the end colours, values that are not
 /// finite or not on a logarithmic axis grey.
 std::string colour_on(const Axis& axis, double value);
-
-// The coloured cells of a map, written briefly.
-
-/// Collects cells and draws those of one colour as one shape: a map of some thousand cells in 256
-/// colours takes some 30 to 60 bytes for each cell instead of 140.
-class CellMap {
-  public:
-    void add_rectangle(Point corner, double width, double height, const std::string& colour);
-    /// Part of a ring around `centre`; angles counter-clockwise from the right, ascending.
-    void add_sector(Point centre, double inner, double outer, double first_deg, double last_deg,
-                    const std::string& colour);
-
-    void draw(SvgDrawing& drawing, Edges edges) const;
-
-  private:
-    std::map<std::string, std::string> paths_;  ///< by colour: the same data give the same bytes
-};
 
 }  // namespace miebrdf::plot

@@ -9,35 +9,14 @@
 
 #include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/svg.h"
+#include "pipeline/plot/words.h"
 
 namespace miebrdf::plot {
 namespace {
 
 constexpr double kWidth = 460.0;
 constexpr double kRadius = 145.0;
-
-bool ascends(const std::vector<double>& edges, double lowest, double highest) {
-    return edges.size() >= 2 && edges.front() >= lowest && edges.back() <= highest &&
-           std::adjacent_find(edges.begin(), edges.end(),
-                              [](double a, double b) { return !(a < b); }) == edges.end();
-}
-
-void check(const HemisphereMap& map) {
-    if (!ascends(map.zenith_edges_deg, 0, 90)) {
-        throw std::invalid_argument(
-            "zenith edges of a hemisphere must ascend within 0 to 90 degrees");
-    }
-    const auto& azimuths = map.azimuth_edges_deg;
-    if (!ascends(azimuths, -360, 360) || azimuths.back() - azimuths.front() > 360) {
-        throw std::invalid_argument(
-            "azimuth edges of a hemisphere must ascend and span at most 360 degrees");
-    }
-    const std::size_t cells = (map.zenith_edges_deg.size() - 1) * (azimuths.size() - 1);
-    if (map.value.size() != cells) {
-        throw std::invalid_argument(
-            fmt::format("{} values for {} cells of the hemisphere", map.value.size(), cells));
-    }
-}
+constexpr double kSteepest_deg = 85.0;
 
 struct Disk {
     Point centre;
@@ -47,30 +26,6 @@ struct Disk {
         return {centre.x + radius * std::cos(azimuth), centre.y - radius * std::sin(azimuth)};
     }
 };
-
-void draw_cells(SvgDrawing& drawing, const Disk& disk, const HemisphereMap& map, const Axis& axis) {
-    const auto& azimuths = map.azimuth_edges_deg;
-    const bool mirrored = azimuths.front() >= 0 && azimuths.back() <= 180;
-    const std::size_t columns = azimuths.size() - 1;
-    CellMap cells;
-    for (std::size_t z = 0; z + 1 < map.zenith_edges_deg.size(); ++z) {
-        const double* row = map.value.data() + z * columns;
-        const double inner = kRadius * map.zenith_edges_deg[z] / 90;
-        const double outer = kRadius * map.zenith_edges_deg[z + 1] / 90;
-        for (std::size_t a = 0; a < columns;) {
-            const std::string colour = colour_on(axis, row[a]);
-            std::size_t end = a + 1;  // neighbours of one colour are one cell, up to half a ring
-            while (end < columns && azimuths[end + 1] - azimuths[a] <= 180 &&
-                   colour_on(axis, row[end]) == colour)
-                ++end;
-            cells.add_sector(disk.centre, inner, outer, azimuths[a], azimuths[end], colour);
-            a = end;
-        }
-    }
-    if (mirrored) drawing.begin_mirrored();
-    cells.draw(drawing, Edges::overlapping);
-    if (mirrored) drawing.end_mirrored(disk.centre.y);
-}
 
 void draw_marks(SvgDrawing& drawing, const Disk& disk, double incidence_deg) {
     for (const double zenith : {30.0, 60.0}) {
@@ -99,19 +54,68 @@ void draw_marks(SvgDrawing& drawing, const Disk& disk, double incidence_deg) {
     }
 }
 
+void check(const HemisphereMap& map) {
+    if (!(map.size >= 2 && map.size <= 4096 && map.size % 2 == 0)) {
+        throw std::invalid_argument(
+            fmt::format("a hemisphere of {} pixels; allowed: even, 2 to 4096", map.size));
+    }
+    const auto half = static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size) / 2;
+    if (map.value.size() != half) {
+        throw std::invalid_argument(
+            fmt::format("{} values for {} pixels of half a hemisphere", map.value.size(), half));
+    }
+}
+
+/// Those that choose the ends of the colours: at the horizon a BRDF may fall or grow without bound,
+/// and the rest of the picture would be of one colour.
+std::vector<double> shown_values(const HemisphereMap& map) {
+    std::vector<double> values;
+    for (int y = 0; y < map.size / 2; ++y) {
+        for (int x = 0; x < map.size; ++x) {
+            const auto angles = pixel_angles(map.size, x, y);
+            if (angles && angles->zenith_deg <= kSteepest_deg)
+                values.push_back(map.value[static_cast<std::size_t>(y * map.size + x)]);
+        }
+    }
+    return values;
+}
+
 }  // namespace
+
+std::optional<ViewAngles> pixel_angles(int size, int x, int y) {
+    const double half = 0.5 * size;
+    const double right = (x + 0.5 - half) / half, up = (half - y - 0.5) / half;
+    const double radius = std::hypot(right, up);
+    if (!(radius < 1.0)) return std::nullopt;
+    return ViewAngles{90.0 * radius, std::atan2(up, right) * 180 / std::numbers::pi};
+}
+
+PixelMap pixels_of(const HemisphereMap& map, const Axis& axis) {
+    check(map);
+    PixelMap pixels(map.size, map.size);
+    for (int y = 0; y < map.size / 2; ++y) {
+        for (int x = 0; x < map.size; ++x) {
+            if (!pixel_angles(map.size, x, y)) continue;
+            const double value = map.value[static_cast<std::size_t>(y * map.size + x)];
+            pixels.set(x, y, axis, value);
+            pixels.set(x, map.size - 1 - y, axis, value);
+        }
+    }
+    return pixels;
+}
 
 Picture draw_hemisphere(const HemisphereMap& map, const Caption& caption) {
     check(map);
-    const Axis axis({map.value_label, map.scale}, map.value);
-    const double top = caption.title.empty() ? 28.0 : 50.0;
+    const Axis axis({map.value_label, map.scale}, shown_values(map));
+    const double top = draw_title(nullptr, caption.title, kWidth) + 20.0;
     const Disk disk{{46 + kRadius, top + kRadius}};
     SvgDrawing drawing(kWidth, std::ceil(disk.centre.y + kRadius + 48));
-    drawing.text({0.5 * kWidth, 22}, caption.title, {14, Anchor::middle, 0, "#000000"});
-    draw_cells(drawing, disk, map, axis);
+    draw_title(&drawing, caption.title, kWidth);
+    pixels_of(map, axis).draw(drawing, {disk.centre.x - kRadius, disk.centre.y - kRadius},
+                              2 * kRadius, 2 * kRadius);
     draw_marks(drawing, disk, map.incidence_deg);
     drawing.text({disk.centre.x, drawing.height() - 10},
-                 fmt::format("incidence {:g}\u00b0:  \u25cb source  \u00d7 mirror direction",
+                 fmt::format("incidence {:.4g}\u00b0:  \u25cb source  \u00d7 mirror direction",
                              map.incidence_deg),
                  {12, Anchor::middle, 0, "#000000"});
     draw_colour_bar(drawing, axis, {disk.centre.x + kRadius + 34, top}, 16, 2 * kRadius);

@@ -10,6 +10,7 @@
 #include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/panel.h"
 #include "pipeline/plot/svg.h"
+#include "pipeline/plot/words.h"
 
 namespace miebrdf::plot {
 
@@ -107,7 +108,7 @@ void draw_curve(SvgDrawing& drawing, const HalfDisk& disk, const RadialScale& sc
         if (i < curve.angle_deg.size() && std::isfinite(curve.value[i])) {
             run.push_back(disk.at(curve.angle_deg[i], scale.radius(curve.value[i])));
         } else {
-            if (run.size() > 1) drawing.polyline(run, curve_stroke(index));
+            if (run.size() > 1) drawing.polyline(run, curve_stroke(index, 1.8, curve.shade));
             run.clear();
         }
     }
@@ -128,13 +129,14 @@ Picture draw_lobe(const std::vector<LobeCurve>& curves, const LobeOptions& optio
     std::vector<LegendEntry> legend;
     for (std::size_t i = 0; i < curves.size(); ++i) {
         if (!curves[i].label.empty())
-            legend.push_back({curves[i].label, static_cast<int>(i), Mark::line, {}});
+            legend.push_back(
+                {curves[i].label, static_cast<int>(i), Mark::line, {}, curves[i].shade});
     }
-    const double legend_top = caption.title.empty() ? 6.0 : 28.0;
+    const double legend_top = draw_title(nullptr, caption.title, kWidth) - 2.0;
     const double top = legend_top + draw_legend(nullptr, legend, 24, kWidth - 16, legend_top) + 24;
     const HalfDisk disk{{0.5 * kWidth, top + kRadius}};
     SvgDrawing drawing(kWidth, std::ceil(disk.centre.y + 46));
-    drawing.text({0.5 * kWidth, 20}, caption.title, {14, Anchor::middle, 0, "#000000"});
+    draw_title(&drawing, caption.title, kWidth);
     draw_legend(&drawing, legend, 24, kWidth - 16, legend_top);
     draw_grid(drawing, disk, scale, options.value_label);
 
@@ -143,8 +145,9 @@ Picture draw_lobe(const std::vector<LobeCurve>& curves, const LobeOptions& optio
         return c.incidence_deg == curves.front().incidence_deg;
     });
     for (std::size_t i = 0; i < (common ? 1 : curves.size()); ++i) {
-        draw_incident_ray(drawing, disk, curves[i].incidence_deg,
-                          common ? "#707070" : curve_colour(static_cast<int>(i)));
+        draw_incident_ray(
+            drawing, disk, curves[i].incidence_deg,
+            common ? "#707070" : curve_stroke(static_cast<int>(i), 1.8, curves[i].shade).colour);
     }
     for (std::size_t i = 0; i < curves.size(); ++i)
         draw_curve(drawing, disk, scale, curves[i], static_cast<int>(i));

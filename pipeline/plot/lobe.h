@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,8 +51,9 @@ struct LobeCurve {
     /// From the normal: positive on the mirror side (azimuth 0), negative on the source's side
     /// (azimuth 180); ascending, in [-90, 90].
     std::vector<double> angle_deg;
-    std::vector<double> value;   ///< one for each angle, >= 0
-    double incidence_deg = 0.0;  ///< of the light, in [0, 90); drawn as a ray from the left
+    std::vector<double> value;         ///< one for each angle, >= 0
+    double incidence_deg = 0.0;        ///< of the light, in [0, 90); drawn as a ray from the left
+    std::optional<double> shade = {};  ///< of the members of a family (panel.h)
 };
 
 struct LobeOptions {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/plot/colour_map.h"
+#include "pipeline/plot/words.h"
 
 namespace miebrdf::plot {
 
@@ -51,10 +52,13 @@ void draw_axes(SvgDrawing& drawing, const Placed& p, bool with_x_labels) {
     }
     drawing.frame({p.left, p.top}, p.right - p.left, p.bottom - p.top, edge);
     const double middle = 0.5 * (p.top + p.bottom);
-    drawing.text({16, middle}, p.y.label(), {13, Anchor::middle, -90, "#000000"});
+    drawing.text(
+        {16, middle}, p.y.label(),
+        {fitting_size(p.y.label(), 13, p.bottom - p.top + 24), Anchor::middle, -90, "#000000"});
     if (with_x_labels) {
-        drawing.text({0.5 * (p.left + p.right), p.bottom + 38}, p.x.label(),
-                     {13, Anchor::middle, 0, "#000000"});
+        drawing.text(
+            {0.5 * (p.left + p.right), p.bottom + 38}, p.x.label(),
+            {fitting_size(p.x.label(), 13, p.right - p.left), Anchor::middle, 0, "#000000"});
     }
 }
 
@@ -63,7 +67,7 @@ void draw_curve(SvgDrawing& drawing, const Placed& p, const Curve& curve, int co
     clip_to_frame(drawing, p, 1.0);  // half the width of a line that runs along the frame
     for (const auto& run : runs) {
         if (run.size() > 1 && curve.mark != Mark::points)
-            drawing.polyline(run, curve_stroke(colour));
+            drawing.polyline(run, curve_stroke(colour, 1.8, curve.shade));
     }
     drawing.end_clip();
     clip_to_frame(drawing, p, 4.0);
@@ -71,15 +75,17 @@ void draw_curve(SvgDrawing& drawing, const Placed& p, const Curve& curve, int co
         // A lone point would be invisible as a line.
         if (curve.mark == Mark::line && run.size() != 1) continue;
         for (const Point& point : run)
-            drawing.circle(point, 3.0, {curve_colour(colour), 1.4, {}}, "#ffffff");
+            drawing.circle(point, 3.0, {curve_stroke(colour, 1.4, curve.shade).colour, 1.4, {}},
+                           "#ffffff");
     }
     drawing.end_clip();
 }
 
 namespace {
 
-constexpr double kLine = 18.0;    ///< from one line to the next
-constexpr double kSample = 24.0;  ///< length of the piece of curve
+constexpr double kLine = 18.0;         ///< from one line to the next
+constexpr double kWrappedLine = 14.0;  ///< within an entry
+constexpr double kSample = 24.0;       ///< length of the piece of curve
 constexpr double kGap = 6.0;
 constexpr double kBetween = 16.0;  ///< two entries
 constexpr double kPatch = 14.0;
@@ -89,32 +95,42 @@ double text_start(const LegendEntry& entry) {
     return kSample + kGap + (entry.swatch ? kPatch + kGap : 0.0);
 }
 
-double width_of(const LegendEntry& entry) {
-    return text_start(entry) + SvgDrawing::text_width(entry.label, kTextSize) + kBetween;
+double width_of(const LegendEntry& entry, const std::vector<std::string>& lines) {
+    double widest = 0;
+    for (const std::string& line : lines)
+        widest = std::max(widest, SvgDrawing::text_width(line, kTextSize));
+    return text_start(entry) + widest + kBetween;
 }
 
 /// @param base  left end of the text's base line, sample included
-void draw_entry(SvgDrawing& drawing, const LegendEntry& entry, Point base) {
+void draw_entry(SvgDrawing& drawing, const LegendEntry& entry,
+                const std::vector<std::string>& lines, Point base) {
     const double middle = base.y - 4.5;
     if (entry.mark != Mark::points) {
-        drawing.line({base.x, middle}, {base.x + kSample, middle}, curve_stroke(entry.colour));
+        drawing.line({base.x, middle}, {base.x + kSample, middle},
+                     curve_stroke(entry.colour, 1.8, entry.shade));
     }
     if (entry.mark != Mark::line) {
-        drawing.circle({base.x + 0.5 * kSample, middle}, 3.0, {curve_colour(entry.colour), 1.4, {}},
-                       "#ffffff");
+        drawing.circle({base.x + 0.5 * kSample, middle}, 3.0,
+                       {curve_stroke(entry.colour, 1.4, entry.shade).colour, 1.4, {}}, "#ffffff");
     }
     if (entry.swatch) {
         const Point corner{base.x + kSample + kGap, base.y - 12};
         drawing.rectangle(corner, kPatch, kPatch, css_colour(*entry.swatch));
         drawing.frame(corner, kPatch, kPatch, {"#808080", 0.6, {}});
     }
-    drawing.text({base.x + text_start(entry), base.y}, entry.label,
-                 {kTextSize, Anchor::start, 0, "#000000"});
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        drawing.text({base.x + text_start(entry), base.y + static_cast<double>(i) * kWrappedLine},
+                     lines[i], {kTextSize, Anchor::start, 0, "#000000"});
+    }
 }
 
 }  // namespace
 
-Stroke curve_stroke(int index, double width) {
+Stroke curve_stroke(int index, double width, std::optional<double> shade) {
+    // The light end of the map would be lost on white paper.
+    constexpr double kLightest = 0.88;
+    if (shade) return {map_colour(kLightest * *shade), width, {}};
     return {curve_colour(index), width, curve_dash(index)};
 }
 
@@ -126,26 +142,33 @@ std::string css_colour(const LinearSrgb& colour) {
 double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries, double left,
                    double right, double top) {
     if (entries.empty()) return 0.0;
+    std::vector<std::vector<std::string>> lines;
+    std::vector<double> widths;
     double widest = 0, total = 0;
     for (const LegendEntry& entry : entries) {
-        widest = std::max(widest, width_of(entry));
-        total += width_of(entry);
+        lines.push_back(wrapped(entry.label, kTextSize, right - left - text_start(entry)));
+        widths.push_back(width_of(entry, lines.back()));
+        widest = std::max(widest, widths.back());
+        total += widths.back();
     }
     // One line if there is room, else columns.
-    const auto count = static_cast<int>(entries.size());
+    const std::size_t count = entries.size();
     const bool one_line = total - kBetween <= right - left;
-    int columns = one_line ? count : static_cast<int>((right - left + kBetween) / widest);
-    if (columns < 1) columns = 1;
-    double next = left;
-    for (int i = 0; drawing != nullptr && i < count; ++i) {
-        const LegendEntry& entry = entries[static_cast<std::size_t>(i)];
-        const int row = i / columns;
-        const double x = one_line ? next : left + (i % columns) * widest;
-        next += width_of(entry);
-        draw_entry(*drawing, entry, {x, top + kLine * (1 + row)});
+    const auto fitting =
+        static_cast<std::size_t>(std::max(1.0, (right - left + kBetween) / widest));
+    const std::size_t columns = one_line ? count : fitting;
+    double y = top;
+    for (std::size_t first = 0; first < count; first += columns) {
+        double x = left;
+        std::size_t most_lines = 1;
+        for (std::size_t i = first; i < std::min(first + columns, count); ++i) {
+            if (drawing != nullptr) draw_entry(*drawing, entries[i], lines[i], {x, y + kLine});
+            x += one_line ? widths[i] : widest;
+            most_lines = std::max(most_lines, lines[i].size());
+        }
+        y += kLine + kWrappedLine * static_cast<double>(most_lines - 1);
     }
-    const int rows = (count + columns - 1) / columns;
-    return kLine * rows + 6.0;
+    return y - top + 6.0;
 }
 
 }  // namespace miebrdf::plot

@@ -19,6 +19,7 @@ struct LegendEntry {
     int colour = 0;
     Mark mark = Mark::line;
     std::optional<LinearSrgb> swatch = {};
+    std::optional<double> shade = {};  ///< as of a curve
 };
 
 /// Lays entries out in lines between `left` and `right`; draws them unless `drawing` is null.
@@ -26,8 +27,8 @@ struct LegendEntry {
 double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries, double left,
                    double right, double top);
 
-/// A line in the colour and dash of the palette's i-th curve.
-Stroke curve_stroke(int index, double width = 1.8);
+/// A line in the colour and dash of the palette's i-th curve, or of a member of a family.
+Stroke curve_stroke(int index, double width = 1.8, std::optional<double> shade = {});
 
 /// The colour as "#rrggbb", encoded and clipped.
 std::string css_colour(const LinearSrgb& colour);
@@ -38,6 +39,9 @@ struct Curve {
     Mark mark = Mark::line;
     std::optional<int> colour = {};         ///< index into the palette; empty: next in order
     std::optional<LinearSrgb> swatch = {};  ///< a patch of this colour in the legend
+    /// Of the members of a family: 0 for the first, 1 for the last; from dark to light instead of
+    /// the palette.
+    std::optional<double> shade = {};
 };
 
 struct Panel {

@@ -9,6 +9,7 @@
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/plot/svg.h"
+#include "pipeline/plot/words.h"
 
 namespace miebrdf::plot {
 namespace {
@@ -92,13 +93,14 @@ Picture draw_phase_polar(const std::vector<PhaseCurve>& curves, const Caption& c
     std::vector<LegendEntry> legend;
     for (std::size_t i = 0; i < curves.size(); ++i) {
         if (!curves[i].label.empty())
-            legend.push_back({curves[i].label, static_cast<int>(i), Mark::line, {}});
+            legend.push_back(
+                {curves[i].label, static_cast<int>(i), Mark::line, {}, curves[i].shade});
     }
-    const double legend_top = caption.title.empty() ? 6.0 : 28.0;
+    const double legend_top = draw_title(nullptr, caption.title, kWidth) - 2.0;
     const double top = legend_top + draw_legend(nullptr, legend, 24, kWidth - 16, legend_top) + 28;
     const Disk disk{{0.5 * kWidth + 16, top + kRadius}};
     SvgDrawing drawing(kWidth, std::ceil(disk.centre.y + kRadius + 56));
-    drawing.text({0.5 * kWidth, 20}, caption.title, {14, Anchor::middle, 0, "#000000"});
+    draw_title(&drawing, caption.title, kWidth);
     draw_legend(&drawing, legend, 24, kWidth - 16, legend_top);
     draw_grid(drawing, disk, scale);
     for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -108,7 +110,7 @@ Picture draw_phase_polar(const std::vector<PhaseCurve>& curves, const Caption& c
                 points.push_back(
                     disk.at(side * curves[i].angle_deg[a], scale.radius(curves[i].phase[a])));
             }
-            drawing.polyline(points, curve_stroke(static_cast<int>(i), 1.6));
+            drawing.polyline(points, curve_stroke(static_cast<int>(i), 1.6, curves[i].shade));
         }
     }
     drawing.text({disk.centre.x, drawing.height() - 10},

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/svg.h"
+#include "pipeline/plot/words.h"
 #include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf::plot {
@@ -25,6 +27,7 @@ namespace {
 
 constexpr double kWidth = 460.0;
 constexpr double kSide = 290.0;
+constexpr int kLeastPixels = 870;
 
 void draw_angles(SvgDrawing& drawing, Point corner, double azimuth_deg) {
     const Stroke edge{"#000000", 1.0, {}};
@@ -47,33 +50,39 @@ void draw_angles(SvgDrawing& drawing, Point corner, double azimuth_deg) {
                  {13, Anchor::middle, -90, "#000000"});
 }
 
+void check(const SliceMap& map) {
+    if ((map.half_cells >= 1 && map.difference_cells >= 1) &&
+        map.value.size() == static_cast<std::size_t>(map.half_cells) * map.difference_cells)
+        return;
+    throw std::invalid_argument(fmt::format("{} values for {} x {} cells of a slice",
+                                            map.value.size(), map.half_cells,
+                                            map.difference_cells));
+}
+
 }  // namespace
 
+PixelMap pixels_of(const SliceMap& map, const Axis& axis) {
+    check(map);
+    // Every cell has as many pixels as the page can show.
+    const int across = std::max(1, kLeastPixels / map.half_cells),
+              up = std::max(1, kLeastPixels / map.difference_cells);
+    PixelMap pixels(across * map.half_cells, up * map.difference_cells);
+    for (int y = 0; y < up * map.difference_cells; ++y) {
+        const int d = map.difference_cells - 1 - y / up;
+        for (int x = 0; x < across * map.half_cells; ++x)
+            pixels.set(x, y, axis,
+                       map.value[static_cast<std::size_t>(d * map.half_cells + x / across)]);
+    }
+    return pixels;
+}
+
 Picture draw_slice(const SliceMap& map, const Caption& caption) {
-    if (!(map.half_cells >= 1 && map.difference_cells >= 1) ||
-        map.value.size() != static_cast<std::size_t>(map.half_cells) * map.difference_cells) {
-        throw std::invalid_argument(fmt::format("{} values for {} x {} cells of a slice",
-                                                map.value.size(), map.half_cells,
-                                                map.difference_cells));
-    }
+    check(map);
     const Axis axis({map.value_label, map.scale, map.lowest, map.highest}, map.value);
-    const Point corner{58, caption.title.empty() ? 12.0 : 36.0};
+    const Point corner{58, draw_title(nullptr, caption.title, kWidth) + 6.0};
     SvgDrawing drawing(kWidth, std::ceil(corner.y + kSide + 48));
-    drawing.text({0.5 * kWidth, 22}, caption.title, {14, Anchor::middle, 0, "#000000"});
-    CellMap cells;
-    const double dx = kSide / map.half_cells, dy = kSide / map.difference_cells;
-    for (int d = 0; d < map.difference_cells; ++d) {
-        const double* row = map.value.data() + static_cast<std::size_t>(d) * map.half_cells;
-        for (int h = 0; h < map.half_cells;) {
-            const std::string colour = colour_on(axis, row[h]);
-            int end = h + 1;  // neighbours of one colour are one rectangle
-            while (end < map.half_cells && colour_on(axis, row[end]) == colour) ++end;
-            cells.add_rectangle({corner.x + h * dx, corner.y + kSide - (d + 1) * dy},
-                                (end - h) * dx, dy, colour);
-            h = end;
-        }
-    }
-    cells.draw(drawing, Edges::crisp);
+    draw_title(&drawing, caption.title, kWidth);
+    pixels_of(map, axis).draw(drawing, corner, kSide, kSide);
     draw_angles(drawing, corner, map.azimuth_deg);
     draw_colour_bar(drawing, axis, {corner.x + kSide + 20, corner.y}, 16, kSide);
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};

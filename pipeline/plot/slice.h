@@ -9,6 +9,7 @@
 
 #include "pipeline/plot/axis.h"
 #include "pipeline/plot/picture.h"
+#include "pipeline/plot/pixel_map.h"
 
 namespace miebrdf::plot {
 
@@ -35,6 +36,10 @@ struct SliceMap {
     std::string value_label = "BRDF [1/sr]";
     Scale scale = Scale::logarithmic;
 };
+
+/// The colours of the cells, theta_h to the right and theta_d upwards.
+/// @throws std::invalid_argument  when the number of values does not fit
+PixelMap pixels_of(const SliceMap& map, const Axis& axis);
 
 /// @throws std::invalid_argument  when the number of values does not fit, nothing to show
 Picture draw_slice(const SliceMap& map, const Caption& caption);

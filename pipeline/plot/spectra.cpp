@@ -17,7 +17,8 @@ Picture draw_spectrum(const std::vector<Spectrum>& spectra, const std::string& v
                       const Caption& caption, Scale scale) {
     Panel panel{wavelength_axis(), {value_label, scale}, {}, 260.0};
     for (const Spectrum& s : spectra) {
-        panel.curves.push_back({s.label, s.wavelength_nm, s.value, Mark::line, {}, s.swatch});
+        panel.curves.push_back(
+            {s.label, s.wavelength_nm, s.value, Mark::line, {}, s.swatch, s.shade});
     }
     return draw_chart({panel}, caption);
 }
@@ -52,12 +53,18 @@ Picture draw_optics(const std::vector<OpticsCurve>& media, const Caption& captio
     Panel extinction{wavelength_axis(), {"Q_ext", Scale::linear}, {}, 150.0};
     int colour = 0;
     for (const OpticsCurve& m : media) {
-        albedo.curves.push_back(
-            {m.label, m.wavelength_nm, m.single_scattering_albedo, Mark::line, colour, {}});
-        asymmetry.curves.push_back({m.label, m.wavelength_nm, m.asymmetry, Mark::line, colour, {}});
+        albedo.curves.push_back({m.label,
+                                 m.wavelength_nm,
+                                 m.single_scattering_albedo,
+                                 Mark::line,
+                                 colour,
+                                 {},
+                                 m.shade});
+        asymmetry.curves.push_back(
+            {m.label, m.wavelength_nm, m.asymmetry, Mark::line, colour, {}, m.shade});
         if (!m.q_ext.empty()) {
             extinction.curves.push_back(
-                {m.label, m.wavelength_nm, m.q_ext, Mark::line, colour, {}});
+                {m.label, m.wavelength_nm, m.q_ext, Mark::line, colour, {}, m.shade});
         }
         ++colour;
     }
@@ -72,7 +79,8 @@ Picture draw_phase(const std::vector<PhaseCurve>& curves, const Caption& caption
                 {},
                 260.0};
     for (const PhaseCurve& curve : curves) {
-        panel.curves.push_back({curve.label, curve.angle_deg, curve.phase, Mark::line, {}, {}});
+        panel.curves.push_back(
+            {curve.label, curve.angle_deg, curve.phase, Mark::line, {}, {}, curve.shade});
     }
     return draw_chart({panel}, caption);
 }

@@ -14,6 +14,7 @@ struct Spectrum {
     std::string label;
     std::vector<double> wavelength_nm, value;
     std::optional<LinearSrgb> swatch = {};  ///< the colour of it, shown in the legend
+    std::optional<double> shade = {};       ///< of the members of a family (panel.h)
 };
 
 /// Albedos, or a BRDF in a few directions.
@@ -32,6 +33,7 @@ Picture draw_nk(std::vector<IndexCurve> materials, const Caption& caption);
 struct OpticsCurve {
     std::string label;
     std::vector<double> wavelength_nm, single_scattering_albedo, asymmetry, q_ext;
+    std::optional<double> shade = {};
 };
 
 /// Albedo, asymmetry and extinction efficiency under each other. q_ext may be empty.
@@ -40,6 +42,7 @@ Picture draw_optics(const std::vector<OpticsCurve>& media, const Caption& captio
 struct PhaseCurve {
     std::string label;
     std::vector<double> angle_deg, phase;  ///< angles in [0, 180]
+    std::optional<double> shade = {};
 };
 
 /// Against the scattering angle, on a logarithmic scale.

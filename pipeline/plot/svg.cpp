@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 
 #include "pipeline/io/markup.h"
 
@@ -56,6 +57,22 @@ std::string list(const std::vector<Point>& points) {
     return text;
 }
 
+/// RFC 4648, section 4.
+std::string base64(const std::string& bytes) {
+    constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t group = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const bool there = i + j < bytes.size();
+            group = group << 8 | (there ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+        }
+        for (std::size_t j = 0; j < 4; ++j)
+            text += i + j <= bytes.size() ? kLetters[group >> (18 - 6 * j) & 63] : '=';
+    }
+    return text;
+}
+
 }  // namespace
 
 SvgDrawing::SvgDrawing(double width, double height) : width_(width), height_(height) {}
@@ -84,11 +101,11 @@ void SvgDrawing::rectangle(Point corner, double width, double height, const std:
         corner.x, corner.y, width, height, fill);
 }
 
-void SvgDrawing::path(const std::string& data, const std::string& fill, Edges edges) {
-    const std::string side = edges == Edges::crisp
-                                 ? "shape-rendering=\"crispEdges\""
-                                 : fmt::format("stroke=\"{}\" stroke-width=\"0.4\"", fill);
-    body_ += fmt::format("<path d=\"{}\" fill=\"{}\" {}/>\n", data, fill, side);
+void SvgDrawing::image(Point corner, double width, double height, const std::string& png) {
+    body_ += fmt::format(
+        "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+        "preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,{}\"/>\n",
+        corner.x, corner.y, width, height, base64(png));
 }
 
 void SvgDrawing::frame(Point corner, double width, double height, const Stroke& stroke) {
@@ -129,14 +146,6 @@ void SvgDrawing::begin_clip(Point corner, double width, double height) {
 }
 
 void SvgDrawing::end_clip() { body_ += "</g>\n"; }
-
-void SvgDrawing::begin_mirrored() { body_ += fmt::format("<g id=\"half{}\">\n", mirrored_); }
-
-void SvgDrawing::end_mirrored(double y) {
-    body_ +=
-        fmt::format("</g>\n<use xlink:href=\"#half{}\" transform=\"matrix(1 0 0 -1 0 {:.2f})\"/>\n",
-                    mirrored_++, 2 * y);
-}
 
 std::string SvgDrawing::document(const std::string& title, const std::string& description) const {
     return fmt::format(

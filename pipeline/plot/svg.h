@@ -10,12 +10,6 @@ struct Point {
     double x = 0.0, y = 0.0;  ///< y downwards
 };
 
-/// How a filled shape meets its neighbours.
-enum class Edges {
-    crisp,       ///< no antialiasing: for sides along the axes
-    overlapping  ///< a hairline of the same colour closes the seams that antialiasing leaves
-};
-
 enum class Anchor { start, middle, end };
 
 struct TextStyle {
@@ -41,8 +35,8 @@ class SvgDrawing {
     void polyline(const std::vector<Point>& points, const Stroke& stroke);
     void polygon(const std::vector<Point>& points, const std::string& fill);
     void rectangle(Point corner, double width, double height, const std::string& fill);
-    /// A filled shape in SVG's path language.
-    void path(const std::string& data, const std::string& fill, Edges edges);
+    /// The bytes of a PNG file, scaled to a rectangle.
+    void image(Point corner, double width, double height, const std::string& png);
     void frame(Point corner, double width, double height, const Stroke& stroke);
     void circle(Point centre, double radius, const Stroke& stroke,
                 const std::string& fill = "none");
@@ -52,11 +46,6 @@ class SvgDrawing {
     /// Everything between is cut off at a rectangle.
     void begin_clip(Point corner, double width, double height);
     void end_clip();
-
-    /// Everything between is drawn twice, the second time as its image below (or above) the
-    /// horizontal line at y.
-    void begin_mirrored();
-    void end_mirrored(double y);
 
     /// The document; `description` (say, the command that made it) goes into its <desc>.
     std::string document(const std::string& title, const std::string& description) const;
@@ -70,7 +59,6 @@ class SvgDrawing {
   private:
     double width_, height_;
     int clips_ = 0;
-    int mirrored_ = 0;
     std::string body_;
 };
 

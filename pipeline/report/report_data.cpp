@@ -12,6 +12,7 @@
 #include "pipeline/report/half_sine_nodes.h"
 #include "pipeline/report/packed.h"
 #include "pipeline/report/page_table.h"
+#include "pipeline/scene/labels.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/single_scattering.h"
 
@@ -139,7 +140,7 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
                 log_phase.push_back(int(std::lround(1e3 * std::log10(std::max(p, 1e-30)))));
         }
         json one = {{"place", place_of(brdf.scene(), media[m])},
-                    {"name", label_of(medium.medium)},
+                    {"name", miebrdf::label_of(medium.medium)},
                     {"albedo", bytes.add(std::span<const double>(albedo))},
                     {"asymmetry", bytes.add(std::span<const double>(asymmetry))},
                     {"log_phase", bytes.add(std::span<const int>(log_phase))},
@@ -151,7 +152,7 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
                 n.push_back(particles.index.real());
                 k.push_back(particles.index.imag());
             }
-            one["species"].push_back({{"name", label_of(Medium(species.species))},
+            one["species"].push_back({{"name", miebrdf::label_of(Medium(species.species))},
                                       {"n", bytes.add(std::span<const double>(n))},
                                       {"k", bytes.add(std::span<const double>(k))}});
         }

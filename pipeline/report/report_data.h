@@ -43,9 +43,7 @@ struct ReportData {  // NOLINT(bugprone-exception-escape): moving JSON does not 
     double interpolation_error = 0.0;  ///< largest of all scenes (PageTable::interpolation_error)
 };
 
-/// "Au, radius 0.03 um, 15 % of the volume; carbon in PMMA": a medium for people.
-std::string label_of(const Medium& medium);
-/// The same of a whole scene, without sizes and amounts: "Au (optical depth 0.5) on TiO2".
+/// A whole scene without sizes and amounts: "Au (optical depth 0.5) on TiO2".
 std::string label_of(Scene scene);
 
 /// Solves every variant and collects what the page shows.

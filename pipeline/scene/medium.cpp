@@ -55,12 +55,15 @@ std::vector<double> read_parameters(const std::string& text, const std::string& 
                                     const MediumKind& kind) {
     std::vector<double> parameters;
     const std::vector<std::string> parts = split_list(values);
-    if (parts.size() != kind.parameters.size()) {
+    for (const std::string& part : parts)
+        parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
+    while (parameters.size() < kind.parameters.size() &&
+           kind.parameters[parameters.size()].by_default)
+        parameters.push_back(*kind.parameters[parameters.size()].by_default);
+    if (parameters.size() != kind.parameters.size()) {
         throw UsageError(
             fmt::format("medium '{}': write {}, e.g. {}", text, kind.form, kind.example));
     }
-    for (const std::string& part : parts)
-        parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
     require_ranges(text, kind, parameters);
     return parameters;
 }

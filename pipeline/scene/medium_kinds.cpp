@@ -29,9 +29,9 @@ MediumKind index() {
     return {.name = "index",
             .form = "index:N,K",
             .example = "index:1.5,0.01",
-            .help = "spheres of a constant refractive index n + ik",
+            .help = "spheres of a constant refractive index n + ik; index:N absorbs nothing",
             .parameters = {{"n", "n > 0", [](double n) { return n > 0.0; }},
-                           {"k", "k >= 0", [](double k) { return k >= 0.0; }}}};
+                           {"k", "k >= 0", [](double k) { return k >= 0.0; }, 0.0}}};
 }
 
 MediumKind table() {

@@ -5,6 +5,7 @@
 #include <miebrdf/scene.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct MediumParameter {
     std::string name;     ///< "single-scattering albedo"
     std::string allowed;  ///< "[0, 1]"
     bool (*is_allowed)(double value);
+    std::optional<double> by_default = {};  ///< of a last number that may be left out
 };
 
 /// A new kind of medium is one object of this type and one line in medium_kinds().

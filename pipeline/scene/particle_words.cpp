@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pipeline/scene/species_keys.h"
 #include "pipeline/scene/word_setters.h"
 
 namespace miebrdf {
@@ -24,6 +25,16 @@ void set_host(const SceneWord& word, WordValues values, Request& request) {
     request.scene.particles.host = host(text);
 }
 
+void set_effective_radius(const SceneWord& word, WordValues values, Request& request) {
+    const WordValue& value = one_value(word, values);
+    double& radius_um = request.scene.particles.sizes.effective_radius_um;
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        radius_um = parse_length_um(*text, word.name);
+    } else {
+        radius_um = finite_number(value, word.name);
+    }
+}
+
 template <auto member>
 constexpr auto set_particle_number = set_number<&Request::scene, &Scene::particles, member>;
 
@@ -39,12 +50,13 @@ std::vector<SceneWord> particle_words() {
     return {
         {.name = "effective-radius",
          .placeholder = "UM",
-         .help = "effective radius <r^3>/<r^2> in um, of media that do not say their own",
+         .help =
+             "effective radius <r^3>/<r^2> in um (or 100nm), of media that do not say their own",
          .group = group,
          .default_text = fmt::format("{}", defaults.sizes.effective_radius_um),
          .field = "effective_radius_um",
          .unit = "um",
-         .set = set_size_number<&mie::SizeDistribution::effective_radius_um>},
+         .set = set_effective_radius},
         {.name = "effective-variance",
          .placeholder = "V",
          .help = "effective variance of the radii, of media that do not say their own",

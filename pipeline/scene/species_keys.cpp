@@ -59,8 +59,7 @@ struct Key {
 const std::vector<Key> kKeys = {
     {"radius",
      [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(s.sizes.effective_radius_um, parse_quantity(value, what, kLengthsUm), "radius",
-                  text);
+         set_once(s.sizes.effective_radius_um, parse_length_um(value, what), "radius", text);
      }},
     {"variance",
      [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
@@ -144,6 +143,10 @@ void validate(const Amount& amount, const std::string& text) {
 }
 
 }  // namespace
+
+double parse_length_um(std::string_view text, const std::string& what) {
+    return parse_quantity(text, what, kLengthsUm);
+}
 
 mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene) {
     const ParticleSizes& own = species.sizes;

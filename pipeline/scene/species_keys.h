@@ -4,8 +4,12 @@
 #include <miebrdf/scene.h>
 
 #include <string>
+#include <string_view>
 
 namespace miebrdf {
+
+/// A length in um: `0.1`, `100nm`, `1mm`. @throws UsageError
+double parse_length_um(std::string_view text, const std::string& what);
 
 /// The sizes of a species: its own over those of the scene.
 mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene);

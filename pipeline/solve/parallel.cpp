@@ -20,6 +20,7 @@ class WatchedJob {
 
     void operator()(std::size_t index) {
         if (control_.is_cancelled && control_.is_cancelled()) throw Cancelled();
+        if (control_.job_begun) control_.job_begun(stage_, count_);
         job_(index);
         if (!control_.progress) return;
         const std::lock_guard lock(mutex_);
@@ -59,8 +60,18 @@ void run_parallel(const std::string& stage, std::size_t count, const Control& co
 }
 
 mie::Executor pieces_of_job(const Control& control) {
-    if (control.threads == 1) return mie::run_in_order;
-    return [](int count, const std::function<void(int)>& piece) {
+    const auto tell = [told = control.piece_done] {
+        if (told) told();
+    };
+    if (control.threads == 1) {
+        return [tell](int count, const std::function<void(int)>& piece) {
+            for (int i = 0; i < count; ++i) {
+                piece(i);
+                tell();
+            }
+        };
+    }
+    return [tell](int count, const std::function<void(int)>& piece) {
         // Isolated: while it waits for its last piece, a thread must not begin another job, which
         // this one would then wait for.
         tbb::this_task_arena::isolate([&] {
@@ -68,7 +79,10 @@ mie::Executor pieces_of_job(const Control& control) {
             tbb::parallel_for(
                 tbb::blocked_range<int>(0, count, 1),
                 [&](const tbb::blocked_range<int>& range) {
-                    for (int i = range.begin(); i != range.end(); ++i) piece(i);
+                    for (int i = range.begin(); i != range.end(); ++i) {
+                        piece(i);
+                        tell();
+                    }
                 },
                 tbb::simple_partitioner(), context);
             // When another job has failed or was refused, TBB leaves out the pieces of this one and

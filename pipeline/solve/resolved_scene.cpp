@@ -9,6 +9,7 @@
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/resolver.h"
+#include "pipeline/solve/rules.h"
 
 namespace miebrdf {
 namespace {
@@ -107,6 +108,18 @@ void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& res
     }
 }
 
+/// An albedo of 1 surprises who thinks of real matter.
+void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
+    const std::size_t all = scene.wavelength_nm.size();
+    std::size_t count = 0;
+    for (std::size_t w = 0; w < all; ++w) count += absorbs_nothing(scene, w) ? 1 : 0;
+    if (count == 0) return;
+    resolver.add_note(fmt::format(
+        "nothing absorbs{}: the layers return all light that enters them; where that is not "
+        "meant, give what absorbs (a k above 0, soot, a dark ground) or a k_floor",
+        count == all ? "" : fmt::format(" at {} of {} wavelengths", count, all)));
+}
+
 }  // namespace
 
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm) {
@@ -126,11 +139,15 @@ ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_
             resolved.empty_layers.push_back(layer);
             continue;
         }
-        resolved.media.push_back(resolver.medium(layer.medium, wavelength_nm));
+        const bool is_optical = layer.depth.kind == Depth::Kind::optical_depth;
+        resolved.media.push_back(resolver.medium(
+            layer.medium, wavelength_nm,
+            is_optical ? layer.depth.value : std::numeric_limits<double>::infinity()));
         resolved.depths.push_back(resolver.depth(layer, resolved.media.back()));
     }
     resolve_surface(scene, resolver, resolved);
     resolve_boundary(scene, resolver, resolved);
+    note_no_absorption(resolved, resolver);
     resolved.sources = resolver.take_sources();
     resolved.notes = resolver.take_notes();
     return resolved;

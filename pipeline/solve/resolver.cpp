@@ -59,6 +59,15 @@ constexpr double kWeakHost = 0.01;
 /// Beyond this share of the volume, what neighbours change is said.
 constexpr double kCrowded = 0.05;
 
+/// Without amounts, a host is left out that takes less than this share of the light when particles
+/// fill as little as this share of the volume.
+constexpr double kNegligibleHost = 1e-3;
+constexpr double kFewParticles = 0.01;
+
+double absorption_per_um(double k, double wavelength_nm) {
+    return 4.0e3 * std::numbers::pi * k / wavelength_nm;
+}
+
 }  // namespace
 
 bool has_mirror(const Scene& scene) {
@@ -70,14 +79,15 @@ bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0
 Resolver::Resolver(const Scene& scene, double some_nm)
     : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index) {}
 
-ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm) {
+ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm,
+                                double optical_depth) {
     ResolvedMedium resolved{.medium = medium};
     const bool needs_host = needs_mie(medium) || scene_.boundary || has_mirror(scene_);
     const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
     for (const Species& species : medium.species)
         resolved.species.push_back(this->species(species, wavelength_nm, host));
     set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
-    if (needs_mie(medium)) set_host_absorption(host, wavelength_nm, resolved);
+    if (needs_mie(medium)) set_host_absorption(host, wavelength_nm, optical_depth, resolved);
     resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
     for (const std::complex<double> index : host.index) resolved.host_index.push_back(index.real());
     set_packing(resolved);
@@ -166,22 +176,54 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
 }
 
 void Resolver::set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
-                                   ResolvedMedium& medium) {
+                                   double optical_depth, ResolvedMedium& medium) {
     medium.host_absorption.assign(wavelength_nm.size(), 0.0);
+    if (!medium.has_amounts) {
+        leave_out_host(host, wavelength_nm, optical_depth, medium);
+        return;
+    }
     for (std::size_t w = 0; w < host.index.size(); ++w) {
         const double k = host.index[w].imag();
         if (k == 0.0) continue;
-        if (!medium.has_amounts) {
-            throw UsageError(fmt::format(
-                "medium '{}': its host {} absorbs (k {:.3g} at {} nm), so what absorbs between "
-                "the particles depends on how many there are; give amounts, e.g. volume=15%, "
-                "or a host that does not absorb, e.g. index:{:.4g}",
-                describe(medium.medium), host.name, k, wavelength_nm[w], host.index[w].real()));
-        }
-        const double per_um = 4.0e3 * std::numbers::pi * k / wavelength_nm[w];
-        medium.host_absorption[w] = per_um * std::max(0.0, 1.0 - filled_volume(medium));
+        medium.host_absorption[w] =
+            absorption_per_um(k, wavelength_nm[w]) * std::max(0.0, 1.0 - filled_volume(medium));
         note_strong_host(host, k, wavelength_nm[w], medium);
     }
+}
+
+void Resolver::leave_out_host(const HostAt& host, const std::vector<double>& wavelength_nm,
+                              double optical_depth, const ResolvedMedium& medium) {
+    double radius_um = 0.0;
+    for (const ResolvedSpecies& species : medium.species)
+        radius_um = std::max(radius_um, species.effective_radius_um);
+    std::size_t worst = 0;
+    double least_volume = 0.0;  // at which the host is weak
+    for (std::size_t w = 0; w < host.index.size(); ++w) {
+        // Particles extinguish 3 f Q / (4 r), about 3 f / (4 r); light crosses the layer's optical
+        // depth, at least about once.
+        const double volume = absorption_per_um(host.index[w].imag(), wavelength_nm[w]) *
+                              (4.0 / 3.0) * radius_um * std::max(1.0, optical_depth) /
+                              kNegligibleHost;
+        if (!(volume > least_volume)) continue;
+        least_volume = volume;
+        worst = w;
+    }
+    if (least_volume == 0.0) return;
+    const std::string text =
+        fmt::format("(k {:.3g} at {} nm)", host.index[worst].imag(), wavelength_nm[worst]);
+    if (least_volume <= kFewParticles) {
+        add_once(notes_, fmt::format("what the host {} absorbs between the particles {} is left "
+                                     "out: {} has no amounts; where they fill more than about "
+                                     "{:.2g} % of the volume, it is below {} of the light",
+                                     host.name, text, describe(medium.medium), 100.0 * least_volume,
+                                     kNegligibleHost));
+        return;
+    }
+    throw UsageError(fmt::format(
+        "medium '{}': its host {} absorbs {}, so what absorbs between the particles depends on how "
+        "many there are; give amounts, e.g. volume=15%, or a host that does not absorb, e.g. "
+        "index:{:.4g}",
+        describe(medium.medium), host.name, text, host.index[worst].real()));
 }
 
 void Resolver::note_strong_host(const HostAt& host, double k, double nm,
@@ -229,7 +271,11 @@ void Resolver::require_particles(const Layer& layer) {
 
 ResolvedMedium Resolver::reference(const Layer& layer) {
     try {
-        return medium(layer.medium, {layer.depth.wavelength_nm});
+        // What is noted there is noted at the wavelengths of the scene.
+        const std::vector<std::string> notes = notes_;
+        ResolvedMedium found = medium(layer.medium, {layer.depth.wavelength_nm}, layer.depth.value);
+        notes_ = notes;
+        return found;
     } catch (const InputError& error) {
         throw InputError(fmt::format(
             "coat {0}@{1}: an optical depth holds at {2} nm, where this material is not known "

@@ -1,6 +1,8 @@
 // Looks up what a scene names: media, depths, hosts, mirrors.
 #pragma once
 
+#include <limits>
+
 #include "pipeline/solve/named_index.h"
 #include "pipeline/solve/resolved_scene.h"
 
@@ -13,7 +15,9 @@ class Resolver {
     Resolver(const Scene& scene, double some_nm);
 
     /// @throws UsageError, InputError  as resolve() of resolved_scene.h
-    ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm);
+    /// @param optical_depth  of the layer, where nothing else tells how much there is of it
+    ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm,
+                          double optical_depth = std::numeric_limits<double>::infinity());
     ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium);
     /// n + ik of a species, of a mirror and (n alone) of a host at every wavelength.
     ResolvedIndex index(const Species& species, const std::vector<double>& wavelength_nm);
@@ -41,7 +45,11 @@ class Resolver {
     /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself
     /// takes the real part of the host's index).
     void set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
-                             ResolvedMedium& medium);
+                             double optical_depth, ResolvedMedium& medium);
+    /// Without amounts nobody knows how much host there is; a weak one may be left out.
+    /// @throws UsageError  when it could matter
+    void leave_out_host(const HostAt& host, const std::vector<double>& wavelength_nm,
+                        double optical_depth, const ResolvedMedium& medium);
     void note_strong_host(const HostAt& host, double k, double nm, const ResolvedMedium& medium);
     void set_packing(ResolvedMedium& medium);
     void note_crowding(const ResolvedSpecies& species, double change);

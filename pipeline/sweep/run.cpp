@@ -38,6 +38,7 @@ std::vector<SceneResult> solve_scenes(const Sweep& sweep, const Layout& layout,
                                       const Control& control) {
     Control quiet = control;
     quiet.progress = {};
+    quiet.job_begun = {};
     Control of_scene = quiet;
     of_scene.threads = threads_of_each;
     std::vector<SceneResult> results(scenes.size());

@@ -179,12 +179,18 @@ TEST_CASE("media out of range are refused with the value and the range",
         GENERATE(Case{"isotropic:1.2", "1.2", "[0, 1]"}, Case{"hg:0.9,1", "1", "(-1, 1)"},
                  Case{"hg:-0.1,0", "-0.1", "[0, 1]"}, Case{"hg:0.9", "hg:0.9", "hg:ALBEDO,G"},
                  Case{"index:0,1", "n 0", "> 0"}, Case{"index:1.5,-1", "k -1", ">= 0"},
-                 Case{"index:1.5", "index:1.5", "index:N,K"}, Case{"rayleigh:nan", "nan", "finite"},
-                 Case{"isotropic:x", "x", "not a number"});
+                 Case{"index:1,2,3", "index:1,2,3", "index:N,K"},
+                 Case{"rayleigh:nan", "nan", "finite"}, Case{"isotropic:x", "x", "not a number"});
     CAPTURE(wrong.text);
     CHECK_THROWS_AS(medium(wrong.text), UsageError);
     CHECK_THROWS_WITH(medium(wrong.text),
                       Catch::Contains(wrong.value) && Catch::Contains(wrong.allowed));
+}
+
+TEST_CASE("an index without k absorbs nothing", "[pipeline][medium]") {
+    CHECK(describe(medium("index:1.5")) == describe(medium("index:1.5,0")));
+    CHECK(describe(medium("index:1.5,radius=1")) == describe(medium("index:1.5,0,radius=1")));
+    CHECK_THROWS_AS(medium("index:"), UsageError);
 }
 
 TEST_CASE("layers without, with negative or with senseless optical depth are refused",
@@ -231,7 +237,7 @@ TEST_CASE("sizes that are wrong are refused with medium, key, value and what is 
         {"TiO2,raduis=1", {"'raduis'", "radius, variance, distribution", "did you mean radius?"}},
         {"TiO2,effective-variance=1", {"'effective-variance'", "did you mean variance?"}},
         {"TiO2,host=1.3", {"'host'", "radius, variance, distribution"}},
-        {"index:1.5,radius=1", {"index:N,K"}},
+        {"index:1,2,3,radius=1", {"index:N,K"}},
         {",radius=1", {"empty medium"}},
         {"hg:0.9,0.5,radius=1", {"hg:", "',radius=1'", "Mie theory"}},
         {"isotropic:0.9,variance=1", {"isotropic:", "Mie theory"}},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/solve/resolved_scene.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/scenes.h"
@@ -307,4 +308,27 @@ TEST_CASE("words of mixtures, depths and grounds read back to what they were",
     CHECK(depth("30g/m2") == Depth(Depth::Kind::mass_kg_per_m2, 0.03));
     for (const char* text : {"black", "none", "lambert:0.25"})
         CHECK(describe(substrate(text)) == text);
+}
+
+TEST_CASE("without amounts a host that hardly absorbs is left out, and said so",
+          "[pipeline][mixture]") {
+    // 4 pi k / lambda = 2.3e-6 per um for k = 1e-7 at 550 nm, of a layer of 1.5 um at 10 %: 1e-6.
+    Scene scene;
+    scene.substrate = substrate("black");
+    const auto resolved_over = [&](const std::string& coat) {
+        scene.layers = {layer(coat)};
+        return resolve(scene, {550.0});
+    };
+    const ResolvedScene weak = resolved_over("index:2.5,radius=0.1 in index:1.5,1e-7@0.6");
+    CHECK(weak.media.back().host_absorption.front() == 0.0);
+    REQUIRE(weak.notes.size() == 2);
+    CHECK_THAT(weak.notes.front(), Catch::Contains("left out") && Catch::Contains("1e-07"));
+    // Where it could matter: in a thick layer, among large particles, with a larger k.
+    for (const char* coat :
+         {"index:2.5,radius=0.1 in index:1.5,1e-7@1000",
+          "index:2.5,radius=0.1 in index:1.5,1e-7@inf", "index:2.5,radius=50 in index:1.5,1e-7@0.6",
+          "index:2.5,radius=0.1 in index:1.5,1e-4@0.6"}) {
+        CAPTURE(coat);
+        CHECK_THROWS_WITH(resolved_over(coat), Catch::Contains("give amounts"));
+    }
 }

@@ -45,6 +45,21 @@ TEST_CASE("progress counts every job of its stage in order", "[pipeline][paralle
     for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == i + 1);
 }
 
+TEST_CASE("a job tells when it begins, and each of its pieces that it is done",
+          "[pipeline][parallel]") {
+    const int threads = GENERATE(1, 2);
+    std::atomic<int> begun = 0, pieces_done = 0;
+    Control control{.threads = threads};
+    control.job_begun = [&](const std::string& stage, std::size_t total) {
+        if (stage == "count" && total == 3) ++begun;
+    };
+    control.piece_done = [&] { ++pieces_done; };
+    const auto pieces = pieces_of_job(control);
+    run_parallel("count", 3, control, [&](std::size_t) { pieces(50, [](int) {}); });
+    CHECK(begun == 3);
+    CHECK(pieces_done == 150);
+}
+
 TEST_CASE("what asks to be cancelled stops the jobs that have not begun", "[pipeline][parallel]") {
     const int threads = GENERATE(1, 2);
     std::atomic<bool> cancelled = false;

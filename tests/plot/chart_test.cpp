@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/spectra.h"
 #include "tests/plot/svg_text.h"
 #include "tests/support/catch.h"
@@ -83,4 +84,34 @@ TEST_CASE("a chart refuses curves that do not fit", "[plot][chart][errors]") {
                       Catch::Contains("2 x for 1 y"));
     CHECK_THROWS_WITH(draw_spectrum({{"s", {400, 500}, {0, 0}, {}}}, "P", {}, Scale::logarithmic),
                       Catch::Contains("no positive value"));
+}
+
+TEST_CASE("long titles and legends stay on the page", "[plot][chart]") {
+    const std::string title =
+        "TiO2, radius 0.13 um, 15 % of the volume in PMMA (40 um) on ground of albedo 0.8, "
+        "roughness 0.3, 550 nm, azimuth 180 degrees";
+    Panel panel{{"x"}, {"y"}, {{title, {0, 1}, {0, 1}}, {"short", {0, 1}, {1, 0}}}};
+    const Picture picture = draw_chart({panel}, {title, ""});
+    CHECK(support::is_well_formed(picture.svg));
+    std::size_t lines = 0;
+    for (const std::string& text : support::texts(picture.svg)) {
+        CAPTURE(text);
+        // At the size of the legend, the smaller of the two.
+        CHECK(SvgDrawing::text_width(text, 12) <= picture.width);
+        if (text.find("TiO2") != std::string::npos || text.find("azimuth") != std::string::npos)
+            ++lines;
+    }
+    CHECK(lines >= 4);  // two or more of the title, as many of the legend
+    CHECK(draw_chart({panel}, {}).height < picture.height);
+}
+
+TEST_CASE("members of a family go from dark to light", "[plot][chart]") {
+    Panel panel{{"x"},
+                {"y"},
+                {{"a", {0, 1}, {0, 1}, Mark::line, {}, {}, 0.0},
+                 {"b", {0, 1}, {0, 2}, Mark::line, {}, {}, 1.0}}};
+    const auto strokes = support::attributes(draw_chart({panel}, {}).svg, "polyline", "stroke");
+    REQUIRE(strokes.size() == 2);
+    CHECK(strokes[0] == map_colour(0.0));
+    CHECK(strokes[1] == map_colour(0.88));
 }

@@ -65,14 +65,4 @@ std::vector<std::pair<double, double>> points(const std::string& list) {
     return found;
 }
 
-std::vector<std::pair<double, double>> starts(const std::string& path) {
-    std::vector<std::pair<double, double>> found;
-    for (std::size_t at = path.find('M'); at != std::string::npos; at = path.find('M', at + 1)) {
-        std::istringstream stream(path.substr(at + 1, 40));
-        double x = 0, y = 0;
-        if (stream >> x >> y) found.emplace_back(x, y);
-    }
-    return found;
-}
-
 }  // namespace miebrdf::support

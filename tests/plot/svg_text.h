@@ -20,7 +20,4 @@ std::vector<std::string> texts(const std::string& svg);
 /// "x,y x,y ..." of polylines and polygons.
 std::vector<std::pair<double, double>> points(const std::string& list);
 
-/// Where the closed shapes of a path's data start: "Mx y...".
-std::vector<std::pair<double, double>> starts(const std::string& path);
-
 }  // namespace miebrdf::support

@@ -60,7 +60,8 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
 }
 
 TEST_CASE("a command line that cannot be read ends with exit code 2", "[program][errors]") {
-    check_one_line(support::run_program("brdf"), kUsage, {"--mu-in"});
+    check_one_line(support::run_program("brdf"), kUsage, {"--base"});
+    check_one_line(support::run_program("brdf --base hg:0.9,0.5"), kUsage, {"--mu-in"});
     check_one_line(support::run_program("albedo"), kUsage, {"--base", "--substrate"});
     check_one_line(support::run_program("paint"), kUsage, {"--help"});
     check_one_line(support::run_program("brdf --bsae TiO2"), kUsage, {"--help"});
@@ -81,6 +82,9 @@ TEST_CASE("words that no command knows are answered with the nearest that it doe
         // Before what is missing: --base is required only because it was mistyped.
         {"brdf --bsae TiO2", {"'--bsae'", "did you mean --base?", "miebrdf brdf --help"}},
         {"brdf --base TiO2 --wavelength=550", {"'--wavelength'", "did you mean --wavelengths?"}},
+        {"albedo --base TiO2 --radius 0.1", {"'--radius'", "TiO2,radius=100nm"}},
+        {"albedo --base TiO2 radius=100nm", {"'radius=100nm'", "TiO2,radius=100nm"}},
+        {"albedo --substrate black --coat TiO2 --thickness 4um", {"'--thickness'", "@40um"}},
         {"plot nk TiO2 --titel x", {"'--titel'", "did you mean --title?"}},
         {"albedo --base TiO2 --wavelengths 400 500", {"'500'", "1,2,3"}},
         {"export --format mrel --base hg:0.9,0.5 -o x", {"'mrel'", "did you mean merl"}},
@@ -101,6 +105,7 @@ TEST_CASE("options without a use are refused", "[program][errors]") {
         {"brdf --base hg:0.9,0.5 --mu-in 1 --mu-out 1 --component total,total", {"total", "twice"}},
         {"albedo --base hg:0.9,0.5 --surface-index 1.5", {"--surface-index", "--roughness"}},
         {"plot nk TiO2 --json", {"--json", "-o FILE"}},
+        {"sphere --index 1.5,0 --size-parameter 1 --json --no-comments", {"--no-comments", "CSV"}},
     };
     for (const Case& c : cases) {
         CAPTURE(c.arguments);

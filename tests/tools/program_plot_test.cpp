@@ -22,6 +22,12 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
         {"profile", " --base hg:0.9,0.5"},
         {"slice", scene + " --log --cells 30"},
         {"slice", scene + " --phi-d 0 --cells 20 --component subsurface"},
+        {"lobe", scene + " --compare coat=isotropic:0.9@1 --compare 'depth=1; roughness=none'"},
+        {"lobe", scene + " --vary depth=0.1,1 --theta-in 45"},
+        {"spectrum", scene + ",600 --vary depth=0.1:1:3"},
+        {"optics", " index:1.5,0.1,radius=0.1 --vary radius=0.1:0.3:3 --wavelengths 500,600"},
+        {"phase-angle", scene + " --incidence 0,60 --radiance-factor"},
+        {"profile", scene + " --mu-in 0.5,1"},
         {"profile", scene + " --incidence 0,60 --compare-coat-method first-order --azimuth 0"},
         {"spectrum", scene + ",600,650 --incidence 60"},
         {"nk", " GaP SiO2"},
@@ -37,7 +43,7 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
     const std::string svg = read_file(file);
     CHECK(svg.find("</svg>") != std::string::npos);
     CHECK(svg.find("<desc>miebrdf plot " + kind) != std::string::npos);
-    CHECK((svg.find("<polyline") != std::string::npos || svg.find("<path") != std::string::npos));
+    CHECK((svg.find("<polyline") != std::string::npos || svg.find("<image") != std::string::npos));
     CHECK(svg.find("nan") == std::string::npos);
     CHECK(svg.find("inf") == std::string::npos);
 }
@@ -62,6 +68,10 @@ TEST_CASE("bad plots are refused before any work, with one line and no file",
         {"plot lobe --base isotropic:0.5 --wavelengths 550 --incidence 95 -o FOLDER/a.svg", 2,
          "95"},
         {"plot hemisphere --base isotropic:0.5 --wavelengths 450,550 -o FOLDER/a.svg", 2, "one"},
+        {"plot lobe --base isotropic:0.5 --compare depth=1 -o FOLDER/a.svg", 2, "no layer"},
+        {"plot lobe --base isotropic:0.5 --compare no.toml -o FOLDER/a.svg", 3, "no.toml"},
+        {"plot lobe --base isotropic:0.5 --vary depth=1:2:3 -o FOLDER/a.svg", 2, "no layer"},
+        {"plot optics index:1.5,0.1 --vary depth=1:2:3 -o FOLDER/a.svg", 2, "radius"},
         {"plot slice --base isotropic:0.5 --wavelengths 450,550 -o FOLDER/a.svg", 2, "one"},
         {"plot slice --base isotropic:0.5 --wavelengths 550 --cells 1 -o FOLDER/a.svg", 2, "cells"},
         {"plot slice --base isotropic:0.5 --wavelengths 550 --component sheen -o FOLDER/a.svg", 2,
@@ -130,4 +140,36 @@ TEST_CASE("a spectrum is drawn of wavelengths in any order", "[program][plot]") 
     const auto run = run_program("plot spectrum --base hg:0.9,0.4 -o " + (folder / "spectrum.svg"));
     CAPTURE(run.err);
     CHECK(run.exit_code == 0);
+}
+
+TEST_CASE("a chart speaks of scenes without the notation of options", "[program][plot]") {
+    const TemporaryFolder folder;
+    const std::string file = folder / "a.svg";
+    const ProgramRun run = run_program(
+        "plot spectrum --wavelengths 500,600 --base hg:0.9,0.5 --coat "
+        "'index:1.5,0.1,radius=0.1@0.2' --compare depth=1 -o " +
+        file);
+    CAPTURE(run.err);
+    REQUIRE(run.exit_code == 0);
+    const std::string svg = read_file(file);
+    const std::string shown = svg.substr(svg.find("</desc>"));
+    CHECK(shown.find("radius=") == std::string::npos);
+    CHECK(shown.find("hg:") == std::string::npos);
+    CHECK(shown.find("\u03c4 = 0.2; spherical") != std::string::npos);
+    CHECK(shown.find("\u03c4 = 1; spherical") != std::string::npos);
+    CHECK(shown.find("Henyey-Greenstein") != std::string::npos);
+}
+
+TEST_CASE("degrees are the cosines that they are", "[program]") {
+    const std::string scene = " --base hg:0.9,0.5 --wavelengths 550 --no-comments";
+    const auto degrees = run_program("brdf --theta-in 60 --view-zenith 0" + scene);
+    CAPTURE(degrees.err);
+    REQUIRE(degrees.exit_code == 0);
+    CHECK(degrees.out == run_program("brdf --mu-in 0.5 --mu-out 1" + scene).out);
+    CHECK(run_program("albedo --sun-zenith 60" + scene).out ==
+          run_program("albedo --mu-in 0.5" + scene).out);
+    const auto both = run_program("albedo --theta-in 60 --mu-in 0.5" + scene);
+    CHECK(both.exit_code == 2);
+    CHECK(both.err.find("one of them") != std::string::npos);
+    CHECK(run_program("albedo --theta-in 90" + scene).exit_code == 2);
 }

@@ -375,3 +375,34 @@ TEST_CASE("a coat of depth inf is the half-space, whatever is named below it", "
         hidden = hidden || plan.text(row, "name") == "hidden layers";
     CHECK(hidden);
 }
+
+TEST_CASE("what surprises is said: default sizes on stderr, no absorption in a note",
+          "[program][notes]") {
+    const std::string scene = "albedo --wavelengths 550 --mu-in 0.5 --substrate lambert:1 --coat ";
+    const auto surprising = support::run_program(scene + "index:1.5@0.1 --mie-tolerance 0.1");
+    CAPTURE(surprising.err, surprising.out);
+    CHECK_THAT(surprising.err, Catch::Contains("effective radius 50 um"));
+    CHECK_THAT(surprising.out, Catch::Contains("# note: nothing absorbs"));
+    const auto plain = support::run_program(scene + "index:1.5,0.1,radius=100nm@0.1");
+    CHECK(plain.err.empty());
+    CHECK(plain.out.find("nothing absorbs") == std::string::npos);
+    const auto same = support::run_program(scene + "index:1.5,0.1@0.1 --effective-radius 100nm");
+    CHECK(same.err.empty());
+}
+
+TEST_CASE("without comments a table is its header and rows", "[program]") {
+    const auto run = support::run_program(
+        "albedo --base hg:0.9,0.5 --wavelengths 550 --mu-in 0.5 --no-comments");
+    REQUIRE(run.exit_code == 0);
+    CHECK(run.out.rfind("wavelength_nm,mu_in,", 0) == 0);
+    CHECK(run.out.find('#') == std::string::npos);
+}
+
+TEST_CASE("--color is --colour", "[program]") {
+    const std::string scene = "albedo --base hg:0.9,0.5 --wavelengths 400:700:20 ";
+    const auto row = [](const support::ProgramRun& run) {
+        return run.out.substr(run.out.find("\nquantity,"));
+    };
+    CHECK(row(support::run_program(scene + "--color d65")) ==
+          row(support::run_program(scene + "--colour d65")));
+}

@@ -72,7 +72,8 @@ TEST_CASE("progress as json is one event a line, and each stage comes to its end
         const std::string stage = event.at("stage");
         CHECK(event.at("done") <= event.at("total"));
         CHECK(event.at("per_second") >= 0.0);
-        CHECK(event.at("seconds_left") >= 0.0);
+        // Before the first job is done nobody knows how long the others take.
+        if (event.at("done") > 0) CHECK(event.at("seconds_left") >= 0.0);
         last[stage] = event;
     }
     REQUIRE(last.count("single scattering") == 1);

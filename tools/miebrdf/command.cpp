@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -44,6 +45,11 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
                      writes == Writes::table
                          ? "write JSON instead of CSV"
                          : "print what was written, as JSON, to standard output");
+    if (writes == Writes::table) {
+        command.add_flag("--no-comments", common_.no_comments,
+                         "leave out the lines that begin with #, for spreadsheets; the error "
+                         "estimate goes with them");
+    }
     command
         .add_option("--threads", common_.threads,
                     "largest number of threads; 0: one for each processor")
@@ -78,6 +84,7 @@ Job Shell::prepare() const {
         if (progress_ != nullptr) progress_->begin();
         const int code = job();
         if (progress_ != nullptr) progress_->end();
+        for (const std::string& line : notes_at_end_) note(line);
         return code;
     };
 }
@@ -95,7 +102,14 @@ void Shell::tell_written(Table files) const {
 }
 
 void Shell::write(Table table) const {
+    if (common_.no_comments && common_.json)
+        throw UsageError("--no-comments belongs to CSV; JSON keeps its facts apart");
     add_origin(table);
+    if (common_.no_comments) {
+        table.facts.clear();
+        table.report_columns.clear();
+        table.report.clear();
+    }
     std::ostringstream text;
     if (common_.json) {
         write_json(table, text);
@@ -132,7 +146,16 @@ Control Shell::control() const {
     if (progress_ == nullptr) progress_ = std::make_shared<ProgressLine>(style);
     control.progress = [line = progress_](const std::string& stage, std::size_t done,
                                           std::size_t total) { line->update(stage, done, total); };
+    control.job_begun = [line = progress_](const std::string& stage, std::size_t total) {
+        line->job_begun(stage, total);
+    };
+    control.piece_done = [line = progress_] { line->piece_done(); };
     return control;
+}
+
+void Shell::note_at_end(const std::string& line) const {
+    const auto known = std::find(notes_at_end_.begin(), notes_at_end_.end(), line);
+    if (known == notes_at_end_.end()) notes_at_end_.push_back(line);
 }
 
 void Shell::note(const std::string& line) const {

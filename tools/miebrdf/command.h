@@ -21,6 +21,7 @@ enum ExitCode { kGood = 0, kCheckFailed = 1, kUsage = 2, kBadInput = 3, kNotConv
 struct CommonOptions {
     std::string output;  ///< -o FILE; empty or "-": standard output
     bool json = false;
+    bool no_comments = false;  ///< of tables as CSV
     bool quiet = false;
     int threads = 0;
     std::string progress = "auto";
@@ -73,6 +74,8 @@ class Shell {
 
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
+    /// The same, once, when the command has succeeded: bad input is answered with one line alone.
+    void note_at_end(const std::string& line) const;
 
     /// Threads, progress on a terminal's stderr, Ctrl-C and the cache for a computation.
     Control control() const;
@@ -95,6 +98,7 @@ class Shell {
     CommonOptions common_;
     mutable std::shared_ptr<ResultCache> cache_;  ///< opened when first wanted, like the next
     mutable std::shared_ptr<ProgressLine> progress_;
+    mutable std::vector<std::string> notes_at_end_;
     std::vector<std::string> scene_words_;
     std::function<Job()> prepare_;
 };

@@ -109,10 +109,8 @@ void ExportArguments::add_file_options(CLI::App& command) {
         }
     }
     const std::string tables = formats_that_take("mu_in");
-    group->add_option(option_of("mu_in"), mu_in_, tables + ": cosines of incidence")
-        ->type_name("LIST");
-    group->add_option(option_of("mu_out"), mu_out_, tables + ": cosines of reflection")
-        ->type_name("LIST");
+    mu_in_.add_to(*group, tables + ": cosines of incidence");
+    mu_out_.add_to(*group, tables + ": cosines of reflection");
     group->add_option(option_of("azimuth_deg"), azimuth_, tables + ": degrees, 0 = mirror side")
         ->type_name("LIST");
     group
@@ -138,6 +136,8 @@ void ExportArguments::add_file_options(CLI::App& command) {
 
 bool ExportArguments::given(const std::string& option) const {
     // Words of the scene may come from a scene file, where no option is typed.
+    if (option == option_of("mu_in")) return mu_in_.given();
+    if (option == option_of("mu_out")) return mu_out_.given();
     return scene_.given(option.substr(2)) || command_->get_option(option)->count() > 0;
 }
 
@@ -158,8 +158,7 @@ void ExportArguments::check_format() const {
                 ? std::string("it has no options of the file")
                 : fmt::format("of the file's options it takes {}", fmt::join(taken, ", "))));
     }
-    if (command_->get_option("--resolution")->count() > 0 && !mu_in_.empty() && !mu_out_.empty() &&
-        !azimuth_.empty()) {
+    if (command_->get_option("--resolution")->count() > 0 && lists_all_directions()) {
         throw UsageError("--resolution is for lists that are not given; here all three are");
     }
     parse_brdf_part(component_);
@@ -175,8 +174,8 @@ Request ExportArguments::scene() const {
 ExportOptions ExportArguments::file() const {
     ExportOptions options = options_;
     rte::Directions& directions = options.directions;
-    if (!mu_in_.empty()) directions.mu_in = parse_number_list(mu_in_, "mu_in", 0.0, 1.0, true);
-    if (!mu_out_.empty()) directions.mu_out = parse_number_list(mu_out_, "mu_out", 0.0, 1.0, true);
+    if (mu_in_.given()) directions.mu_in = mu_in_.parse();
+    if (mu_out_.given()) directions.mu_out = mu_out_.parse();
     if (!azimuth_.empty()) {
         directions.azimuth_deg = parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0);
     }

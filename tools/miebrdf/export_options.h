@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <miebrdf/formats.h>
+#include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -24,7 +25,7 @@ class ExportArguments {
     bool coupling_by_default() const { return !scene_.given("coupling"); }
     /// Whether every direction of the file is one that was asked for.
     bool lists_all_directions() const {
-        return !mu_in_.empty() && !mu_out_.empty() && !azimuth_.empty();
+        return mu_in_.given() && mu_out_.given() && !azimuth_.empty();
     }
     /// Wavelengths ascending: the order of every format.
     /// @throws UsageError, InputError
@@ -42,7 +43,9 @@ class ExportArguments {
     SceneArguments scene_;
     std::string format_;
     std::string component_ = "total";
-    std::string mu_in_, mu_out_, azimuth_;
+    DirectionArgument mu_in_{DirectionArgument::Side::in};
+    DirectionArgument mu_out_{DirectionArgument::Side::out};
+    std::string azimuth_;
     ExportOptions options_;
 };
 

@@ -6,8 +6,10 @@
 #include <map>
 
 #include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/program.h"
 
 namespace miebrdf::program {
@@ -64,11 +66,22 @@ std::string axis_named(const std::string& asked, const std::vector<std::string>&
         fmt::format("the table has no axis '{}'; it has: {}", asked, fmt::join(names, ", ")));
 }
 
+/// The axis of cosines that degrees are given for; null for other names.
+const char* cosine_named(const std::string& name) {
+    if (name == "theta_in" || name == "sun_zenith") return "mu_in";
+    if (name == "theta_out" || name == "view_zenith") return "mu_out";
+    return nullptr;
+}
+
 std::map<std::string, std::string> asked_values(const std::vector<std::string>& words,
                                                 const sweep::StoredTable& table) {
     const std::vector<std::string> names = axes_of_table(table);
     std::map<std::string, std::string> asked;
-    for (const auto& [name, value] : pairs_of(words)) {
+    for (auto [name, value] : pairs_of(words)) {
+        if (const char* cosine = cosine_named(name)) {
+            name = cosine;
+            value = fmt::format("{}", cosine_of_degrees(parse_number(value, "degrees")));
+        }
         if (!asked.emplace(axis_named(name, names), value).second)
             throw UsageError(fmt::format("--{}: given twice", name));
     }
@@ -150,7 +163,8 @@ void add_lookup(CLI::App& command, Shell& shell) {
         ->expected(1);
     shell.add_common_options(command);
     command.footer(
-        "Any other option is an axis of the table, --NAME VALUE; the beginning of a name will do. "
+        "Any other option is an axis of the table, --NAME VALUE; the beginning of a name will do, "
+        "and --theta-in gives mu_in in degrees. "
         "Axes that are not given are listed at all their nodes.\n\n"
         "Example:\n  miebrdf lookup snow.nc --radius 220 --soot 3e-8 --mu-in 0.5");
     shell.on_run(command, [arguments, &command, &shell] {

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string_view>
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
@@ -35,11 +37,41 @@ const std::vector<double>& column(const NumberTable& table, const std::string& n
                                  fmt::join(table.names(), ",")));
 }
 
+/// A column's name for people: "plane_albedo" -> "plane albedo", "radius_um" -> "radius [µm]".
+std::string axis_words(std::string column) {
+    constexpr std::pair<const char*, const char*> kNames[] = {
+        {"wavelength_nm", "vacuum wavelength [nm]"},
+        {"mu_in", "cosine of incidence"},
+        {"mu_out", "cosine of reflection"},
+        {"brdf", "BRDF [1/sr]"},
+        {"hdrf", "HDRF"},
+        {"n", "n"},
+        {"k", "k"}};
+    for (const auto& [name, words] : kNames) {
+        if (column == name) return words;
+    }
+    constexpr std::pair<const char*, const char*> kUnits[] = {
+        {"_nm", " [nm]"}, {"_um", " [\u00b5m]"}, {"_deg", " [\u00b0]"}};
+    std::string unit;
+    for (const auto& [ending, text] : kUnits) {
+        if (!column.ends_with(ending)) continue;
+        unit = text;
+        column.resize(column.size() - std::string_view(ending).size());
+        if (column.ends_with("_per")) {
+            column.resize(column.size() - 4);
+            unit = " [1/\u00b5m]";
+        }
+        break;
+    }
+    std::replace(column.begin(), column.end(), '_', ' ');
+    return column + unit;
+}
+
 int run(const ColumnsArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     plot::Panel panel;
-    panel.x.label = arguments.x_label.empty() ? arguments.x : arguments.x_label;
-    panel.y.label = arguments.y_label.empty() ? arguments.y : arguments.y_label;
+    panel.x.label = arguments.x_label.empty() ? axis_words(arguments.x) : arguments.x_label;
+    panel.y.label = arguments.y_label.empty() ? axis_words(arguments.y) : arguments.y_label;
     if (!arguments.y_range.empty()) {
         const auto [low, high] = parse_range(arguments.y_range, false);
         panel.y.lowest = low;

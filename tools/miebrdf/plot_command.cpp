@@ -49,6 +49,7 @@ void add_plot(CLI::App& command, Shell& shell) {
     command.footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
     add_scene_plots(command, shell);
     add_profile_plot(command, shell);
+    add_phase_angle_plot(command, shell);
     add_map_plots(command, shell);
     add_medium_plots(command, shell);
     add_columns_plot(command, shell);
@@ -68,10 +69,13 @@ void add_incidence_option(CLI::App& command, const std::string& incidence,
                           const ScenePlot& arguments) {
     arguments->incidence = incidence;
     command
-        .add_option("--incidence", arguments->incidence,
+        .add_option("--incidence,--theta-in,--sun-zenith", arguments->incidence,
                     "angles of incidence, degrees from the normal")
         ->type_name("LIST")
         ->capture_default_str();
+    command
+        .add_option("--mu-in", arguments->cosines, "the same as cosines, in place of --incidence")
+        ->type_name("LIST");
 }
 
 void add_component_options(CLI::App& command, const ScenePlot& arguments) {
@@ -79,6 +83,13 @@ void add_component_options(CLI::App& command, const ScenePlot& arguments) {
         ->capture_default_str();
     command.add_flag("--log", arguments->logarithmic, "logarithmic scale of the values");
 }
+
+namespace {
+
+/// Of 89.9 degrees, the lowest incidence of a chart.
+constexpr double kLeastCosine = 0.001746;
+
+}  // namespace
 
 double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
 
@@ -90,6 +101,11 @@ std::vector<double> cosines_of(const std::vector<double>& degrees) {
 }
 
 std::vector<double> incidences(const ScenePlotArguments& arguments) {
+    if (!arguments.cosines.empty()) {
+        std::vector<double> list = parse_number_list(arguments.cosines, "mu_in", kLeastCosine, 1.0);
+        for (double& mu : list) mu = std::acos(mu) * 180.0 / std::numbers::pi;
+        return list;
+    }
     return parse_number_list(arguments.incidence, "incidence (degrees)", 0.0, 89.9);
 }
 
@@ -103,16 +119,6 @@ std::vector<BrdfPart> parse_components(const std::string& text, const Scene& sce
     return parts;
 }
 
-std::string title_of(const Scene& scene) {
-    std::string title;
-    for (auto coat = scene.layers.rbegin(); coat != scene.layers.rend(); ++coat) {
-        const bool is_optical = coat->depth.kind == Depth::Kind::optical_depth;
-        title += fmt::format("{} ({}{}) on ", describe(coat->medium), is_optical ? "\u03c4 = " : "",
-                             describe(coat->depth));
-    }
-    return title + (scene.substrate ? describe(*scene.substrate) : describe(scene.base));
-}
-
 std::pair<double, double> parse_range(const std::string& text, bool logarithmic) {
     const std::vector<double> ends = parse_number_list(text, "range");
     if (ends.size() != 2 || !(ends[0] < ends[1]) || (logarithmic && !(ends[0] > 0))) {
@@ -120,13 +126,6 @@ std::pair<double, double> parse_range(const std::string& text, bool logarithmic)
                                      logarithmic ? " and positive" : ""));
     }
     return {ends[0], ends[1]};
-}
-
-std::string title_of(const std::vector<Scene>& scenes) {
-    std::string title = title_of(scenes.front());
-    for (std::size_t i = 1; i < scenes.size(); ++i)
-        title += (i + 1 == scenes.size() ? " and " : ", ") + describe(scenes[i].base);
-    return title;
 }
 
 double only_wavelength_nm(const Request& request, const std::string& kind) {

@@ -35,6 +35,8 @@ void add_medium_plots(CLI::App& plot, Shell& shell);
 void add_scene_plots(CLI::App& plot, Shell& shell);
 /// A scene's BRDF by several methods: profile.
 void add_profile_plot(CLI::App& plot, Shell& shell);
+/// Against the angle between source and viewer: phase-angle.
+void add_phase_angle_plot(CLI::App& plot, Shell& shell);
 /// Columns of tables: columns.
 void add_columns_plot(CLI::App& plot, Shell& shell);
 /// Colour maps of a scene: hemisphere, slice.
@@ -45,6 +47,8 @@ struct ScenePlotArguments {
     std::string incidence;  ///< degrees
     std::string components = "total";
     std::vector<std::string> compare;
+    std::string vary;
+    std::string cosines;  ///< of incidence, in place of degrees
     bool logarithmic = false;
     bool cosine = false;
     int decades = 3;
@@ -71,11 +75,6 @@ std::vector<double> incidences(const ScenePlotArguments& arguments);
 /// Names of components, separated by commas.
 /// @throws UsageError  for an unknown name, and for the surface of a scene without one
 std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
-
-/// "paint (tau = 0.1) on base"
-std::string title_of(const Scene& scene);
-/// The same for scenes that differ in their bases.
-std::string title_of(const std::vector<Scene>& scenes);
 
 /// LOW,HIGH, ascending, and positive for a logarithmic scale. @throws UsageError
 std::pair<double, double> parse_range(const std::string& text, bool logarithmic);

@@ -7,21 +7,15 @@
 #include <miebrdf/error.h>
 #include "pipeline/plot/hemisphere.h"
 #include "pipeline/plot/slice.h"
+#include "pipeline/scene/labels.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
 namespace {
 
-std::vector<double> centres(const std::vector<double>& edges) {
-    std::vector<double> list;
-    for (std::size_t i = 0; i + 1 < edges.size(); ++i)
-        list.push_back(0.5 * (edges[i] + edges[i + 1]));
-    return list;
-}
-
 std::string map_title(const Request& request, double wavelength_nm) {
-    return fmt::format("{}, {:g} nm", title_of(request.scene), wavelength_nm);
+    return fmt::format("{}, {:g} nm", label_of(request.scene), wavelength_nm);
 }
 
 BrdfPart only_component(const ScenePlotArguments& arguments, const Request& request,
@@ -31,6 +25,11 @@ BrdfPart only_component(const ScenePlotArguments& arguments, const Request& requ
     return parts.front();
 }
 
+/// Three for each unit of the page: finer than the eye and than a PNG of twice the page.
+constexpr int kHemispherePixels = 870;
+/// The rim shows what is seen just above the horizon.
+constexpr double kLowestView_deg = 89.5;
+
 int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
@@ -39,23 +38,35 @@ int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     if (incidence_deg.size() != 1) throw UsageError("a hemisphere shows one --incidence");
     const BrdfPart part = only_component(arguments, request, "hemisphere");
     plot::HemisphereMap map;
-    map.zenith_edges_deg = parse_number_list("0:90:2", "zenith angle (degrees)");
-    map.azimuth_edges_deg = parse_number_list("0:180:3", "azimuth (degrees)");
+    map.size = kHemispherePixels;
+    map.value.assign(static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size) / 2,
+                     std::numeric_limits<double>::quiet_NaN());
     map.incidence_deg = incidence_deg.front();
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
-    const BrdfValues values =
-        solved(request, shell.control())
-            .evaluate({cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
-                       centres(map.azimuth_edges_deg)});
-    map.value = values.slices.front().of(part);
+    const double mu_in = cosine_of(map.incidence_deg);
+    std::vector<Direction> directions;
+    std::vector<std::size_t> pixels;
+    for (int y = 0; y < map.size / 2; ++y) {
+        for (int x = 0; x < map.size; ++x) {
+            const auto angles = plot::pixel_angles(map.size, x, y);
+            if (!angles) continue;
+            directions.push_back({mu_in, cosine_of(std::min(angles->zenith_deg, kLowestView_deg)),
+                                  angles->azimuth_deg});
+            pixels.push_back(static_cast<std::size_t>(y * map.size + x));
+        }
+    }
+    const BrdfTable table = solved(request, shell.control()).table({part, shell.command_line()});
+    const auto values = evaluate_all(table, directions, "hemisphere", shell.control());
+    for (std::size_t i = 0; i < pixels.size(); ++i) map.value[pixels[i]] = values[i];
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_hemisphere(map, caption), shell);
-    return values.converged() ? kGood : kNotConverged;
+    if (!table.report().converged()) shell.note(table.report().summary());
+    return table.report().converged() ? kGood : kNotConverged;
 }
 
 struct SliceArguments : ScenePlotArguments {
     double azimuth_deg = 90.0;
-    int cells = 90;
+    int cells = 290;
     std::string range;
 };
 
@@ -139,7 +150,7 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
         ->capture_default_str();
     slice_command
         ->add_option("--cells", slice->cells, "number of cells along each of the two angles")
-        ->check(CLI::Range(2, 360))
+        ->check(CLI::Range(2, 870))
         ->capture_default_str();
     slice_command
         ->add_option("--range", slice->range,

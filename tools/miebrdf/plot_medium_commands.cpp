@@ -3,10 +3,12 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/spectra.h"
+#include "pipeline/scene/labels.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/named_index.h"
 #include "tools/miebrdf/materials_command.h"
 #include "tools/miebrdf/plot_command.h"
+#include "tools/miebrdf/plot_scenes.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -16,6 +18,7 @@ constexpr double kMieTolerance = 1e-3;  // a tenth of a line's width in a chart 
 
 struct MediumPlotArguments {
     std::vector<std::string> media;
+    std::string vary;  ///< of optics and phase
     bool polar = false;
     int decades = 0;
     MediaArguments options;  ///< of optics and phase
@@ -26,9 +29,11 @@ struct MediumPlotArguments {
 /// Optics of every medium at every wavelength.
 MediaSpectra compute(const MediumPlotArguments& arguments, const std::vector<double>& angles_deg,
                      const Shell& shell) {
+    std::vector<std::string> media;
+    for (const ShownMedium& one : shown_media(arguments.media, arguments.vary))
+        media.push_back(one.text);
     MediaSpectra spectra = arguments.options.look_up(
-        arguments.media,
-        {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kMieTolerance});
+        media, {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kMieTolerance});
     spectra.compute(shell.control());
     return spectra;
 }
@@ -70,13 +75,20 @@ int run_nk(const MediumPlotArguments& arguments, const Shell& shell) {
     return kGood;
 }
 
+/// "Single scattering of TiO2" for a family, whose curves say the rest.
+std::string family_title(const std::string& what, const MediumPlotArguments& arguments) {
+    if (arguments.vary.empty()) return what;
+    return what + " of " + label_of(medium(arguments.media.front()));
+}
+
 int run_optics(const MediumPlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const MediaSpectra spectra = compute(arguments, {}, shell);
     std::vector<plot::OpticsCurve> curves;
-    for (std::size_t m = 0; m < arguments.media.size(); ++m) {
-        plot::OpticsCurve& curve = curves.emplace_back(
-            plot::OpticsCurve{arguments.media[m], spectra.scene.wavelength_nm, {}, {}, {}});
+    const std::vector<ShownMedium> shown = shown_media(arguments.media, arguments.vary);
+    for (std::size_t m = 0; m < shown.size(); ++m) {
+        plot::OpticsCurve& curve = curves.emplace_back(plot::OpticsCurve{
+            shown[m].label, spectra.scene.wavelength_nm, {}, {}, {}, shown[m].shade});
         for (const std::vector<MediumOptics>& media : spectra.optics) {
             const MediumOptics& o = media[m];
             curve.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
@@ -85,7 +97,9 @@ int run_optics(const MediumPlotArguments& arguments, const Shell& shell) {
         }
     }
     arguments.plot.save(
-        plot::draw_optics(curves, arguments.plot.caption(shell, "Single scattering")), shell);
+        plot::draw_optics(
+            curves, arguments.plot.caption(shell, family_title("Single scattering", arguments))),
+        shell);
     return spectra.converged() ? kGood : kNotConverged;
 }
 
@@ -101,13 +115,15 @@ int run_phase(const MediumPlotArguments& arguments, const Shell& shell) {
     const MediaSpectra spectra = compute(arguments, angles, shell);
     const std::vector<double>& wavelength_nm = spectra.scene.wavelength_nm;
     std::vector<plot::PhaseCurve> curves;
-    for (std::size_t m = 0; m < arguments.media.size(); ++m) {
+    const std::vector<ShownMedium> shown = shown_media(arguments.media, arguments.vary);
+    for (std::size_t m = 0; m < shown.size(); ++m) {
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-            curves.push_back({fmt::format("{}, {:g} nm", arguments.media[m], wavelength_nm[w]),
-                              angles, spectra.optics[w][m].phase});
+            curves.push_back({fmt::format("{}, {:g} nm", shown[m].label, wavelength_nm[w]), angles,
+                              spectra.optics[w][m].phase, shown[m].shade});
         }
     }
-    const plot::Caption caption = arguments.plot.caption(shell, "Phase function");
+    const plot::Caption caption =
+        arguments.plot.caption(shell, family_title("Phase function", arguments));
     arguments.plot.save(arguments.polar ? plot::draw_phase_polar(curves, caption, arguments.decades)
                                         : plot::draw_phase(curves, caption),
                         shell);
@@ -127,6 +143,14 @@ CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const 
     return command;
 }
 
+void add_vary(CLI::App& command, MediumPlotArguments& arguments) {
+    command
+        .add_option("--vary", arguments.vary,
+                    "a family of one medium: radius=FROM:TO:COUNT or radius=A,B,C (um), or "
+                    "concentration of its first species")
+        ->type_name("FAMILY");
+}
+
 }  // namespace
 
 void add_medium_plots(CLI::App& plot, Shell& shell) {
@@ -140,6 +164,7 @@ void add_medium_plots(CLI::App& plot, Shell& shell) {
     auto* optics_command = add_kind(plot, shell, "optics",
                                     "albedo, asymmetry and extinction against wavelength", *optics);
     optics->options.add_to(*optics_command, shell, "400:700:10");
+    add_vary(*optics_command, *optics);
     optics_command->footer("Example:\n  miebrdf plot optics TiO2 AlGaAs7 -o optics.png");
     shell.on_run(*optics_command, [optics, &shell] { return run_optics(*optics, shell); });
 
@@ -147,6 +172,7 @@ void add_medium_plots(CLI::App& plot, Shell& shell) {
     auto* phase_command =
         add_kind(plot, shell, "phase", "phase function against the scattering angle", *phase);
     phase->options.add_to(*phase_command, shell, "550");
+    add_vary(*phase_command, *phase);
     phase_command->add_flag("--polar", phase->polar,
                             "draw it around the particle, with a logarithmic radius");
     phase_command

@@ -10,6 +10,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
+#include "pipeline/scene/labels.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/plot_command.h"
 
@@ -215,7 +216,7 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
                         arguments.points, wavelength_nm, arguments.azimuth_deg));
     }
     const auto caption = arguments.plot.caption(
-        shell, fmt::format("{}, {:g} nm, azimuth {:g}\u00b0", title_of(request.scene),
+        shell, fmt::format("{}, {:g} nm, azimuth {:g}\u00b0", label_of(request.scene),
                            wavelength_nm, arguments.azimuth_deg));
     arguments.plot.save(plot::draw_chart(panels, caption), shell);
     return converged ? kGood : kNotConverged;

@@ -8,18 +8,23 @@
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/miebrdf/plot_command.h"
+#include "tools/miebrdf/plot_scenes.h"
 
 namespace miebrdf::program {
 namespace {
 
-/// The scene itself and the same with every --compare base in its place.
-std::vector<Scene> scenes(const ScenePlotArguments& arguments, const Scene& first) {
-    std::vector<Scene> list{first};
-    for (const std::string& base : arguments.compare) {
-        list.push_back(first);
-        list.back().base = medium(base);
+/// Angles of reflection, closer around exact retro-reflection, where glories are narrow.
+std::vector<double> lobe_angles(const std::vector<double>& incidence_deg) {
+    std::vector<double> list = parse_number_list("0:89.5:0.5", "zenith angle (degrees)");
+    for (const double incidence : incidence_deg) {
+        for (int i = -20; i <= 20; ++i) {
+            const double angle = incidence + 0.1 * i;
+            if (angle >= 0.0 && angle <= 89.5) list.push_back(angle);
+        }
     }
+    std::sort(list.begin(), list.end());
+    const auto same = [](double a, double b) { return b - a < 1e-9; };
+    list.erase(std::unique(list.begin(), list.end(), same), list.end());
     return list;
 }
 
@@ -40,37 +45,35 @@ plot::LobeCurve lobe_curve(const std::vector<double>& values, std::size_t incide
 
 /// A label names only what differs between the curves.
 struct Differs {
-    bool scenes, wavelengths, components, incidences;
+    bool wavelengths, components, incidences;
 };
 
-std::string label_of(const Differs& differs, const Scene& scene, double wavelength_nm,
+std::string label_of(const Differs& differs, const ShownScene& shown, double wavelength_nm,
                      BrdfPart part, double incidence_deg) {
     std::vector<std::string> parts;
-    if (differs.scenes) parts.push_back(describe(scene.base));
+    if (!shown.label.empty()) parts.push_back(shown.label);
     if (differs.wavelengths) parts.push_back(fmt::format("{:g} nm", wavelength_nm));
     if (differs.components) parts.emplace_back(name_of(part));
-    if (differs.incidences) parts.push_back(fmt::format("{:g}\u00b0", incidence_deg));
-    return fmt::format("{}", fmt::join(parts, ", "));
+    if (differs.incidences) parts.push_back(fmt::format("incidence {:.3g}\u00b0", incidence_deg));
+    return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
-    const std::vector<BrdfPart> parts = parse_components(arguments.components, request.scene);
-    const std::vector<double> zenith_deg =
-        parse_number_list("0:88:1,88.5,89,89.5", "zenith angle (degrees)");
+    const std::vector<double> zenith_deg = lobe_angles(incidence_deg);
     const Directions directions = {cosines_of(incidence_deg), cosines_of(zenith_deg), {0.0, 180.0}};
     const std::vector<double>& wavelength_nm = request.wavelength_nm;
-    const std::vector<Scene> all_scenes = scenes(arguments, request.scene);
-    const Differs differs{all_scenes.size() > 1, wavelength_nm.size() > 1, parts.size() > 1,
-                          incidence_deg.size() > 1};
+    const std::vector<ShownScene> all_scenes = shown_scenes(arguments, request);
 
     std::vector<plot::LobeCurve> curves;
     bool converged = true;
-    for (const Scene& scene : all_scenes) {
-        const BrdfValues values =
-            solve(scene, wavelength_nm, request.solver, shell.control()).evaluate(directions);
+    for (const ShownScene& shown : all_scenes) {
+        const std::vector<BrdfPart> parts =
+            parse_components(arguments.components, shown.request.scene);
+        const Differs differs{wavelength_nm.size() > 1, parts.size() > 1, incidence_deg.size() > 1};
+        const BrdfValues values = solved(shown.request, shell.control()).evaluate(directions);
         converged = converged && values.converged();
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
             for (const BrdfPart part : parts) {
@@ -78,13 +81,14 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
                     curves.push_back(
                         lobe_curve(values.slices[w].of(part), i, zenith_deg, arguments.cosine));
                     curves.back().incidence_deg = incidence_deg[i];
+                    curves.back().shade = shown.shade;
                     curves.back().label =
-                        label_of(differs, scene, wavelength_nm[w], part, incidence_deg[i]);
+                        label_of(differs, shown, wavelength_nm[w], part, incidence_deg[i]);
                 }
             }
         }
     }
-    std::string title = title_of(all_scenes);
+    std::string title = title_of(all_scenes, arguments);
     if (wavelength_nm.size() == 1) title += fmt::format(", {:g} nm", wavelength_nm.front());
     const plot::LobeOptions options{arguments.cosine ? "BRDF cos \u03b8 [1/sr]" : "BRDF [1/sr]",
                                     arguments.logarithmic, arguments.decades};
@@ -97,41 +101,41 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     Request request = arguments.scene.parse();
     std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
-    const std::vector<double> incidence_deg = incidences(arguments);
+    std::vector<double> incidence_deg = incidences(arguments);
+    // Members of a family differ in one number; a second one would need colours of its own.
+    if (!arguments.vary.empty()) incidence_deg.resize(1);
     const ObserverWeights weights = observer_weights(request.wavelength_nm);
 
     std::vector<plot::Spectrum> spectra;
-    const auto add = [&](const std::string& label, std::vector<double> values) {
+    const auto add = [&](const ShownScene& shown, const std::string& what,
+                         std::vector<double> values) {
         const LinearSrgb colour = to_linear_srgb(to_xyz(weights, values));
-        spectra.push_back({label, request.wavelength_nm, std::move(values), colour});
+        const std::string joint = shown.label.empty() || what.empty() ? "" : "; ";
+        spectra.push_back({shown.label + joint + what, request.wavelength_nm, std::move(values),
+                           colour, shown.shade});
     };
     bool converged = true;
-    const std::vector<Scene> all_scenes = scenes(arguments, request.scene);
-    for (const Scene& scene : all_scenes) {
+    const std::vector<ShownScene> all_scenes = shown_scenes(arguments, request);
+    for (const ShownScene& shown : all_scenes) {
         const AlbedoValues values =
-            solve(scene, request.wavelength_nm, request.solver, shell.control())
-                .albedo(cosines_of(incidence_deg));
+            solved(shown.request, shell.control()).albedo(cosines_of(incidence_deg));
         converged = converged && values.converged();
-        const std::string prefix = all_scenes.size() > 1 ? describe(scene.base) + ", " : "";
-        add(prefix + "spherical", values.spherical_albedo);
+        if (shown.shade) {
+            add(shown, "", values.spherical_albedo);
+            continue;
+        }
+        add(shown, "spherical", values.spherical_albedo);
         for (std::size_t i = 0; i < incidence_deg.size(); ++i) {
             std::vector<double> plane;
             for (const std::vector<double>& at : values.plane_albedo) plane.push_back(at[i]);
-            add(fmt::format("{}incidence {:g}\u00b0", prefix, incidence_deg[i]), std::move(plane));
+            add(shown, fmt::format("incidence {:.3g}\u00b0", incidence_deg[i]), std::move(plane));
         }
     }
     arguments.plot.save(
-        plot::draw_spectrum(spectra, "albedo", arguments.plot.caption(shell, title_of(all_scenes))),
+        plot::draw_spectrum(spectra, arguments.vary.empty() ? "albedo" : "spherical albedo",
+                            arguments.plot.caption(shell, title_of(all_scenes, arguments))),
         shell);
     return converged ? kGood : kNotConverged;
-}
-
-void add_compare(CLI::App& command, const ScenePlot& arguments) {
-    command
-        .add_option("--compare", arguments->compare,
-                    "show the scene on this base, too; repeat it for more")
-        ->type_name("MEDIUM")
-        ->allow_extra_args(false);
 }
 
 }  // namespace
@@ -142,7 +146,7 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
         add_scene_kind(plot, shell, "lobe", "BRDF in the plane of incidence", lobe);
     add_incidence_option(*lobe_command, "0,30,60", lobe);
     add_component_options(*lobe_command, lobe);
-    add_compare(*lobe_command, lobe);
+    add_scene_choices(*lobe_command, lobe);
     lobe_command->add_flag("--cosine", lobe->cosine,
                            "show the BRDF times the cosine of the angle of reflection");
     lobe_command->add_option("--decades", lobe->decades, "decades that a logarithmic radius shows")
@@ -159,7 +163,7 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
                                             "their colours under D65",
                                             spectrum);
     add_incidence_option(*spectrum_command, "0,60", spectrum);
-    add_compare(*spectrum_command, spectrum);
+    add_scene_choices(*spectrum_command, spectrum);
     spectrum_command->footer(
         "Example:\n  miebrdf plot spectrum --base AlGaAs7 --wavelengths 400:700:10 -o "
         "spectrum.svg");

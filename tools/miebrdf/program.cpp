@@ -12,6 +12,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "materials/database/names.h"
+#include "pipeline/scene/species_keys.h"
 #include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
@@ -39,16 +40,62 @@ const CLI::App* typed_subcommand(const CLI::App& app) {
     return nullptr;
 }
 
+/// Words that belong elsewhere, and where: what people try first.
+struct Elsewhere {
+    const char* option;
+    const char* place;
+};
+constexpr Elsewhere kElsewhere[] = {
+    {"--radius",
+     "a radius belongs to its medium: TiO2,radius=100nm; --effective-radius is that of all media "
+     "that say none"},
+    {"--size", "sizes belong to their medium: TiO2,radius=100nm"},
+    {"--variance", "a variance belongs to its medium: TiO2,radius=100nm,variance=0.1"},
+    {"--volume", "an amount belongs to its medium: 'TiO2,radius=100nm,volume=15% in PMMA'"},
+    {"--mass", "an amount belongs to its medium: H2O_ice,radius=200,mass=20%"},
+    {"--density",
+     "a density belongs to its medium: C_graphite,density=1.8; --layer-density is "
+     "that of the layers"},
+    {"--host",
+     "a host belongs to its medium: 'TiO2,radius=100nm in PMMA'; --host-index is that of "
+     "all media that say none"},
+    {"--thickness", "a thickness belongs to its coat: --coat 'TiO2,volume=15% in PMMA@40um'"},
+    {"--depth", "a depth belongs to its coat: --coat TiO2@0.5 or, with amounts, @40um"},
+};
+
 std::string unknown_option(const std::string& word, const CLI::App& command) {
     const std::string name = word.substr(0, word.find('='));
     std::vector<std::string> known;
     for (const std::string& option : option_names(command)) known.push_back("--" + option);
+    const bool takes_media =
+        std::find(known.begin(), known.end(), "--effective-radius") != known.end();
+    for (const Elsewhere& elsewhere : kElsewhere) {
+        if (takes_media && name == elsewhere.option)
+            return fmt::format("unknown option '{}' of {}; {}", name, command.get_name(),
+                               elsewhere.place);
+    }
     return fmt::format("unknown option '{}' of {}{}", name, command.get_name(),
                        did_you_mean(name, known));
 }
 
+/// `radius=100nm`
+bool is_key(const std::string& word) {
+    Species of_word;
+    try {
+        return take_keys("," + word, false, of_word).empty();
+    } catch (const UsageError&) {
+        return true;  // a key with a wrong value
+    }
+}
+
 std::string unknown_word(const std::string& word, const CLI::App& command) {
     const std::vector<std::string> commands = command_names(command);
+    if (commands.empty() && is_key(word)) {
+        return fmt::format(
+            "unexpected word '{}' after {}; what a medium says of itself follows it with a comma "
+            "and without blanks: TiO2,{}",
+            word, command.get_name(), word);
+    }
     if (commands.empty()) {
         return fmt::format("unexpected word '{}' after {} (lists have commas and no blanks: 1,2,3)",
                            word, command.get_name());
@@ -98,7 +145,8 @@ std::string did_you_mean(std::string_view asked, const std::vector<std::string>&
 std::vector<std::string> option_names(const CLI::App& command) {
     std::vector<std::string> names;
     for (const CLI::Option* option : command.get_options()) {
-        if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+        const std::vector<std::string>& long_names = option->get_lnames();
+        names.insert(names.end(), long_names.begin(), long_names.end());
     }
     for (const CLI::App* group : subcommands(command)) {
         if (!group->get_name().empty()) continue;

@@ -15,10 +15,6 @@ CLI::Option* add_list(CLI::App& command, const char* name, std::string& text, co
     return command.add_option(name, text, help)->type_name("LIST");
 }
 
-std::vector<double> cosines(const std::string& text, const char* name) {
-    return parse_number_list(text, name, 0.0, 1.0, true);
-}
-
 /// Each once, in the order typed.
 std::vector<BrdfPart> parse_components(const std::string& text, bool has_surface) {
     std::vector<BrdfPart> parts;
@@ -90,7 +86,7 @@ CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const st
 
 void ColourArguments::add_to(CLI::App& command) {
     command
-        .add_option("--colour", viewing_,
+        .add_option("--colour,--color", viewing_,
                     "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a "
                     "or e, by the 2-degree observer or, after a comma, that of 10: d65,10")
         ->type_name("ILLUMINANT");
@@ -113,10 +109,8 @@ std::optional<Viewing> ColourArguments::parse(std::vector<double>& wavelength_nm
 
 void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
     scene_.add_to(command, shell);
-    add_list(command, "--mu-in", mu_in_, "cosines of the angles of incidence, in (0, 1]")
-        ->required();
-    add_list(command, "--mu-out", mu_out_, "cosines of the angles of reflection, in (0, 1]")
-        ->required();
+    mu_in_.add_to(command, "cosines of the angles of incidence, in (0, 1]");
+    mu_out_.add_to(command, "cosines of the angles of reflection, in (0, 1]");
     add_list(command, "--azimuth", azimuth_,
              "degrees between the planes of incidence and reflection; 0: mirror side, 180: back "
              "towards the source")
@@ -137,7 +131,7 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
 BrdfQuestion BrdfArguments::parse() const {
     BrdfQuestion question;
     question.request = scene_.parse();
-    question.directions = {cosines(mu_in_, "mu_in"), cosines(mu_out_, "mu_out"),
+    question.directions = {mu_in_.parse(), mu_out_.parse(),
                            parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0)};
     question.columns = parse_components(components_, question.request.scene.surface.has_value());
     const auto wanted = [&](BrdfPart part) {
@@ -171,8 +165,8 @@ BrdfQuestion BrdfArguments::parse() const {
 
 void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
     scene_.add_to(command, shell, SceneArguments::Base::optional);
-    add_list(command, "--mu-in", mu_in_, "cosines of the angles of incidence, in (0, 1]")
-        ->default_str("0.1:1:0.1; 1 with --over");
+    mu_in_.add_to(command, "cosines of the angles of incidence, in (0, 1]",
+                  "0.1:1:0.1; 1 with --over");
     add_diffuse_fraction(command, diffuse_fraction_, "adds the blue-sky albedo");
     command
         .add_option("--over", over_,
@@ -190,7 +184,7 @@ AlbedoQuestion AlbedoArguments::parse() const {
         throw UsageError("--over takes the place of --base and --substrate; give one of them");
     AlbedoQuestion question;
     question.request = scene_.parse();
-    question.mu_in = cosines(!mu_in_.empty() ? mu_in_ : over_.empty() ? "0.1:1:0.1" : "1", "mu_in");
+    question.mu_in = mu_in_.parse(over_.empty() ? "0.1:1:0.1" : "1");
     question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
     question.viewing = colour_.parse(question.request.wavelength_nm);
     question.reference = colour_.reference();

@@ -8,6 +8,7 @@
 
 #include <miebrdf/brdf.h>
 #include <miebrdf/colour.h>
+#include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -47,8 +48,8 @@ class BrdfArguments {
 
   private:
     SceneArguments scene_;
-    std::string mu_in_;
-    std::string mu_out_;
+    DirectionArgument mu_in_{DirectionArgument::Side::in};
+    DirectionArgument mu_out_{DirectionArgument::Side::out};
     std::string azimuth_ = "0";
     std::string components_ = "total";
     std::string quantity_ = "brdf";
@@ -74,7 +75,7 @@ class AlbedoArguments {
 
   private:
     SceneArguments scene_;
-    std::string mu_in_;
+    DirectionArgument mu_in_{DirectionArgument::Side::in};
     std::string diffuse_fraction_;
     std::string over_;
     ColourArguments colour_;

@@ -7,9 +7,9 @@
 #include <miebrdf/error.h>
 #include "pipeline/report/page.h"
 #include "pipeline/report/report_data.h"
-#include "tools/miebrdf/report_family.h"
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
+#include "tools/miebrdf/scene_family.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {

@@ -91,6 +91,8 @@ void override_options(CLI::App& command, const CommonOptions& of_run) {
         option->add_result(value);
     };
     if (of_run.json) set("--json", "true");
+    if (of_run.no_comments && command.get_option_no_throw("--no-comments") != nullptr)
+        set("--no-comments", "true");
     if (of_run.quiet) set("--quiet", "true");
     if (of_run.no_cache) set("--no-cache", "true");
     if (of_run.threads > 0) set("--threads", std::to_string(of_run.threads));

@@ -81,6 +81,7 @@ void SceneArguments::add_to(CLI::App& command, Shell& shell, const std::vector<s
 
 void SceneArguments::add(CLI::App& command, Shell& shell, const std::vector<std::string>& words) {
     result_ = shell.scene_file_result();
+    shell_ = &shell;
     std::map<std::string, CLI::App*> groups = {{"", &command}};
     for (const std::string& name : words) {
         const SceneWord& word = *find_scene_word(name);
@@ -132,7 +133,28 @@ Request SceneArguments::parse() const {
     }
     Request request = result_ != nullptr ? result_->request : request_of(typed());
     require_surface_of_index(given("surface-index"), given("roughness"));
+    note_default_sizes(request.scene);
     return complete(std::move(request));
+}
+
+void SceneArguments::note_default_sizes(const Scene& scene) const {
+    // Scene files say what they have in the header of every result.
+    if (result_ != nullptr || given("effective-radius")) return;
+    const auto find = [](const Medium& medium) -> const Species* {
+        for (const Species& species : medium.species) {
+            if (needs_mie(species) && !species.sizes.effective_radius_um) return &species;
+        }
+        return nullptr;
+    };
+    const Species* found = scene.substrate ? nullptr : find(scene.base);
+    for (const Layer& layer : scene.layers) {
+        if (found == nullptr) found = find(layer.medium);
+    }
+    if (found == nullptr) return;
+    shell_->note_at_end(fmt::format(
+        "no radius is given for {}: its spheres have the effective radius {} um, as in the paper; "
+        "a radius is written {},radius=0.1 (um) or ,radius=100nm",
+        describe(*found), scene.particles.sizes.effective_radius_um, describe(*found)));
 }
 
 Request SceneArguments::complete(Request request) const {
@@ -204,6 +226,7 @@ MediaSpectra MediaArguments::look_up(const std::vector<std::string>& media,
     for (std::size_t m = 1; m < media.size(); ++m)
         scene.layers.push_back({medium(media[m]), grey(1.0)});
     validate(scene);
+    scene_.note_default_sizes(scene);
     if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
     return {resolve(scene, request.wavelength_nm), std::move(demand),
             describe_particles(scene.base, scene.particles)};

@@ -53,11 +53,14 @@ class SceneArguments {
 
   private:
     void add(CLI::App& command, Shell& shell, const std::vector<std::string>& words);
+    void note_default_sizes(const Scene& scene) const;
+    friend class MediaArguments;
     SaidWords typed() const;
 
     bool needs_base_ = false;
     std::string default_wavelengths_;
     const SceneFileResult* result_ = nullptr;
+    const Shell* shell_ = nullptr;
     std::map<std::string, std::vector<std::string>> values_;  ///< of words that have values
     std::map<std::string, bool> flags_;
 };

@@ -16,6 +16,7 @@ namespace miebrdf::program {
 namespace {
 
 constexpr std::chrono::milliseconds kInterval{100};
+constexpr std::chrono::milliseconds kEventInterval{1000};
 
 }  // namespace
 
@@ -28,43 +29,76 @@ ProgressStyle parse_progress_style(const std::string& text) {
 }
 
 void ProgressLine::begin() {
+    const std::lock_guard lock(mutex_);
     stage_.clear();
     stage_start_ = last_update_ = Clock::now();
 }
 
 void ProgressLine::end() {
+    const std::lock_guard lock(mutex_);
     if (line_shown_) std::fputs("\r\033[K", stderr);
     line_shown_ = false;
 }
 
-void ProgressLine::update(const std::string& stage, std::size_t done, std::size_t total) {
-    if (style_ == ProgressStyle::none) return;
-    const auto now = Clock::now();
-    if (stage != stage_) {
-        stage_ = stage;
-        stage_start_ = last_update_;
-        last_print_ = {};
-    }
-    last_update_ = now;
-    if (done < total && now - last_print_ < kInterval) return;
-    last_print_ = now;
-    print(done, total, std::chrono::duration<double>(now - stage_start_).count());
+void ProgressLine::enter(const std::string& stage, std::size_t total) {
+    if (stage == stage_) return;
+    stage_ = stage;
+    done_ = pieces_ = 0;
+    total_ = total;
+    stage_start_ = last_update_;
+    last_print_ = style_ == ProgressStyle::json ? Clock::now() : Clock::time_point();
 }
 
-void ProgressLine::print(std::size_t done, std::size_t total, double elapsed_s) {
-    const double rate = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
-    const double left_s = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
+void ProgressLine::update(const std::string& stage, std::size_t done, std::size_t total) {
+    if (style_ == ProgressStyle::none) return;
+    const std::lock_guard lock(mutex_);
+    const bool is_first = stage != stage_;
+    enter(stage, total);
+    done_ = done;
+    total_ = total;
+    pieces_ = 0;
+    last_update_ = Clock::now();
+    if (!is_first && done < total && last_update_ - last_print_ < kInterval) return;
+    print();
+}
+
+void ProgressLine::job_begun(const std::string& stage, std::size_t total) {
+    if (style_ == ProgressStyle::none) return;
+    const std::lock_guard lock(mutex_);
+    enter(stage, total);
+    print_if_due();
+}
+
+void ProgressLine::piece_done() {
+    if (style_ == ProgressStyle::none) return;
+    const std::lock_guard lock(mutex_);
+    ++pieces_;
+    print_if_due();
+}
+
+void ProgressLine::print_if_due() {
+    const auto interval = style_ == ProgressStyle::json ? kEventInterval : kInterval;
+    if (Clock::now() - last_print_ >= interval) print();
+}
+
+void ProgressLine::print() {
+    last_print_ = Clock::now();
+    const double elapsed_s = std::chrono::duration<double>(last_print_ - stage_start_).count();
+    const double rate = elapsed_s > 0.0 ? static_cast<double>(done_) / elapsed_s : 0.0;
+    const double left_s = rate > 0.0 ? static_cast<double>(total_ - done_) / rate : 0.0;
     if (style_ == ProgressStyle::json) {
-        const nlohmann::ordered_json event = {{"stage", stage_},
-                                              {"done", done},
-                                              {"total", total},
-                                              {"per_second", rate},
-                                              {"seconds_left", left_s}};
+        nlohmann::ordered_json event = {
+            {"stage", stage_}, {"done", done_}, {"total", total_}, {"per_second", rate}};
+        event["seconds_left"] = done_ > 0 ? nlohmann::ordered_json(left_s) : nullptr;
+        if (pieces_ > 0) event["pieces"] = pieces_;
         fmt::print(stderr, "{}\n", event.dump());
         return;
     }
-    fmt::print(stderr, "\r\033[K{}: {}/{}, {:.3g}/s, {:.0f} s left", stage_, done, total, rate,
-               left_s);
+    std::string line = fmt::format("{}: {}/{}", stage_, done_, total_);
+    if (pieces_ > 0) line += fmt::format(" and {} pieces of the next", pieces_);
+    line += done_ > 0 ? fmt::format(", {:.3g}/s, {:.0f} s left", rate, left_s)
+                      : fmt::format(", {:.0f} s so far", elapsed_s);
+    fmt::print(stderr, "\r\033[K{}", line);
     std::fflush(stderr);
     line_shown_ = true;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <string>
 
 namespace miebrdf::program {
@@ -14,7 +15,8 @@ enum class ProgressStyle { none, line, json };
 /// @throws UsageError
 ProgressStyle parse_progress_style(const std::string& text);
 
-/// Prints at most ten times a second, and the end of every stage.
+/// Prints at most ten times a second, and the end of every stage; as JSON, what happens within a
+/// job at most once a second. Any thread may call.
 class ProgressLine {
   public:
     explicit ProgressLine(ProgressStyle style) : style_(style) {}
@@ -25,15 +27,24 @@ class ProgressLine {
     /// The work begins now: the clock of its first stage starts.
     void begin();
     void update(const std::string& stage, std::size_t done, std::size_t total);
+    /// One of `total` jobs of a stage has begun.
+    void job_begun(const std::string& stage, std::size_t total);
+    /// A piece of a job is done: the line moves within a wavelength, too.
+    void piece_done();
     /// Wipes the line, so that what follows starts on a clean one.
     void end();
 
   private:
     using Clock = std::chrono::steady_clock;
-    void print(std::size_t done, std::size_t total, double elapsed_s);
+    void enter(const std::string& stage, std::size_t total);
+    void print_if_due();
+    void print();
 
     ProgressStyle style_;
+    std::mutex mutex_;
     std::string stage_;
+    std::size_t done_ = 0, total_ = 0;
+    std::size_t pieces_ = 0;  ///< done since the last job was
     /// A stage begins where the one before it ended: its first job counts too.
     Clock::time_point stage_start_ = Clock::now();
     Clock::time_point last_update_ = stage_start_;

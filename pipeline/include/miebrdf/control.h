@@ -18,6 +18,11 @@ struct Control {
     /// Called after each finished job of a stage, one call at a time, from any thread.
     std::function<void(const std::string& stage, std::size_t done, std::size_t total)> progress =
         {};
+    /// Called when one of `total` jobs of a stage begins, and after each piece of a long job (how
+    /// many pieces there will be is not known): they show that work goes on. From any thread,
+    /// several at a time.
+    std::function<void(const std::string& stage, std::size_t total)> job_begun = {};
+    std::function<void()> piece_done = {};
     /// Asked before each job, from any thread; true ends the computation with Cancelled.
     std::function<bool()> is_cancelled = {};
     /// Results of earlier runs (open_cache); none: everything is computed.

@@ -1,4 +1,4 @@
-#include "tools/miebrdf/report_family.h"
+#include "tools/miebrdf/scene_family.h"
 
 #include <fmt/format.h>
 
@@ -118,7 +118,7 @@ Family parse_family(const std::string& text) {
     const auto refuse = [&] {
         throw UsageError(
             fmt::format("--vary '{}': wanted: NAME=FROM:TO:COUNT with COUNT from 2 to "
-                        "{}, e.g. depth=0:2:9",
+                        "{}, e.g. depth=0:2:9, or as many values: depth=0.1,1,10",
                         text, kMostMembers));
     };
     const std::size_t equals = text.find('=');
@@ -126,6 +126,11 @@ Family parse_family(const std::string& text) {
     Family family{text.substr(0, equals), {}};
     std::vector<double> numbers;
     std::size_t from = equals + 1;
+    if (text.find(',', from) != std::string::npos && text.find(':', from) == std::string::npos) {
+        family.values = parse_number_list(text.substr(from), "--vary " + family.name);
+        if (family.values.size() < 2 || family.values.size() > std::size_t(kMostMembers)) refuse();
+        return family;
+    }
     while (true) {
         const std::size_t colon = text.find(':', from);
         numbers.push_back(parse_number(text.substr(from, colon - from), "--vary " + family.name));

@@ -21,7 +21,7 @@ struct Family {
     std::string apply(double value, Request& request) const;
 };
 
-/// Reads NAME=FROM:TO:COUNT, COUNT from 2 to 33. @throws UsageError
+/// Reads NAME=FROM:TO:COUNT, or NAME=A,B,C, of 2 to 33 values. @throws UsageError
 Family parse_family(const std::string& text);
 
 }  // namespace miebrdf::program

@@ -1,0 +1,178 @@
+#include "pipeline/scene/labels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace miebrdf {
+namespace {
+
+/// "H2O_ice" -> "H2O ice"
+std::string readable(std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+}
+
+/// What a species is, without its sizes and amounts.
+std::string kind_text(const Species& species) {
+    const std::vector<double>& p = species.parameters;
+    if (species.kind == "material") return readable(species.name);
+    if (species.kind == "index")
+        return p[1] == 0.0 ? fmt::format("n = {:g}", p[0])
+                           : fmt::format("n = {:g}, k = {:g}", p[0], p[1]);
+    if (species.kind == "hg")
+        return fmt::format("Henyey-Greenstein, albedo {:g}, g {:g}", p[0], p[1]);
+    if (species.kind == "isotropic") return fmt::format("isotropic, albedo {:g}", p[0]);
+    if (species.kind == "rayleigh") return fmt::format("Rayleigh, albedo {:g}", p[0]);
+    if (species.kind == "moments") return "moments of " + species.name;
+    return readable(species.name);
+}
+
+std::string share_text(double share, const std::string& of) {
+    if (share < 1e-6) return fmt::format("{:.4g} ppb of the {}", 1e9 * share, of);
+    if (share < 1e-4) return fmt::format("{:.4g} ppm of the {}", 1e6 * share, of);
+    return fmt::format("{:.4g} % of the {}", 100.0 * share, of);
+}
+
+std::string amount_text(const Amount& amount) {
+    switch (amount.kind) {
+        case Amount::Kind::volume_fraction:
+            return share_text(amount.value, "volume");
+        case Amount::Kind::mass_fraction:
+            return share_text(amount.value, "mass");
+        case Amount::Kind::number_per_cm3:
+            break;
+    }
+    return fmt::format("{:.4g} per cm\u00b3", amount.value);
+}
+
+std::string species_text(const Species& species) {
+    std::string text = kind_text(species);
+    if (const auto radius = species.sizes.effective_radius_um)
+        text += fmt::format(", radius {:g} \u00b5m", *radius);
+    if (const auto variance = species.sizes.effective_variance)
+        text += fmt::format(", variance {:g}", *variance);
+    if (species.amount) text += ", " + amount_text(*species.amount);
+    return text;
+}
+
+std::string host_text(const Host& host) {
+    return host.name.empty() ? fmt::format("a host of index {:g}", host.index.real())
+                             : readable(host.name);
+}
+
+/// What lies above the layers; empty for nothing.
+std::string top_text(const Scene& scene) {
+    std::string text;
+    if (scene.boundary) {
+        text = scene.boundary->roughness > 0.0
+                   ? fmt::format("boundary of roughness {:g}", scene.boundary->roughness)
+                   : "smooth boundary";
+    }
+    if (scene.surface) {
+        text += fmt::format("{}roughness {:g}", text.empty() ? "" : ", ",
+                            scene.surface->beckmann_alpha);
+    }
+    return text;
+}
+
+std::string bottom_text(const Scene& scene) {
+    return scene.substrate ? label_of(*scene.substrate) : label_of(scene.base);
+}
+
+bool differ(const std::vector<Scene>& scenes, const auto& part) {
+    return std::any_of(scenes.begin(), scenes.end(),
+                       [&](const Scene& scene) { return part(scene) != part(scenes.front()); });
+}
+
+/// Media of the layers, without their depths.
+std::string media_text(const Scene& scene) {
+    std::string text;
+    for (const Layer& layer : scene.layers) text += describe(layer.medium) + "@";
+    return text;
+}
+
+std::string depths_text(const Scene& scene) {
+    std::string text;
+    for (const Layer& layer : scene.layers)
+        text += (text.empty() ? "" : ", ") + label_of(layer.depth);
+    return text;
+}
+
+}  // namespace
+
+std::string label_of(const Medium& medium) {
+    std::string text;
+    for (const Species& species : medium.species)
+        text += (text.empty() ? "" : " + ") + species_text(species);
+    return medium.host ? text + " in " + host_text(*medium.host) : text;
+}
+
+std::string label_of(const Depth& depth) {
+    if (depth.kind == Depth::Kind::mass_kg_per_m2)
+        return fmt::format("{:g} kg/m\u00b2", depth.value);
+    if (depth.kind == Depth::Kind::thickness_um) {
+        if (depth.value >= 1e4) return fmt::format("{:g} cm", depth.value / 1e4);
+        if (depth.value >= 1e3) return fmt::format("{:g} mm", depth.value / 1e3);
+        return fmt::format("{:g} \u00b5m", depth.value);
+    }
+    if (std::isinf(depth.value)) return "opaque";
+    const std::string text = fmt::format("\u03c4 = {:g}", depth.value);
+    if (depth.wavelength_nm == 0.0 || depth.wavelength_nm == kDepthWavelengthNm) return text;
+    return text + fmt::format(" at {:g} nm", depth.wavelength_nm);
+}
+
+std::string label_of(const Substrate& substrate) {
+    switch (substrate.kind) {
+        case Substrate::Kind::black:
+            return "black ground";
+        case Substrate::Kind::none:
+            return "nothing";
+        case Substrate::Kind::mirror:
+            return "mirror of " + host_text(substrate.mirror);
+        case Substrate::Kind::lambertian:
+            break;
+    }
+    return substrate.albedo.size() == 1 ? fmt::format("ground of albedo {:g}", substrate.albedo[0])
+                                        : "ground of " + substrate.file;
+}
+
+std::string label_of(const Scene& scene) {
+    std::string text;
+    for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer)
+        text += fmt::format("{} ({}) on ", label_of(layer->medium), label_of(layer->depth));
+    text += bottom_text(scene);
+    const std::string top = top_text(scene);
+    return top.empty() ? text : text + ", " + top;
+}
+
+std::string media_of(const Scene& scene) {
+    std::string text;
+    for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer)
+        text += label_of(layer->medium) + " on ";
+    const std::string top = top_text(scene);
+    return text + bottom_text(scene) + (top.empty() ? "" : ", " + top);
+}
+
+std::vector<std::string> labels_of(const std::vector<Scene>& scenes) {
+    std::vector<std::string> labels(scenes.size());
+    if (scenes.size() < 2) return labels;
+    const bool media = differ(scenes, media_text), depths = differ(scenes, depths_text),
+               bottoms = differ(scenes, bottom_text), tops = differ(scenes, top_text);
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const Scene& scene = scenes[i];
+        if (depths && !media && !bottoms && !tops) {
+            labels[i] = depths_text(scene);
+        } else if (tops && !media && !depths && !bottoms) {
+            labels[i] = top_text(scene).empty() ? "no surface" : top_text(scene);
+        } else if (bottoms && !media && !depths && !tops && scene.layers.empty()) {
+            labels[i] = bottom_text(scene);
+        } else {
+            labels[i] = label_of(scene);
+        }
+    }
+    return labels;
+}
+
+}  // namespace miebrdf
