@@ -12,6 +12,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "materials/database/names.h"
+#include "tools/miebrdf/processor_path.h"
 #include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
@@ -135,7 +136,7 @@ int complain(int code, const std::string& message) {
 
 int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
-    program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    program.set_version_flag("--version", version_text);
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
     Shell shell(command_line_of(arguments));
@@ -233,6 +234,11 @@ void keep_freed_memory() {
 }
 
 int run_main(std::span<const Command> commands, int argc, char** argv) {
+    try {
+        obey_processor_path(argv);
+    } catch (const UsageError& error) {
+        return complain(kUsage, error.what());
+    }
     keep_freed_memory();
     return run_program(commands, {argv + 1, argv + argc});
 }
