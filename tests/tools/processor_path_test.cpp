@@ -126,7 +126,8 @@ TEST_CASE("what few commands need is not loaded when the program starts", "[prog
     // The loader lists what it would load; sanitizers and tests add libraries of their own.
     const auto run = support::run_program("--version", "LD_TRACE_LOADED_OBJECTS=1");
     CHECK_THAT(run.out, Catch::Contains("libsqlite3.so"));
-    for (const char* library : {"librsvg", "libcairo", "libnetcdf", "libcurl", "libzip", "libssl"})
+    for (const char* library :
+         {"librsvg", "libcairo", "libnetcdf", "libcurl", "libzip", "libssl", "libembree"})
         CHECK_THAT(run.out, !Catch::Contains(library));
 }
 
