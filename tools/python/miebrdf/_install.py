@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import sys
 from importlib.machinery import EXTENSION_SUFFIXES
@@ -76,6 +75,8 @@ def _load_arithmetic(path: str) -> None:
         )
     if not _runs_here(path):
         raise ImportError(f"MIEBRDF_PROCESSOR_PATH: this processor cannot run {path}")
+    import ctypes
+
     for name in ("math", "mie", "rte"):  # those first that others need
         for library in folder.glob(f"libmiebrdf_{name}.so.*"):
             ctypes.CDLL(str(library))
