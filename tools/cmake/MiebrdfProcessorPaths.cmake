@@ -9,16 +9,19 @@ set(MIEBRDF_PATHS_FOLDER "${PROJECT_BINARY_DIR}/lib")  # of the libraries in the
 
 if(MIEBRDF_PROCESSOR_PATHS)
     if(MIEBRDF_NATIVE)
-        message(FATAL_ERROR "MIEBRDF_PROCESSOR_PATHS is for many machines, MIEBRDF_NATIVE for this one: choose")
+        message(FATAL_ERROR "MIEBRDF_PROCESSOR_PATHS is for many machines, MIEBRDF_NATIVE for this "
+                            "one: choose")
     endif()
-    if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
-        message(STATUS "MIEBRDF_PROCESSOR_PATHS: no loader on ${CMAKE_SYSTEM_NAME}, ${CMAKE_SYSTEM_PROCESSOR} "
-                       "knows such folders; one build for all")
+    set(machine "${CMAKE_SYSTEM_NAME} ${CMAKE_SYSTEM_PROCESSOR}")
+    if(NOT machine MATCHES "^Linux (x86_64|amd64|AMD64)$")
+        message(STATUS "MIEBRDF_PROCESSOR_PATHS: the loader of ${machine} knows no such folders; one "
+                       "build for all")
         set(MIEBRDF_PROCESSOR_PATHS "")
     endif()
     foreach(path IN LISTS MIEBRDF_PROCESSOR_PATHS)
         if(NOT path MATCHES "^x86-64-v[234]$")
-            message(FATAL_ERROR "MIEBRDF_PROCESSOR_PATHS: '${path}'; allowed: x86-64-v2, x86-64-v3, x86-64-v4")
+            message(FATAL_ERROR "MIEBRDF_PROCESSOR_PATHS: '${path}'; allowed: x86-64-v2, x86-64-v3, "
+                                "x86-64-v4")
         endif()
     endforeach()
 endif()
@@ -26,12 +29,13 @@ endif()
 # miebrdf_shared_arithmetic(TARGET folder): a shared library of the arithmetic, made to lie in this
 # folder of the build and in the same folder below the library folder of an installation.
 #
-# Only names of miebrdf's are visible, and every call inside stays inside: programs contain templates
-# of Eigen's by the same names, compiled for another processor. The compiler knows it, too, and
-# inlines what it would have to leave replaceable.
+# Only names of miebrdf's are visible, and every call inside stays inside: programs contain
+# templates of Eigen's by the same names, compiled for another processor. The compiler knows it,
+# too, and inlines what it would have to leave replaceable.
 function(miebrdf_shared_arithmetic target folder)
     set(names "${PROJECT_SOURCE_DIR}/tools/cmake/visible_names.map")
-    target_link_options(${target} PRIVATE "LINKER:-Bsymbolic,--no-undefined,--version-script=${names}")
+    target_link_options(${target} PRIVATE
+                        "LINKER:-Bsymbolic,--no-undefined,--version-script=${names}")
     target_compile_options(${target} PRIVATE -fno-semantic-interposition)
     set(to_base "$ORIGIN")
     if(folder)
@@ -45,8 +49,9 @@ function(miebrdf_shared_arithmetic target folder)
         BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "${to_base}")
 endfunction()
 
-# miebrdf_headers_of_others(TARGET <header> ...): the headers that other kinds of libraries take from
-# TARGET, read once for them: names are hidden there, and what was read with other flags cannot serve.
+# miebrdf_headers_of_others(TARGET <header> ...): the headers that other kinds of libraries take
+# from TARGET, read once for them: names are hidden there, and what was read with other flags cannot
+# serve.
 function(miebrdf_headers_of_others target)
     set(empty "${PROJECT_BINARY_DIR}/generated/${target}_headers.cpp")
     file(CONFIGURE OUTPUT "${empty}" CONTENT "// Carries precompiled headers.\n")
