@@ -1,5 +1,7 @@
 #include "pipeline/cache/job_key.h"
 
+#include <miebrdf/processor_path.h>
+
 #include "materials/index/checksum.h"
 #include "pipeline/solver_version.h"
 
@@ -8,6 +10,7 @@ namespace miebrdf {
 JobKey::JobKey(std::string_view kind) {
     add(kind);
     add(std::string_view(kSolverVersion));
+    add(processor_path());  // results have the same bits only along the same one
 }
 
 JobKey& JobKey::add(std::string_view text) {

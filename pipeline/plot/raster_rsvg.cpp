@@ -1,24 +1,21 @@
 #include "pipeline/plot/raster.h"
 
-#include <cairo.h>
-#include <librsvg/rsvg.h>
-
 #include <memory>
 #include <stdexcept>
+
+#include "pipeline/plot/late_rsvg.h"
 
 namespace miebrdf::plot {
 namespace {
 
-template <auto release>
-struct Releaser {
-    template <typename T>
-    void operator()(T* object) const {
-        release(object);
-    }
+struct Release {
+    void operator()(RsvgHandle* handle) const { g_object_unref(handle); }
+    void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+    void operator()(cairo_t* context) const { cairo_destroy(context); }
 };
 
-template <typename T, auto release>
-using Owned = std::unique_ptr<T, Releaser<release>>;
+template <typename T>
+using Owned = std::unique_ptr<T, Release>;
 
 [[noreturn]] void fail(GError* error) {
     const std::string reason = error != nullptr ? error->message : "unknown reason";
@@ -35,12 +32,12 @@ cairo_status_t append(void* closure, const unsigned char* data, unsigned int len
 
 std::string rasterise(const std::string& svg, int width, int height) {
     GError* error = nullptr;
-    const Owned<RsvgHandle, g_object_unref> handle(rsvg_handle_new_from_data(
+    const Owned<RsvgHandle> handle(rsvg_handle_new_from_data(
         reinterpret_cast<const guint8*>(svg.data()), static_cast<gsize>(svg.size()), &error));
     if (!handle) fail(error);
-    const Owned<cairo_surface_t, cairo_surface_destroy> surface(
+    const Owned<cairo_surface_t> surface(
         cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
-    const Owned<cairo_t, cairo_destroy> context(cairo_create(surface.get()));
+    const Owned<cairo_t> context(cairo_create(surface.get()));
     const RsvgRectangle page{0, 0, static_cast<double>(width), static_cast<double>(height)};
     if (!rsvg_handle_render_document(handle.get(), context.get(), &page, &error)) fail(error);
     std::string png;
@@ -52,6 +49,6 @@ std::string rasterise(const std::string& svg, int width, int height) {
     return png;
 }
 
-bool can_rasterise() { return true; }
+bool can_rasterise() { return librsvg().is_there(); }
 
 }  // namespace miebrdf::plot

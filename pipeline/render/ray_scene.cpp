@@ -1,12 +1,12 @@
 #include "pipeline/render/ray_scene.h"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <limits>
 #include <stdexcept>
 
+#include "pipeline/render/late_embree.h"
 #include "pipeline/render/mesh.h"
 
 namespace miebrdf::render {
@@ -68,8 +68,16 @@ struct RayScene::Data {
 
     Eigen::Vector3d interpolate(const RTCHit& hit, unsigned attribute) const {
         float value[3] = {};
-        rtcInterpolate0(rtcGetGeometry(scene.get(), 0), hit.primID, hit.u, hit.v,
-                        RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, value, 3);
+        RTCInterpolateArguments wanted{};  // all other results are null: not wanted
+        wanted.geometry = rtcGetGeometry(scene.get(), 0);
+        wanted.primID = hit.primID;
+        wanted.u = hit.u;
+        wanted.v = hit.v;
+        wanted.bufferType = RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
+        wanted.bufferSlot = attribute;
+        wanted.P = value;
+        wanted.valueCount = 3;
+        rtcInterpolate(&wanted);
         return Eigen::Vector3f(value[0], value[1], value[2]).cast<double>();
     }
 

@@ -39,6 +39,7 @@ else()
     endif()
     message(STATUS "pkg-config: ${flags}")
     separate_arguments(flags UNIX_COMMAND "${flags}")
+    set(ENV{LD_LIBRARY_PATH} "${PREFIX}/${LIBDIR}:$ENV{LD_LIBRARY_PATH}")  # of shared builds
     run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" every_header.cpp ${flags} -o outside)
     run("${WORK}/outside")
 endif()

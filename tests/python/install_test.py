@@ -54,6 +54,17 @@ def test_a_copy_works(copied):
     assert str(copied) in done.stdout, done.stderr
 
 
+def test_processor_path_is_told_and_forced():
+    """Built for one path or for several: the variable chooses of those that are there."""
+    code = "import miebrdf; print(miebrdf.processor_path)"
+    folders = [folder.name for folder in PACKAGE.glob("glibc-hwcaps/*")]
+    for path in [miebrdf.processor_path, *(["x86-64"] if folders else [])]:
+        done = run(code, PACKAGE.parent, MIEBRDF_PROCESSOR_PATH=path)
+        assert done.stdout.strip() == path, done.stderr
+    error = run(code, PACKAGE.parent, MIEBRDF_PROCESSOR_PATH="z80").stderr
+    assert "'z80' is not in this build" in error and miebrdf.processor_path in error
+
+
 def test_two_versions_over_each_other(copied):
     version = copied / "miebrdf" / "_version.py"
     version.write_text('__version__ = "99.0.0"\n')

@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include <miebrdf/error.h>
+#include <miebrdf/processor_path.h>
 #include <miebrdf/version.h>
 #include "pipeline/io/table.h"
 
@@ -129,15 +130,11 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
 #else
     const char* compiler = "g++ ";
 #endif
-#ifdef __AVX2__
-    const char* vectors = "AVX2";
-#else
-    const char* vectors = "baseline vectors";
-#endif
     return {{"version", fmt::format("miebrdf {}", kVersion)},
             {"processor", fmt::format("{}, {} hardware threads, 1 used", processor_name(),
                                       std::thread::hardware_concurrency())},
-            {"compiler", fmt::format("{}{}, {} build, {}", compiler, __VERSION__, build, vectors)},
+            {"compiler", fmt::format("{}{}, {} build, path {}", compiler, __VERSION__, build,
+                                     processor_path())},
             {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))},
             {"units",
              "error: largest relative error; seconds: CPU time; memory: bytes; half_width: of the "

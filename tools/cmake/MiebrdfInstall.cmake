@@ -2,10 +2,12 @@
 #
 # miebrdf::miebrdf is the whole library. Static builds make it of one archive for each area; shared
 # builds (BUILD_SHARED_LIBS) of one libmiebrdf.so in which only what the public headers declare is
-# visible.
+# visible. Libraries of the arithmetic for several processors (MIEBRDF_PROCESSOR_PATHS) stay beside
+# it.
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/miebrdf")
 get_property(libraries GLOBAL PROPERTY miebrdf_libraries)
+get_property(arithmetic GLOBAL PROPERTY miebrdf_arithmetic)
 
 # What the areas link to outside the project.
 set(outside "")
@@ -22,14 +24,18 @@ list(REMOVE_DUPLICATES outside)
 if(BUILD_SHARED_LIBS)
     set(objects "")
     get_property(object_libraries GLOBAL PROPERTY miebrdf_object_libraries)  # of areas made of them
-    foreach(library IN LISTS libraries object_libraries)
+    set(inside ${libraries} ${object_libraries})
+    list(REMOVE_ITEM inside ${arithmetic})
+    foreach(library IN LISTS inside)
         list(APPEND objects $<TARGET_OBJECTS:${library}>)
     endforeach()
     add_library(miebrdf_everything SHARED ${objects})
     target_link_options(miebrdf_everything PRIVATE LINKER:--no-undefined)
     set_target_properties(miebrdf_everything PROPERTIES OUTPUT_NAME miebrdf LINKER_LANGUAGE CXX
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-    target_link_libraries(miebrdf_everything PRIVATE ${outside} $<BUILD_INTERFACE:miebrdf_flags>)
+    target_link_libraries(miebrdf_everything PUBLIC ${arithmetic}
+                                             PRIVATE ${outside} $<BUILD_INTERFACE:miebrdf_flags>)
+    miebrdf_finds_arithmetic(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
 else()
     add_library(miebrdf_everything INTERFACE)
     target_link_libraries(miebrdf_everything INTERFACE ${libraries})
@@ -69,6 +75,9 @@ set(pc_name_OpenEXR::OpenEXR OpenEXR)
 set(pc_name_pugixml::pugixml pugixml)
 set(header_only Boost::headers nlohmann_json::nlohmann_json)
 set(MIEBRDF_PC_LIBS "-lmiebrdf")
+foreach(library IN LISTS arithmetic)
+    string(APPEND MIEBRDF_PC_LIBS " -l${library}")
+endforeach()
 set(MIEBRDF_PC_REQUIRES "")
 if(NOT BUILD_SHARED_LIBS)
     set(MIEBRDF_PC_LIBS "")

@@ -1,17 +1,27 @@
-# miebrdf_library(NAME [INTERNAL] [ROOMS folder ...] [SOURCES a.cpp ...] [BATCH count] [COLD]
+# miebrdf_library(NAME [INTERNAL | ARITHMETIC] [ROOMS folder ...] [SOURCES a.cpp ...] [BATCH count] [COLD]
 #                 [PRECOMPILE <header> ... | PRECOMPILED_BY target] PUBLIC dep ... PRIVATE dep ...)
 # One static library: target miebrdf_NAME, alias and export miebrdf::NAME. Its sources are those of its rooms (folders below the current one; "." is the folder itself): a new file is
 # built as soon as it is there. Public headers are those in include/miebrdf, the only ones that are
 # installed; all others are included by path from the root, in the tree alone.
-# INTERNAL: part of the program, not installed.
+# INTERNAL: part of the program, not installed. ARITHMETIC: what most of the time is spent in; with
+# MIEBRDF_PROCESSOR_PATHS a shared library, and one more for each of those.
 function(miebrdf_library name)
-    cmake_parse_arguments(ARG "INTERNAL;COLD" "BATCH;PRECOMPILED_BY" "ROOMS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
+    cmake_parse_arguments(ARG "INTERNAL;ARITHMETIC;COLD" "BATCH;PRECOMPILED_BY" "ROOMS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
     set(target miebrdf_${name})
     miebrdf_sources(sources ${ARG_ROOMS})
-    add_library(${target} STATIC ${sources} ${ARG_SOURCES})
+    set(kind STATIC)
+    if(ARG_ARITHMETIC AND MIEBRDF_PROCESSOR_PATHS)
+        set(kind SHARED)
+    endif()
+    add_library(${target} ${kind} ${sources} ${ARG_SOURCES})
     add_library(miebrdf::${name} ALIAS ${target})
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name}
         CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    if(kind STREQUAL "SHARED")
+        miebrdf_shared_arithmetic(${target} "")
+        # Installed headers do without it.
+        string(REPLACE "Eigen3::Eigen" "$<BUILD_INTERFACE:Eigen3::Eigen>" ARG_PUBLIC "${ARG_PUBLIC}")
+    endif()
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
@@ -28,6 +38,13 @@ function(miebrdf_library name)
         endif()
     endforeach()
     miebrdf_fast_build(${target} ${how})
+    if(kind STREQUAL "SHARED")
+        if(ARG_PRECOMPILE)
+            miebrdf_headers_of_others(${target} ${ARG_PRECOMPILE})
+        endif()
+        miebrdf_for_other_processors(${target} SOURCES ${sources} ${ARG_SOURCES} FAST ${how}
+            LINK PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:miebrdf_flags>)
+    endif()
     set(public_headers "${CMAKE_CURRENT_SOURCE_DIR}/include")
     if(IS_DIRECTORY "${public_headers}")
         target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${public_headers}>)
@@ -36,7 +53,10 @@ function(miebrdf_library name)
         return()
     endif()
     set_property(GLOBAL APPEND PROPERTY miebrdf_libraries ${target})  # for the pkg-config file
-    if(NOT BUILD_SHARED_LIBS)  # a shared build installs one library of them all (MiebrdfInstall)
+    if(kind STREQUAL "SHARED")
+        set_property(GLOBAL APPEND PROPERTY miebrdf_arithmetic ${target})
+        install(TARGETS ${target} EXPORT miebrdfTargets LIBRARY COMPONENT program NAMELINK_COMPONENT dev)
+    elseif(NOT BUILD_SHARED_LIBS)  # a shared build installs one library of them all (MiebrdfInstall)
         install(TARGETS ${target} EXPORT miebrdfTargets)
     endif()
     if(IS_DIRECTORY "${public_headers}")
@@ -61,12 +81,16 @@ endfunction()
 # miebrdf_fast_build(TARGET [BATCH count] [COLD] PRECOMPILE <header> ... | PRECOMPILED_BY target): most of the time of a
 # build is reading Eigen, fmt and the standard library again for every small file, and instantiating
 # the same templates. Headers are read once for a target (precompiled), and with MIEBRDF_UNITY
-# BATCH sources (0: all) are compiled as one. COLD: code that reads words and prints them, whose own
+# BATCH sources (0: all; 1: none) are compiled as one. COLD: code that reads words and prints them, whose own
 # speed nobody notices; -O1 halves its time in the compiler.
 function(miebrdf_fast_build target)
     cmake_parse_arguments(ARG "COLD" "BATCH;PRECOMPILED_BY" "PRECOMPILE" ${ARGN})
     if(NOT DEFINED ARG_BATCH)
         set(ARG_BATCH 6)
+    endif()
+    get_target_property(kind ${target} TYPE)
+    if(TARGET "${ARG_PRECOMPILED_BY}_headers" AND NOT kind STREQUAL "SHARED_LIBRARY")
+        string(APPEND ARG_PRECOMPILED_BY _headers)
     endif()
     if(MIEBRDF_PRECOMPILE AND ARG_PRECOMPILED_BY)
         target_precompile_headers(${target} REUSE_FROM ${ARG_PRECOMPILED_BY})
@@ -76,7 +100,7 @@ function(miebrdf_fast_build target)
     if(ARG_COLD AND CMAKE_BUILD_TYPE MATCHES "^Rel")
         target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O1>)
     endif()
-    if(MIEBRDF_UNITY)
+    if(MIEBRDF_UNITY AND NOT ARG_BATCH EQUAL 1)
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_BATCH})
         if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
             # gcc takes what a source keeps to itself for that of a header.
@@ -84,4 +108,17 @@ function(miebrdf_fast_build target)
                                    $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
         endif()
     endif()
+endfunction()
+
+# miebrdf_late_library(TARGET MACRO PREFIX name): the library `name`, which pkg_check_modules has found
+# as PREFIX, is loaded when it is used first (pipeline/io/late_library.h), not linked to. MACRO: what
+# the loader calls it.
+function(miebrdf_late_library target macro prefix name)
+    find_library(${prefix}_FILE NAMES ${name} HINTS ${${prefix}_LIBRARY_DIRS} REQUIRED)
+    mark_as_advanced(${prefix}_FILE)
+    execute_process(COMMAND "${CMAKE_OBJDUMP}" -p "${${prefix}_FILE}" OUTPUT_VARIABLE contents)
+    if(NOT contents MATCHES "SONAME +([^ \n]+)")
+        message(FATAL_ERROR "${${prefix}_FILE} is no shared library: ${CMAKE_OBJDUMP} -p shows no SONAME")
+    endif()
+    target_compile_definitions(${target} PRIVATE "${macro}=\"${CMAKE_MATCH_1}\"")
 endfunction()

@@ -57,9 +57,10 @@ if(MIEBRDF_COVERAGE)
     target_compile_options(miebrdf_flags INTERFACE --coverage -O1 -fprofile-update=atomic)
     target_link_options(miebrdf_flags INTERFACE --coverage)
 endif()
+# With AVX-512, gcc 12 warns of its own intrinsics' deliberately uninitialised registers in every
+# file that uses Eigen, and at -O3 of array bounds inside std::string; dev finds the real ones.
+set(MIEBRDF_NOISE_OF_WIDE_VECTORS -Wno-maybe-uninitialized -Wno-restrict -Wno-array-bounds)
 if(MIEBRDF_NATIVE)
-    # With AVX-512, gcc 12 warns of its own intrinsics' deliberately uninitialised registers in every
-    # file that uses Eigen, and at -O3 of array bounds inside std::string; dev finds the real ones.
-    target_compile_options(miebrdf_flags INTERFACE -march=native -Wno-maybe-uninitialized
-                                                   -Wno-restrict -Wno-array-bounds)
+    target_compile_options(miebrdf_flags INTERFACE -march=native ${MIEBRDF_NOISE_OF_WIDE_VECTORS})
 endif()
+include(MiebrdfProcessorPaths)

@@ -1,5 +1,6 @@
 # cpack -G DEB: miebrdf (program and library), libmiebrdf-dev, python3-miebrdf. Build the preset
-# `debian` for it: portable, one shared library. docs/python.md, README.md
+# `debian` for it: portable, one shared library, the arithmetic once more for newer processors.
+# docs/python.md, README.md
 set(CPACK_PACKAGE_NAME miebrdf)
 set(CPACK_PACKAGE_VENDOR miebrdf)
 set(CPACK_PACKAGE_CONTACT "The miebrdf developers <${PROJECT_HOMEPAGE_URL}>")
@@ -15,11 +16,15 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # the libraries that the files are linked to, with versions
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${MIEBRDF_PATHS_FOLDER}")  # and our own
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME miebrdf)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "The program miebrdf, its man page and completions, and the library that other programs load.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_GENERATE_SHLIBS ON)  # ldconfig after installation
+# Loaded late (pipeline/io/late_library.h), so that no file is linked to them.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libzip4")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "librsvg2-2, libnetcdf19")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libmiebrdf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -41,7 +46,7 @@ if(TARGET miebrdf_python)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
     set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package miebrdf: ${PROJECT_DESCRIPTION}.")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3-numpy, \
-python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next})")
+python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next}), libzip4")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-xarray")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm")
 endif()

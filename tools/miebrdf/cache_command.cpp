@@ -30,7 +30,7 @@ int run_clear(const Shell& shell) {
 
 void add_cache(CLI::App& command, Shell& shell) {
     command.require_subcommand(1);
-    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.set_version_flag("--version", version_text);
     command.footer("Example:\n  miebrdf cache info");
     auto* info = command.add_subcommand("info", "where it is and how much is in it");
     shell.add_common_options(*info);

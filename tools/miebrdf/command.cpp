@@ -11,6 +11,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "pipeline/io/atomic_file.h"
+#include "tools/miebrdf/processor_path.h"
 #include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
@@ -26,6 +27,10 @@ void require_folder_of(const std::string& file) {
 }
 
 }  // namespace
+
+std::string version_text() {
+    return fmt::format("miebrdf {}\n{}", kVersion, processor_path_line());
+}
 
 void Shell::add_common_options(CLI::App& command, Writes writes) {
     command
@@ -63,7 +68,7 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
             "--progress", common_.progress,
             "how progress is shown on standard error: auto (a line on a terminal), none or json")
         ->capture_default_str();
-    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.set_version_flag("--version", version_text);
 }
 
 void Shell::on_prepare(CLI::App& command, std::function<Job()> prepare) {

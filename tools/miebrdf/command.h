@@ -17,6 +17,9 @@ namespace miebrdf::program {
 /// Exit codes of the program; scripts depend on them (docs/command-line.md).
 enum ExitCode { kGood = 0, kCheckFailed = 1, kUsage = 2, kBadInput = 3, kNotConverged = 4 };
 
+/// What --version says: the version, then the processor path in use and those that are there.
+std::string version_text();
+
 /// Options that every command has.
 struct CommonOptions {
     std::string output;  ///< -o FILE; empty or "-": standard output

@@ -299,6 +299,8 @@ std::string manual() {
            "written, but did not converge\n.TP\n130, 143\ninterrupted; nothing unfinished was "
            "written\n"
            ".SH ENVIRONMENT\n.TP\n.B MIEBRDF_DATABASE\nfile of your own materials\n"
+           ".TP\n.B MIEBRDF_PROCESSOR_PATH\ninstructions of the processor that are used, of those "
+           "that --version names\n"
            ".TP\n.B XDG_CACHE_HOME\nwhere results of earlier runs are kept, in miebrdf/\n"
            ".TP\n.B XDG_DATA_HOME\nwhere your own materials are kept, in miebrdf/\n"
            ".TP\n.B NO_COLOR\nno colours\n";

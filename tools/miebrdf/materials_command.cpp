@@ -308,7 +308,7 @@ materials::Database open_database(const std::string& file) {
 
 void add_materials(CLI::App& command, Shell& shell) {
     command.require_subcommand(1);
-    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.set_version_flag("--version", version_text);
     add_materials_query_commands(command, shell);
     add_materials_nk_commands(command, shell);
     add_materials_edit_commands(command, shell);

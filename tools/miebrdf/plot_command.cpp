@@ -45,7 +45,7 @@ void PlotArguments::save(const plot::Picture& picture, const Shell& shell) const
 
 void add_plot(CLI::App& command, Shell& shell) {
     command.require_subcommand(1);
-    command.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    command.set_version_flag("--version", version_text);
     command.footer("Example:\n  miebrdf plot nk GaP TiO2 -o nk.png");
     add_scene_plots(command, shell);
     add_profile_plot(command, shell);

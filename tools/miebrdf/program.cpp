@@ -13,6 +13,7 @@
 #include <miebrdf/version.h>
 #include "materials/database/names.h"
 #include "pipeline/scene/species_keys.h"
+#include "tools/miebrdf/processor_path.h"
 #include "tools/miebrdf/terminal.h"
 
 namespace miebrdf::program {
@@ -181,13 +182,25 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
+/// The commands that these arguments can be about: describing all of them takes longer than many a
+/// command. All where a word is not known, so that near ones can be named, and for --help.
+std::span<const Command> commands_for(const std::vector<std::string>& arguments,
+                                      std::span<const Command> all) {
+    if (arguments.empty()) return all;
+    if (arguments.size() == 1 && arguments.front() == "--version") return {};
+    const auto typed = std::find_if(all.begin(), all.end(), [&](const Command& command) {
+        return command.name == arguments.front();
+    });
+    return typed == all.end() ? all : all.subspan(std::size_t(typed - all.begin()), 1);
+}
+
 int parse_and_run(std::span<const Command> commands, const std::vector<std::string>& arguments) {
     CLI::App program{"From a material's complex refractive index to its spectral BRDF.", "miebrdf"};
-    program.set_version_flag("--version", fmt::format("miebrdf {}", kVersion));
+    program.set_version_flag("--version", version_text);
     program.require_subcommand(1);
     program.footer("miebrdf COMMAND --help explains a command and shows an example.");
     Shell shell(command_line_of(arguments));
-    add_commands(program, shell, commands);
+    add_commands(program, shell, commands_for(arguments, commands));
     try {
         // CLI11 takes its arguments from the back.
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
@@ -281,6 +294,11 @@ void keep_freed_memory() {
 }
 
 int run_main(std::span<const Command> commands, int argc, char** argv) {
+    try {
+        obey_processor_path(argv);
+    } catch (const UsageError& error) {
+        return complain(kUsage, error.what());
+    }
     keep_freed_memory();
     return run_program(commands, {argv + 1, argv + argc});
 }

@@ -27,7 +27,7 @@ std::string message_of(const Error& error);
 /// of the time for 31 wavelengths, more on several threads, which wait for each other there.
 void keep_freed_memory();
 
-/// All that main() does: keep_freed_memory() and run_program().
+/// All that main() does: obey_processor_path(), keep_freed_memory() and run_program().
 int run_main(std::span<const Command> commands, int argc, char** argv);
 
 /// Adds subcommands to a program, or to a command that has some.

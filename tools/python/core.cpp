@@ -2,6 +2,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include <miebrdf/processor_path.h>
 #include <miebrdf/version.h>
 
 #include <exception>
@@ -62,6 +63,7 @@ void translate(std::exception_ptr thrown) {
 
 void bind_errors(py::module_& module) {
     module.attr("version") = kVersion;
+    module.attr("processor_path") = std::string(processor_path());
     py::register_exception_translator(translate);
 }
 

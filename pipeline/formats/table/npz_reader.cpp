@@ -1,12 +1,12 @@
 // NumPy archives of ours, read without trusting them.
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <charconv>
 #include <memory>
 
 #include "pipeline/formats/common/byte_reader.h"
 #include "pipeline/formats/common/grid_file.h"
+#include "pipeline/formats/table/late_zip.h"
 #include "pipeline/formats/table/npz.h"
 
 namespace miebrdf {
@@ -88,8 +88,9 @@ std::string read_member(zip_t* archive, zip_uint64_t index, std::size_t largest,
         throw InputError(fmt::format(
             "npz: member '{}' is compressed or damaged; write it with numpy.savez", name));
     }
-    const std::unique_ptr<zip_file_t, decltype(&zip_fclose)> file(
-        zip_fopen_index(archive, index, 0), zip_fclose);
+    const auto close = [](zip_file_t* opened) { zip_fclose(opened); };
+    const std::unique_ptr<zip_file_t, decltype(close)> file(zip_fopen_index(archive, index, 0),
+                                                            close);
     if (!file) throw InputError(fmt::format("npz: member '{}': {}", name, zip_strerror(archive)));
     std::string content(stat.size, '\0');
     if (zip_fread(file.get(), content.data(), content.size()) !=
@@ -119,7 +120,8 @@ std::map<std::string, NpyArray> read_npz_arrays(std::string_view content) {
         zip_error_fini(&error);
         throw InputError("npz: " + reason);
     }
-    const std::unique_ptr<zip_t, decltype(&zip_discard)> archive(opened, zip_discard);
+    const auto discard = [](zip_t* unwanted) { zip_discard(unwanted); };
+    const std::unique_ptr<zip_t, decltype(discard)> archive(opened, discard);
     std::map<std::string, NpyArray> arrays;
     std::size_t budget = content.size();  // stored members cannot be larger together
     const zip_int64_t count = zip_get_num_entries(archive.get(), 0);

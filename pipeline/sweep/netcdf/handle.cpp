@@ -1,6 +1,5 @@
 #include "pipeline/sweep/netcdf/handle.h"
 
-#include <H5public.h>
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 

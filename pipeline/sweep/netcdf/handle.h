@@ -1,10 +1,10 @@
 // libnetcdf's C interface with errors as exceptions.
 #pragma once
 
-#include <netcdf.h>
-
 #include <string>
 #include <vector>
+
+#include "pipeline/sweep/netcdf/late_netcdf.h"
 
 namespace miebrdf::sweep {
 

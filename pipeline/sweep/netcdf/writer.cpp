@@ -215,7 +215,7 @@ class NetcdfWriter : public TableWriter {
 
 }  // namespace
 
-bool has_netcdf() { return true; }
+bool has_netcdf() { return libnetcdf().is_there(); }
 
 std::unique_ptr<TableWriter> make_netcdf_writer(const Sweep& sweep, const Layout& layout,
                                                 const std::string& file) {

@@ -94,7 +94,8 @@ def _build(settings: dict[str, Any]) -> Path:
     if not (folder / "CMakeCache.txt").exists():
         _run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release",
              "-DMIEBRDF_UNITY=ON", "-DMIEBRDF_BUILD_TOOLS=OFF", "-DBUILD_TESTING=OFF",
-             "-DMIEBRDF_PYTHON_REQUIRED=ON", f"-DPython_EXECUTABLE={sys.executable}", *more)  # fmt: skip
+             "-DMIEBRDF_PYTHON_REQUIRED=ON", f"-DPython_EXECUTABLE={sys.executable}",
+             "-DMIEBRDF_PROCESSOR_PATHS=x86-64-v3;x86-64-v4", *more)  # fmt: skip
     elif more:
         _run("cmake", folder, *more)
     jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
@@ -123,8 +124,8 @@ def build_wheel(
         _run("cmake", "--install", folder, "--component", "python", "--prefix", stage)
         package = next(Path(stage).rglob("miebrdf/__init__.py")).parent
         contents = {
-            f"miebrdf/{path.name}": path.read_bytes()
-            for path in sorted(package.iterdir())
+            f"miebrdf/{path.relative_to(package)}": path.read_bytes()
+            for path in sorted(package.rglob("*"))
             if path.is_file()
         }
     contents[f"{info}/METADATA"] = _metadata().encode()
@@ -141,7 +142,7 @@ def build_wheel(
         for path, content in contents.items():
             entry = zipfile.ZipInfo(path, _DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith(".so") else 0o644) << 16
+            entry.external_attr = (0o755 if ".so" in path else 0o644) << 16
             wheel.writestr(entry, content)
     return name
 

@@ -21,7 +21,7 @@ _install.check()
 
 from . import colour, errors  # noqa: E402
 from ._brdf import Brdf  # noqa: E402
-from ._core import Depth, Layer, Medium, Substrate  # noqa: E402
+from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import FileCheck, check, formats  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
@@ -80,6 +80,7 @@ __all__ = [
     "media_forms",
     "medium",
     "phase",
+    "processor_path",
     "set_options",
     "sphere",
 ]

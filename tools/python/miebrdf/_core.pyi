@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 version: str
+processor_path: str
 
 _Floats: TypeAlias = NDArray[np.float64]
 _Complexes: TypeAlias = NDArray[np.complex128]

@@ -13,6 +13,7 @@
 #include <miebrdf/index.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
+#include <miebrdf/processor_path.h>
 #include <miebrdf/sampling.h>
 #include <miebrdf/scene.h>
 #include <miebrdf/sizes.h>
