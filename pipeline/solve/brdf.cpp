@@ -23,18 +23,12 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-void validate(const Directions& directions) {
-    require_cosines(directions.mu_in, "mu_in");
-    require_cosines(directions.mu_out, "mu_out");
-    for (const double azimuth : directions.azimuth_deg) {
-        if (!(azimuth >= -360.0 && azimuth <= 360.0))
-            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
-    }
-}
-
 void validate(const SolverOptions& solver) {
     if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
         throw UsageError("tolerance", solver.tolerance, "(0, 1)");
+    const int stokes = solver.stokes;
+    if (!(stokes == 0 || stokes == 1 || stokes == 3 || stokes == 4))
+        throw UsageError("stokes", stokes, "1, 3 or 4, or 0: as many as matter");
     const int streams = solver.streams;
     if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
         throw UsageError("streams", streams,
@@ -120,6 +114,15 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
 
 }  // namespace
 
+void validate(const Directions& directions) {
+    require_cosines(directions.mu_in, "mu_in");
+    require_cosines(directions.mu_out, "mu_out");
+    for (const double azimuth : directions.azimuth_deg) {
+        if (!(azimuth >= -360.0 && azimuth <= 360.0))
+            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
+    }
+}
+
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
     validate(scene);
@@ -180,6 +183,8 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
         values.plane_albedo.push_back(std::move(layer.values));
         if (!layer.mirror_reflectance.empty())
             values.mirror_reflectance.push_back(std::move(layer.mirror_reflectance));
+        if (state_->solver.stokes > 1)
+            values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
         if (!scene.substrate || scene.surface) continue;
         values.spherical_transmittance.push_back(layer.transmittance.back());
         layer.transmittance.pop_back();

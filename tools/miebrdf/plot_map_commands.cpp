@@ -31,7 +31,22 @@ BrdfPart only_component(const ScenePlotArguments& arguments, const Request& requ
     return parts.front();
 }
 
-int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
+struct HemisphereArguments : ScenePlotArguments {
+    std::string quantity = "brdf";
+};
+
+/// Degree of linear polarisation of what is reflected of unpolarised light.
+bool put_polarisation(const Brdf& brdf, const Directions& directions, plot::HemisphereMap& map) {
+    const MuellerValues values = brdf.mueller(directions);
+    for (std::size_t o = 0; o < directions.mu_out.size(); ++o) {
+        for (std::size_t a = 0; a < directions.azimuth_deg.size(); ++a)
+            map.value.push_back(values.degree_of_linear_polarisation(0, 0, o, a));
+    }
+    map.value_label = "degree of linear polarisation";
+    return values.converged();
+}
+
+int run_hemisphere(const HemisphereArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
@@ -43,14 +58,21 @@ int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     map.azimuth_edges_deg = parse_number_list("0:180:3", "azimuth (degrees)");
     map.incidence_deg = incidence_deg.front();
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
-    const BrdfValues values =
-        solved(request, shell.control())
-            .evaluate({cosines_of(incidence_deg), cosines_of(centres(map.zenith_edges_deg)),
-                       centres(map.azimuth_edges_deg)});
-    map.value = values.slices.front().of(part);
+    const Brdf brdf = solved(request, shell.control());
+    const Directions directions = {cosines_of(incidence_deg),
+                                   cosines_of(centres(map.zenith_edges_deg)),
+                                   centres(map.azimuth_edges_deg)};
+    bool converged = false;
+    if (arguments.quantity == "dolp") {
+        converged = put_polarisation(brdf, directions, map);
+    } else {
+        const BrdfValues values = brdf.evaluate(directions);
+        map.value = values.slices.front().of(part);
+        converged = values.converged();
+    }
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_hemisphere(map, caption), shell);
-    return values.converged() ? kGood : kNotConverged;
+    return converged ? kGood : kNotConverged;
 }
 
 struct SliceArguments : ScenePlotArguments {
@@ -117,11 +139,17 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
 }  // namespace
 
 void add_map_plots(CLI::App& plot, Shell& shell) {
-    auto hemisphere = std::make_shared<ScenePlotArguments>();
+    auto hemisphere = std::make_shared<HemisphereArguments>();
     auto* hemisphere_command = add_scene_kind(
         plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere, kOneWavelength);
     add_incidence_option(*hemisphere_command, "45", hemisphere);
     add_component_options(*hemisphere_command, hemisphere);
+    hemisphere_command
+        ->add_option("--quantity", hemisphere->quantity,
+                     "brdf, or dolp: the degree of linear polarisation that the scene gives to "
+                     "unpolarised light")
+        ->check(CLI::IsMember({"brdf", "dolp"}))
+        ->capture_default_str();
     hemisphere_command->footer(
         "Example:\n  miebrdf plot hemisphere --base TiO2 --wavelengths 550 --incidence 60 --log -o "
         "hemisphere.png");
