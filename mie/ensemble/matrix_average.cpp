@@ -8,6 +8,7 @@
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/ensemble_problem.h"
+#include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/flushing.h"
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
@@ -141,6 +142,7 @@ class MatrixAverage {
 
   private:
     void add_pass(const AngularFunctions& angles) {
+        if (refinement_.rule() == Rule::even) prepare_even_rule();
         SizeSumOptions options;
         options.terms = terms_;
         options.angles = &angles;
@@ -160,16 +162,23 @@ class MatrixAverage {
         estimate_error(before);
     }
 
-    // As EnsembleAverage has it, with the scattering in place of the extinction: what the exact
-    // average scatters tells which resonances the sizes have missed.
+    void prepare_even_rule() {
+        if (exact_q_ext_ > 0 || !request_.sizes.kind.law().analytic) return;
+        exact_q_ext_ = exact_extinction(problem_.relative_index, request_.sizes, problem_.range,
+                                        problem_.wave_number_per_um, run_) /
+                       problem_.share;
+    }
+
+    // As EnsembleAverage has it: the exact extinction tells which resonances the sizes have missed.
     void estimate_error(const MatrixExpansion& before) {
         const double least = std::max(kMatrixRounding, tail_for(request_));
         const bool single = refinement_.rule() == Rule::single;
         error_ = single ? kMatrixRounding : 1.0;
         if (single || refinement_.pass() == 0) return;
         const double change = largest_change(before, result_.expansion);
-        const double q_sca = 2 * total_.spheres.scattered / problem_.share;
-        const double missed = std::abs(q_sca / result_.optics.q_sca - 1);
+        const double q_ext =
+            2 * (total_.spheres.scattered + total_.spheres.absorbed) / problem_.share;
+        const double missed = exact_q_ext_ > 0 ? std::abs(q_ext / exact_q_ext_ - 1) : change;
         if (!request_.sizes.kind.law().analytic) {
             error_ = std::max(2 * change, least);
         } else if (refinement_.rule() == Rule::smooth) {
@@ -177,8 +186,8 @@ class MatrixAverage {
             error_ = std::max(change * gain, least);
         } else {
             // Levels may agree by chance: no error is believed to fall by more than half.
-            error_ = std::max({missed, change / 4, doubt_ / 2, least});
-            doubt_ = std::max(change / 4, doubt_ / 2);
+            error_ = std::max({missed, change / 2, doubt_ / 2, least});
+            doubt_ = std::max(change / 2, doubt_ / 2);
         }
         change_before_ = change;
     }
@@ -209,6 +218,7 @@ class MatrixAverage {
     SizeRefinement refinement_;
     SizeSums total_;
     double error_ = 1, change_before_ = 0, doubt_ = 0;
+    double exact_q_ext_ = 0;  // of the even rule; 0: not known
     MatrixOptics result_;
 };
 

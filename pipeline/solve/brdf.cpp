@@ -23,7 +23,7 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-void validate(const SolverOptions& solver) {
+void require_valid(const SolverOptions& solver) {
     if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
         throw UsageError("tolerance", solver.tolerance, "(0, 1)");
     const int stokes = solver.stokes;
@@ -114,7 +114,7 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
 
 }  // namespace
 
-void validate(const Directions& directions) {
+void require_valid(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
     require_cosines(directions.mu_out, "mu_out");
     for (const double azimuth : directions.azimuth_deg) {
@@ -127,7 +127,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
     validate(scene);
     validate_wavelengths(wavelength_nm);
-    validate(options);
+    require_valid(options);
     auto state = std::make_shared<Brdf::State>(
         Brdf::State{scene, resolve(scene, wavelength_nm), options, control});
     if (state->control.memo == nullptr) state->control.memo = make_optics_memo();
@@ -135,7 +135,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
 }
 
 BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {
-    validate(directions);
+    require_valid(directions);
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers(scene.wavelength_nm.size());
     if (wants_layers(parts)) {
@@ -162,7 +162,7 @@ BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) 
 }
 
 AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
-    validate(Directions{mu_in, {}, {}});
+    require_valid(Directions{mu_in, {}, {}});
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers = compute_layers(
         {scene, {mu_in, {}, {}}, state_->solver, albedo_quantity(scene)}, state_->control);
@@ -196,6 +196,10 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
 BrdfTable Brdf::table(const TableOptions& options) const {
     if (options.part == BrdfPart::surface && !state_->resolved.surface) {
         throw UsageError("component 'surface' needs a surface; give a roughness, e.g. 0.3");
+    }
+    if (state_->solver.stokes > 1) {
+        throw UsageError("stokes", state_->solver.stokes,
+                         "1 or auto: tables for any direction are of unpolarised light");
     }
     return BrdfTable(make_table(state_->resolved, describe(state_->scene), state_->solver, options,
                                 state_->control));

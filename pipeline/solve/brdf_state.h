@@ -27,7 +27,7 @@ inline std::vector<std::size_t> all_wavelengths(const ResolvedScene& scene) {
 }
 
 /// Refuses directions out of range. @throws UsageError  (brdf.cpp)
-void validate(const Directions& directions);
+void require_valid(const Directions& directions);
 
 /// brdf_table.cpp
 std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,

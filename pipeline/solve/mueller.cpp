@@ -101,7 +101,7 @@ void require_index(std::size_t index, std::size_t count, const char* name) {
 }  // namespace
 
 MuellerValues Brdf::mueller(const Directions& directions) const {
-    validate(directions);
+    require_valid(directions);
     SolverOptions solver = state_->solver;
     if (solver.stokes < 3) solver.stokes = 3;
     const ResolvedScene& scene = state_->resolved;
