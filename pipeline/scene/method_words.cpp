@@ -44,8 +44,8 @@ std::vector<SceneWord> method_words() {
              .set = set_solver_number<&rte::SolverOptions::tolerance>},
             {.name = "stokes",
              .placeholder = "N",
-             .help = "components of light: 1 (intensity), 3 (I, Q, U), 4 (with V); auto: 1 where "
-                     "what that changes is within the tolerance, else 3",
+             .help = "components of light: 1 (intensity), 3 (I, Q, U), 4 (with V); auto: 3 where "
+                     "polarisation shows in the intensity, else 1",
              .group = group,
              .default_text = kStokes[0].name,
              .field = "stokes",

@@ -49,9 +49,8 @@ std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
                                    double hiding_tolerance, OpticsDemand demand,
                                    const Control& control);
 
-/// Bound on what leaving polarisation out changes of R11, relative to the largest value at that
-/// incidence: kChangePerPolarisation times the mean of (b1 / a1)^2 a1 over the sphere, the largest
-/// of the media (docs/polarisation.md#how-auto-decides has the fit).
+/// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
+/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides).
 double change_by_polarisation(const rte::Stack& stack);
 
 /// The same of spheres, from their size parameter alone: a bound over all refractive indices.

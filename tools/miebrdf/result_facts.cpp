@@ -68,8 +68,8 @@ void add_polarisation(Table& table, const ResultReport& result) {
     if (left_out > 0.0) {
         table.facts.emplace_back(
             "polarisation",
-            fmt::format("left out: changes values by less than {:.1g} of the largest at the same "
-                        "incidence (stokes 3 has it computed)",
+            fmt::format("left out: relative changes of the values are below {:.1g} (bound; stokes 3 "
+                        "has it computed)",
                         left_out));
     }
 }
