@@ -6,6 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "rte/math/quadrature.h"
+#include "rte/math/wigner.h"
 #include "rte/stokes/stokes_reflection.h"
 #include "tests/support/reference_table.h"
 
@@ -27,6 +29,48 @@ inline rte::Optics siewert_optics(bool with_b2) {
         p.b1.push_back(table.number(l, "b1"));
         if (with_b2) p.b2.push_back(table.number(l, "b2"));
     }
+    optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
+    return optics;
+}
+
+/// Henyey-Greenstein's peak, polarised as Rayleigh's light by half: a1 = a2 = P, b1 = -P/2 (1 -
+/// x^2)/(1 + x^2), a3 = a4 = 2 P x/(1 + x^2), with its coefficients by quadrature.
+inline rte::Optics polarised_peak_optics(double albedo, double asymmetry) {
+    rte::Optics optics = rte::henyey_greenstein_optics(albedo, asymmetry);
+    const auto matrix = [phase = optics.phase](double x) {
+        const double P = phase(x);
+        const double round = 2.0 * x / (1.0 + x * x);
+        return rte::ScatteringMatrix{.a1 = P,
+                                     .a2 = P,
+                                     .a3 = P * round,
+                                     .a4 = P * round,
+                                     .b1 = -0.5 * P * (1.0 - x * x) / (1.0 + x * x)};
+    };
+    const int degrees = int(optics.chi.size());
+    const auto rule = math::gauss_legendre(2 * degrees);
+    const Eigen::Map<const Eigen::VectorXd> x(rule.nodes.data(), Eigen::Index(rule.nodes.size()));
+    math::ScratchMatrix circular, linear, plus, minus;
+    math::wigner_functions(0, 0, degrees, x, circular);
+    math::wigner_functions(0, 2, degrees, x, linear);
+    math::wigner_functions(2, 2, degrees, x, plus);
+    math::wigner_functions(2, -2, degrees, x, minus);
+    rte::Polarisation p;
+    p.a2.assign(std::size_t(degrees), 0.0);
+    p.a3 = p.a4 = p.b1 = p.a2;
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+        const rte::ScatteringMatrix F = matrix(x[k]);
+        for (int l = 0; l < degrees; ++l) {
+            const double weight = 0.5 * (2.0 * l + 1.0) * rule.weights[std::size_t(k)];
+            p.a4[std::size_t(l)] += weight * F.a4 * circular(k, l);
+            if (l < 2) continue;
+            const double sum = weight * (F.a2 + F.a3) * plus(k, l - 2);
+            const double rest = weight * (F.a2 - F.a3) * minus(k, l - 2);
+            p.a2[std::size_t(l)] += 0.5 * (sum + rest);
+            p.a3[std::size_t(l)] += 0.5 * (sum - rest);
+            p.b1[std::size_t(l)] += weight * F.b1 * linear(k, l - 2);
+        }
+    }
+    p.matrix = matrix;
     optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
     return optics;
 }

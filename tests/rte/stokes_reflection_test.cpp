@@ -159,10 +159,27 @@ TEST_CASE("media that do not polarise give the scalar reflection", "[rte][stokes
         CHECK(std::abs(table.plane_albedo[i] - scalar.plane_albedo[i]) <= 1e-13);
 }
 
+TEST_CASE("delta-M of the whole matrix lets few nodes see a forward peak", "[rte][stokes]") {
+    const rte::Stack stack{.base = support::polarised_peak_optics(0.95, 0.8)};
+    const rte::Directions directions{{0.1, 0.6}, {0.2, 0.9}, {0.0, 75.0, 180.0}};
+    const auto coarse = rte::reflect_polarised(stack, directions, 3, {.streams = 12});
+    const auto fine = rte::reflect_polarised(stack, directions, 3, {.streams = 40});
+    const auto sharp =
+        rte::reflect_polarised(stack, directions, 3, {.streams = 12, .delta_m = false});
+    const double error = difference(fine, coarse);
+    CHECK(error <= 2e-3);  // 24 moments of 0.8^l
+    CHECK(error <= 0.3 * difference(fine, sharp));
+    CHECK(fine.report.converged);
+}
+
 TEST_CASE("a layer on a half-space of its own medium is that half-space", "[rte][stokes]") {
     const bool with_b2 = GENERATE(false, true);
     const double depth = GENERATE(1e-6, 0.3, 30.0);
-    const rte::Stack alone{.base = siewert_optics(with_b2)};
+    rte::Stack alone{.base = siewert_optics(with_b2)};
+    if (depth == 0.3) {  // without absorption too
+        alone.base.single_scattering_albedo = 1.0;
+        alone.base.one_minus_albedo = 0.0;
+    }
     const rte::Stack coated{.base = alone.base, .coats = {{alone.base, depth}}};
     const rte::Directions directions = many_directions();
     const rte::SolverOptions options{.tolerance = 1e-12, .streams = 10};
