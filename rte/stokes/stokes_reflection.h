@@ -10,10 +10,10 @@
 namespace miebrdf::rte {
 
 /// R takes the Stokes vector of the incident light to that of the reflected light, each with Q =
-/// parallel minus perpendicular to its own meridian plane (ray and normal); BRDF = R / pi. U
-/// changes its sign with the sense of the azimuth: R(-azimuth) = Q R(azimuth) Q, Q = diag(1, 1, -1,
-/// -1). Reciprocity: R(mu_in, mu_out, azimuth) = G R(mu_out, mu_in, azimuth)^T G, G = diag(1, 1,
-/// -1, 1).
+/// parallel minus perpendicular to its own meridian plane (ray and normal; of a vertical ray the
+/// limit at this azimuth); BRDF = R / pi. U and V change their sign with the sense of the azimuth:
+/// R(-azimuth) = D R(azimuth) D, D = diag(1, 1, -1, -1). Reciprocity: R(mu_in, mu_out, azimuth) =
+/// G R(mu_out, mu_in, azimuth)^T G, G = diag(1, 1, 1, -1).
 struct MuellerTable {
     int components = 3;  ///< c: 3 for (I, Q, U), 4 with V
     /// [(((i * mu_out.size() + o) * azimuth_deg.size() + a) * c + row) * c + column], row =

@@ -7,6 +7,14 @@
 #include "rte/stack/hidden_layers.h"
 
 namespace miebrdf::rte {
+namespace {
+
+// Whether b2 makes a block's equations unsymmetric.
+bool is_coupled(const StokesBlock& block) {
+    return block.size() > 1 && block.back() == StokesComponent::V;
+}
+
+}  // namespace
 
 StokesSolver::StokesSolver(const ScaledStack& stack, const ZenithGrid& grid,
                            const RequestedDirections& requested, int components,
@@ -89,20 +97,30 @@ std::size_t StokesSolver::solve_lowest(const StokesBlock& block) {
         if (!hides_in_fourier_order({}, depth, allowed)) continue;  // whatever it scatters
         set_medium(block, c);
         if (!hides_in_fourier_order(memory_.medium, depth, allowed)) continue;
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_of(block),
-                         requested_of(block), tolerance_, memory_.work, memory_.reflector);
+        solve_medium_as_half_space(c, block);
         return c + 1;
     }
     solve_base(block);
     return first_coat;
 }
 
+void StokesSolver::solve_medium_as_half_space(std::size_t index, const StokesBlock& block) {
+    if (is_coupled(block)) {
+        solve_coupled_half_space(memory_.tables, block, strengths_[index], memory_.mode,
+                                 memory_.medium, grids_[1], requested_[1], grid_of(block),
+                                 requested_of(block), tolerance_, memory_.coupled,
+                                 memory_.reflector);
+        return;
+    }
+    solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_of(block),
+                     requested_of(block), tolerance_, memory_.work, memory_.reflector);
+}
+
 void StokesSolver::solve_base(const StokesBlock& block) {
     memory_.reflector.glow_at_nodes.resize(0);
     if (stack_.base == BaseKind::half_space) {
         set_medium(block, 0);
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, memory_.mode, grid_of(block),
-                         requested_of(block), tolerance_, memory_.work, memory_.reflector);
+        solve_medium_as_half_space(0, block);
         return;
     }
     make_block_mode(memory_.tables, block, {}, grid_of(block), requested_of(block), memory_.mode,
@@ -118,6 +136,17 @@ void StokesSolver::solve_base(const StokesBlock& block) {
 void StokesSolver::put_on_coat(std::size_t index, const StokesBlock& block, ReflectorParts parts) {
     set_medium(block, index);
     const RequestedDirections& requested = requested_of(block);
+    if (is_coupled(block)) {
+        solve_coupled_layer(stack_.media[index].scaled_optical_depth, memory_.tables, block,
+                            strengths_[index], memory_.mode, memory_.medium, grids_[1],
+                            requested_[1], requested, tolerance_, memory_.coupled, memory_.layer);
+        memory_.reflector.physical = memory_.layer.physical;
+        if (!memory_.layer.physical) return;
+        std::swap(memory_.below, memory_.reflector);
+        put_on_coupled(memory_.layer, memory_.below, requested, int(block.size()), parts,
+                       memory_.reflector);
+        return;
+    }
     solve_layer(stack_.media[index].scaled_optical_depth, memory_.medium, memory_.mode,
                 grid_of(block), requested, parts, tolerance_, memory_.work, memory_.layer);
     if (!memory_.layer.physical) {

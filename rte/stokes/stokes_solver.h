@@ -10,6 +10,7 @@
 #include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
 #include "rte/stack/stack_solver.h"
+#include "rte/stokes/coupled_layer.h"
 #include "rte/stokes/stokes_mode.h"
 
 namespace miebrdf::rte {
@@ -24,6 +25,7 @@ struct StokesMemory {
     FourierWork work = {};
     LayerOperator layer = {};
     Reflector reflector = {}, below = {};
+    CoupledWork coupled = {};
 };
 
 /// One Fourier order of the Mueller matrix of light scattered more than once.
@@ -59,6 +61,7 @@ class StokesSolver {
     void solve_block(const StokesBlock& block);
     std::size_t solve_lowest(const StokesBlock& block);
     void solve_base(const StokesBlock& block);
+    void solve_medium_as_half_space(std::size_t index, const StokesBlock& block);
     void put_on_coat(std::size_t index, const StokesBlock& block, ReflectorParts parts);
     void set_medium(const StokesBlock& block, std::size_t index);
     void keep(const StokesBlock& block);

@@ -41,10 +41,10 @@ void add_order(int m, std::span<const double> azimuth_deg,
             for (int element = 0; element < c * c; ++element) {
                 const int row = element / c, column = element % c;
                 const bool is_diagonal = (row < 2) == (column < 2);
-                const double value = multiple(o + row, i + column) * (row < column ? -1.0 : 1.0);
-                const double* factor = (is_diagonal ? factors.cosine : factors.sine).data();
-                const double size = is_diagonal ? multiple(o + row, i + column) : value;
-                for (std::size_t a = 0; a < azimuth_deg.size(); ++a) *next++ += size * factor[a];
+                const double sign = is_diagonal || row > column ? 1.0 : -1.0;
+                const double value = sign * multiple(o + row, i + column);
+                for (const double factor : is_diagonal ? factors.cosine : factors.sine)
+                    *next++ += value * factor;
             }
         }
     }

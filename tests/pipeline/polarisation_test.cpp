@@ -149,7 +149,7 @@ TEST_CASE("a mixture polarises as its species by what they scatter", "[pipeline]
 
 TEST_CASE("the Mueller matrix of a Rayleigh half-space is that of the table",
           "[pipeline][polarisation]") {
-    const support::ReferenceTable table("pipeline/rayleigh_half_space.csv");
+    const support::ReferenceTable table("rte/stokes_rayleigh_half_space.csv");
     const Brdf brdf = solve(scene_of("rayleigh:0.9"), {550}, {.tolerance = 1e-7, .stokes = 4});
     REQUIRE(table.size() > 10);
     for (std::size_t row = 0; row < table.size(); ++row) {

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchArguments {
-    std::string suites = "mie,half-space,coat,boundary,surface,pipeline,rules";
+    std::string suites = "mie,half-space,coat,boundary,stokes,surface,pipeline,rules";
     std::string compare_with;
     std::string read;
     std::string docs;
@@ -115,7 +115,7 @@ void add_bench(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<BenchArguments>();
     command
         .add_option("--suite", arguments->suites,
-                    "mie, half-space, coat, surface, pipeline, rules; default all")
+                    "mie, half-space, coat, boundary, stokes, surface, pipeline, rules; default all")
         ->type_name("LIST");
     command
         .add_option("--compare", arguments->compare_with,
