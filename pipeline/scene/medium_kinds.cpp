@@ -56,7 +56,7 @@ MediumKind isotropic() {
 MediumKind rayleigh() {
     return {.name = "rayleigh",
             .form = "rayleigh:ALBEDO",
-            .example = "rayleigh:0.9",
+            .example = "rayleigh:0.9,depolarisation=0.03",
             .help =
                 "particles much smaller than the wavelength; molecules that are no spheres: "
                 "rayleigh:ALBEDO,depolarisation=D (air 0.0279)",

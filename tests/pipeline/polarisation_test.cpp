@@ -129,10 +129,10 @@ TEST_CASE("optics with a scattering matrix come back from the cache whole",
 }
 
 TEST_CASE("a mixture polarises as its species by what they scatter", "[pipeline][polarisation]") {
-    const rte::Optics a = optics_of_words("index:1.5,radius=0.1");
+    const rte::Optics a = optics_of_words("index:1.5,0,radius=0.1");
     const rte::Optics b = optics_of_words("index:2,0.1,radius=0.05");
     const rte::Optics both =
-        optics_of_words("index:1.5,radius=0.1,volume=10% + index:2,0.1,radius=0.05,volume=1%");
+        optics_of_words("index:1.5,0,radius=0.1,volume=10% + index:2,0.1,radius=0.05,volume=1%");
     REQUIRE(both.polarisation);
     // One unknown share explains all coefficients.
     const double share = (both.chi[1] - b.chi[1]) / (a.chi[1] - b.chi[1]);
@@ -196,7 +196,7 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
         return brdf.evaluate(directions).wavelengths.front();
     };
     CHECK(report("rayleigh:0.9", 1e-3).stokes == 3);
-    CHECK(report("index:1.5,radius=0.03", 1e-3).stokes == 3);
+    CHECK(report("index:1.5,0,radius=0.03", 1e-3).stokes == 3);
     const WavelengthReport coarse = report("index:1.5,0.01,radius=10", 1e-3);
     CHECK(coarse.stokes == 1);
     CHECK(coarse.polarisation_left_out > 0.0);
@@ -212,7 +212,7 @@ TEST_CASE("plan says what is done about polarisation and why", "[pipeline][polar
         return plan_evaluate(solve(scene_of(words), {550}, {.stokes = stokes}), directions);
     };
     CHECK(plan("hg:0.9,0.5", 0).leaves_out("polarisation"));
-    CHECK(plan("index:1.5,radius=50", 0).leaves_out("polarisation"));
+    CHECK(plan("index:1.5,0,radius=50", 0).leaves_out("polarisation"));
     CHECK(plan("rayleigh:0.9", 1).leaves_out("polarisation"));
     CHECK_FALSE(plan("rayleigh:0.9", 3).leaves_out("polarisation"));
     const Plan vector = plan("rayleigh:0.9", 3);
@@ -223,7 +223,7 @@ TEST_CASE("plan says what is done about polarisation and why", "[pipeline][polar
 TEST_CASE("polarisation is refused where it cannot be computed, with the reason",
           "[pipeline][polarisation][errors]") {
     const Directions directions = {{0.5}, {0.5}, {0}};
-    Scene boundary = scene_of("index:1.5,radius=0.1 in index:1.3");
+    Scene boundary = scene_of("index:1.5,0,radius=0.1 in index:1.3");
     boundary.boundary = rte::Boundary{};
     const Scene rough = support::under_surface(scene_of("rayleigh:0.9"), 0.3, 1.5);
     for (const Scene& scene : {boundary, rough}) {
