@@ -10,11 +10,11 @@
 #include <miebrdf/error.h>
 #include "mie/ensemble/ensemble_problem.h"
 #include "mie/ensemble/exact_extinction.h"
+#include "mie/ensemble/flushing.h"
 #include "mie/ensemble/optics_differences.h"
 #include "mie/ensemble/phase_tabulation.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_sums.h"
-#include "mie/sphere/flush_to_zero.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -38,17 +38,6 @@ constexpr double kLeastDarkShare = 1e-3;
 constexpr double kLeastRayFloor = 0.25;
 constexpr double kRayBiasShare = 0.25;
 constexpr double kRounding = 1e-13;  // no estimate below what rounding leaves
-
-// Every thread that takes a piece of the work flushes denormal numbers meanwhile. Not the caller
-// around it: threads that `run` starts would inherit that for good.
-Executor flushing(const Executor& run) {
-    return [&run](int count, const std::function<void(int)>& job) {
-        run(count, [&job](int i) {
-            const FlushToZero flush;
-            job(i);
-        });
-    };
-}
 
 // The average over sizes: passes of more sizes until the error estimate is met. Computes everything
 // when it is made.

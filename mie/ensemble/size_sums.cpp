@@ -34,7 +34,11 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     const bool with_waves = with_moments || options.angles != nullptr;
     SizeSums sums;
     if (with_moments) sums.covariance = BandCovariance(options.terms, options.band_width);
-    if (options.angles) sums.intensity = Eigen::VectorXd::Zero(options.angles->angle_count());
+    if (options.angles && options.with_matrix) {
+        sums.products = Eigen::ArrayXXd::Zero(options.angles->angle_count(), 4);
+    } else if (options.angles) {
+        sums.intensity = Eigen::VectorXd::Zero(options.angles->angle_count());
+    }
     SphereBlockOf<Scalar> block;
     if (with_waves) {
         const auto& last = blocks.back();
@@ -48,7 +52,11 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
                                          with_waves ? &block : nullptr));
         if (with_moments) sums.covariance.add(block);
         if constexpr (std::is_same_v<Scalar, double>) {
-            if (options.angles) options.angles->add_intensity(block, sums.intensity);
+            if (options.angles && options.with_matrix) {
+                options.angles->add_products(block, sums.products);
+            } else if (options.angles) {
+                options.angles->add_intensity(block, sums.intensity);
+            }
         }
     }
     return sums;
@@ -63,6 +71,18 @@ AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_de
       minus_(plus_.rows(), terms + 1) {
     Eigen::ArrayXd mu(plus_.rows());
     for (Eigen::Index i = 0; i < mu.size(); ++i) mu[i] = cosine_of_scattering_angle(angles_deg[i]);
+    fill(mu, run);
+}
+
+template <typename Scalar>
+AngularFunctionsOf<Scalar>::AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms,
+                                               const Executor& run)
+    : plus_(cosines.size(), terms + 1), minus_(plus_.rows(), terms + 1) {
+    fill(cosines, run);
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& run) {
     const int groups = static_cast<int>(mu.size() + kAnglesPerGroup - 1) / kAnglesPerGroup;
     run(groups, [&](int group) {
         const Eigen::Index first = group * Eigen::Index(kAnglesPerGroup);
@@ -114,6 +134,28 @@ void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& bloc
     add_squares(minus_, block.V, block.first_term, block.terms, columns, intensity);
 }
 
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_products(const SphereBlockOf<Scalar>& block,
+                                              Eigen::ArrayXXd& products) const {
+    const int first = block.first_term, count = block.terms - first + 1, size = block.size;
+    Matrix sum(angle_count(), 2 * size), difference(angle_count(), 2 * size);
+    sum.noalias() = plus_.middleCols(first, count) * block.U.block(first, 0, count, 2 * size);
+    difference.noalias() =
+        minus_.middleCols(first, count) * block.V.block(first, 0, count, 2 * size);
+    const auto dot = [&](const Matrix& a, int of_a, const Matrix& b, int of_b) {
+        return a.middleCols(of_a, size)
+            .cwiseProduct(b.middleCols(of_b, size))
+            .rowwise()
+            .sum()
+            .template cast<double>()
+            .array();
+    };
+    products.col(0) += dot(sum, 0, sum, 0) + dot(sum, size, sum, size);
+    products.col(1) += dot(difference, 0, difference, 0) + dot(difference, size, difference, size);
+    products.col(2) += dot(sum, 0, difference, 0) + dot(sum, size, difference, size);
+    products.col(3) += dot(sum, size, difference, 0) - dot(sum, 0, difference, size);
+}
+
 template class AngularFunctionsOf<float>;
 template class AngularFunctionsOf<double>;
 
@@ -145,12 +187,14 @@ void SizeSums::add(const SizeSums& other) {
     spheres.add(other.spheres);
     if (covariance.width() >= 0) covariance.add(other.covariance);
     if (intensity.size() > 0) intensity += other.intensity;
+    if (products.size() > 0) products += other.products;
 }
 
 void SizeSums::scale(double factor) {
     spheres.scale(factor);
     covariance.scale(factor);
     intensity *= factor;
+    products *= factor;
 }
 
 SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,

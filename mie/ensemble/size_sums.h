@@ -24,6 +24,8 @@ class AngularFunctionsOf {
     /// @throws UsageError  for an angle outside 0 to 180 degrees
     AngularFunctionsOf(std::span<const double> angles_deg, int terms,
                        const Executor& run = run_in_order);
+    /// The same at cosines of scattering angles, in [-1, 1].
+    AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms, const Executor& run);
 
     int angle_count() const { return static_cast<int>(plus_.rows()); }
 
@@ -31,7 +33,12 @@ class AngularFunctionsOf {
     /// weights of SphereSums this is P times 2 * scattered.
     void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::VectorXd& intensity) const;
 
+    /// Adds the same of |S1 + S2|^2, |S1 - S2|^2, Re and Im (S1 + S2)(S1 - S2)*, one column each:
+    /// all of the scattering matrix.
+    void add_products(const SphereBlockOf<Scalar>& block, Eigen::ArrayXXd& products) const;
+
   private:
+    void fill(const Eigen::ArrayXd& mu, const Executor& run);
     void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
 
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
@@ -49,6 +56,7 @@ struct SizeSums {
     SphereSums spheres;
     BandCovariance covariance;  ///< empty without moments
     Eigen::VectorXd intensity;  ///< at the angles asked for
+    Eigen::ArrayXXd products;   ///< the same, of add_products
 
     void add(const SizeSums& other);
     void scale(double factor);
@@ -60,6 +68,7 @@ struct SizeSumOptions {
     int band_width = -1;                       ///< of the covariance; -1: none
     bool single_precision = false;             ///< of products; not with angles
     const AngularFunctions* angles = nullptr;  ///< in double precision
+    bool with_matrix = false;                  ///< products at the angles, not intensities
 };
 
 /// Size parameters and weights of nodes, for compute_spheres.

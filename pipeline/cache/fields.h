@@ -31,8 +31,10 @@ auto fields(T& value) {
 
 template <Is<rte::SolverOptions> T>
 auto fields(T& value) {
-    auto& [tolerance, grid, streams, half_space, coat, substeps, delta_m, correction] = value;
-    return std::tie(tolerance, grid, streams, half_space, coat, substeps, delta_m, correction);
+    auto& [tolerance, grid, streams, half_space, coat, substeps, delta_m, correction, stokes] =
+        value;
+    return std::tie(tolerance, grid, streams, half_space, coat, substeps, delta_m, correction,
+                    stokes);
 }
 
 template <Is<rte::Directions> T>
@@ -57,8 +59,10 @@ auto fields(T& value) {
 
 template <Is<WavelengthReport> T>
 auto fields(T& value) {
-    auto& [wavelength_nm, solver, depths, mie_error, noise, error, converged] = value;
-    return std::tie(wavelength_nm, solver, depths, mie_error, noise, error, converged);
+    auto& [wavelength_nm, solver, depths, mie_error, noise, stokes, left_out, error, converged] =
+        value;
+    return std::tie(wavelength_nm, solver, depths, mie_error, noise, stokes, left_out, error,
+                    converged);
 }
 
 template <typename T>

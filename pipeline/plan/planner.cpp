@@ -68,6 +68,7 @@ Plan Planner::plan() {
     hide_layers();
     single_scattering();
     radiative_transfer();
+    polarisation();
     boundary();
     surface();
     return std::move(plan_);

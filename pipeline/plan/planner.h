@@ -31,6 +31,7 @@ class Planner {
     void leave_out_phase_functions(const std::vector<const ResolvedSpecies*>& computed);
 
     void radiative_transfer();  ///< plan_transfer.cpp
+    void polarisation();
     void leave_out_orders();
     void leave_out_solutions();
     void boundary();
@@ -55,6 +56,7 @@ class Planner {
     /// Mie theory for all the layers at the first wavelength, each different medium once.
     double scene_mie_cost() const;
     double transfer_cost(int orders, std::size_t layers) const;
+    double matrix_cost() const;  ///< scattering matrices of all layers at one wavelength
 
     void leave_out(const std::string& rule, const std::string& reason, double saved_s);
 

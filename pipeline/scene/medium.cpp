@@ -50,22 +50,59 @@ void require_particles(const std::string& text, const MediumKind& kind, const Sp
                     text, kind.name, keys));
 }
 
+/// Takes `key=number` of a parameter off the end; 0 where it is not there.
+double take_parameter(const MediumParameter& parameter, const std::string& text,
+                      std::vector<std::string>& parts) {
+    const std::string prefix = std::string(parameter.key) + "=";
+    if (parts.empty() || !parts.back().starts_with(prefix)) return 0.0;
+    const double value = parse_number(parts.back().substr(prefix.size()),
+                                      fmt::format("medium '{}': {}", text, parameter.key));
+    parts.pop_back();
+    return value;
+}
+
 /// The numbers after the colon, one for each parameter of the kind.
 std::vector<double> read_parameters(const std::string& text, const std::string& values,
                                     const MediumKind& kind) {
+    std::vector<std::string> parts = split_list(values);
+    std::vector<double> by_key;  // those stand last
+    for (const MediumParameter& parameter : kind.parameters) {
+        if (parameter.key != nullptr) by_key.push_back(take_parameter(parameter, text, parts));
+    }
+    const std::size_t in_order = kind.parameters.size() - by_key.size();
     std::vector<double> parameters;
-    const std::vector<std::string> parts = split_list(values);
     for (const std::string& part : parts)
         parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
-    while (parameters.size() < kind.parameters.size() &&
-           kind.parameters[parameters.size()].by_default)
+    while (parameters.size() < in_order && kind.parameters[parameters.size()].by_default)
         parameters.push_back(*kind.parameters[parameters.size()].by_default);
-    if (parameters.size() != kind.parameters.size()) {
+    if (parameters.size() != in_order) {
         throw UsageError(
             fmt::format("medium '{}': write {}, e.g. {}", text, kind.form, kind.example));
     }
+    parameters.insert(parameters.end(), by_key.begin(), by_key.end());
     require_ranges(text, kind, parameters);
+    while (parameters.size() > in_order && parameters.back() == 0.0) parameters.pop_back();
     return parameters;
+}
+
+std::size_t least_parameters(const MediumKind& kind) {
+    return static_cast<std::size_t>(
+        std::count_if(kind.parameters.begin(), kind.parameters.end(),
+                      [](const MediumParameter& parameter) { return parameter.key == nullptr; }));
+}
+
+/// As they are typed after the colon.
+std::string describe_parameters(const Species& species) {
+    const std::vector<MediumParameter>& known = kind_of(species).parameters;
+    std::string text;
+    for (std::size_t i = 0; i < species.parameters.size(); ++i) {
+        const bool has_key = i < known.size() && known[i].key != nullptr;
+        if (has_key && species.parameters[i] == 0.0) continue;
+        if (!text.empty()) text += ",";
+        if (has_key) text += std::string(known[i].key) + "=";
+        text += fmt::format("{}", species.parameters[i]);
+    }
+    return text;
 }
 
 /// What stands before the keys.
@@ -203,7 +240,8 @@ void validate(const Host& host) {
 void validate(const Species& species) {
     const MediumKind& kind = kind_of(species);
     const std::string text = describe(species);
-    if (species.parameters.size() != kind.parameters.size()) {
+    if (species.parameters.size() < least_parameters(kind) ||
+        species.parameters.size() > kind.parameters.size()) {
         std::vector<std::string> names;
         for (const MediumParameter& parameter : kind.parameters) names.push_back(parameter.name);
         throw UsageError(fmt::format("medium '{}': parameters: {} given; allowed: {} ({})", text,
@@ -233,7 +271,7 @@ std::string describe(const Species& species) {
     const std::string keys = describe_keys(species);
     if (species.kind == "material") return species.name + keys;
     if (!species.name.empty()) return fmt::format("{}:{}{}", species.kind, species.name, keys);
-    return fmt::format("{}:{}{}", species.kind, fmt::join(species.parameters, ","), keys);
+    return fmt::format("{}:{}{}", species.kind, describe_parameters(species), keys);
 }
 
 std::string describe(const Host& host) {

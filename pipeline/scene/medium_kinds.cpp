@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "pipeline/scene/matrix_file.h"
 #include "pipeline/scene/moments_file.h"
 
 namespace miebrdf {
@@ -31,7 +33,10 @@ MediumKind index() {
             .example = "index:1.5,0.01",
             .help = "spheres of a constant refractive index n + ik; index:N absorbs nothing",
             .parameters = {{"n", "n > 0", [](double n) { return n > 0.0; }},
-                           {"k", "k >= 0", [](double k) { return k >= 0.0; }, 0.0}}};
+                           {.name = "k",
+                            .allowed = "k >= 0",
+                            .is_allowed = [](double k) { return k >= 0.0; },
+                            .by_default = 0.0}}};
 }
 
 MediumKind table() {
@@ -41,22 +46,33 @@ MediumKind table() {
 }
 
 MediumKind isotropic() {
-    return {.name = "isotropic",
-            .form = "isotropic:ALBEDO",
-            .example = "isotropic:0.9",
-            .help = "a medium that scatters alike in all directions",
-            .parameters = {kAlbedo},
-            .optics = [](const Species& m) { return rte::isotropic_optics(m.parameters[0]); },
-            .most_fourier_orders = [](const Species&) { return 1; }};
+    return {
+        .name = "isotropic",
+        .form = "isotropic:ALBEDO",
+        .example = "isotropic:0.9",
+        .help = "a medium that scatters alike in all directions",
+        .parameters = {kAlbedo},
+        .optics = [](const Species& m, double) { return rte::isotropic_optics(m.parameters[0]); },
+        .most_fourier_orders = [](const Species&) { return 1; }};
 }
 
 MediumKind rayleigh() {
     return {.name = "rayleigh",
             .form = "rayleigh:ALBEDO",
-            .example = "rayleigh:0.9",
-            .help = "particles much smaller than the wavelength",
-            .parameters = {kAlbedo},
-            .optics = [](const Species& m) { return rte::rayleigh_optics(m.parameters[0]); },
+            .example = "rayleigh:0.9,depolarisation=0.03",
+            .help =
+                "particles much smaller than the wavelength; molecules that are no spheres: "
+                "rayleigh:ALBEDO,depolarisation=D (air 0.0279)",
+            .parameters = {kAlbedo,
+                           {.name = "depolarisation factor",
+                            .allowed = "[0, 6/7]",
+                            .is_allowed = [](double d) { return d >= 0.0 && d <= 6.0 / 7.0; },
+                            .key = "depolarisation"}},
+            .optics =
+                [](const Species& m, double) {
+                    return rte::rayleigh_optics(m.parameters[0],
+                                                m.parameters.size() > 1 ? m.parameters[1] : 0.0);
+                },
             .most_fourier_orders = [](const Species&) { return 3; }};
 }
 
@@ -67,7 +83,7 @@ MediumKind henyey_greenstein() {
             .help = "the phase function of Henyey and Greenstein (1941) with asymmetry G",
             .parameters = {kAlbedo,
                            {"asymmetry", "(-1, 1)", [](double g) { return g > -1.0 && g < 1.0; }}},
-            .optics = [](const Species& m) {
+            .optics = [](const Species& m, double) {
                 return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
             }};
 }
@@ -86,7 +102,7 @@ MediumKind moments() {
                     species.chi = std::move(file.chi);
                 },
             .optics =
-                [](const Species& m) {
+                [](const Species& m, double) {
                     rte::Optics optics;
                     optics.single_scattering_albedo = m.parameters[0];
                     optics.one_minus_albedo = 1.0 - m.parameters[0];
@@ -102,11 +118,37 @@ MediumKind moments() {
             .most_fourier_orders = [](const Species& m) { return static_cast<int>(m.chi.size()); }};
 }
 
+MediumKind matrix() {
+    return {.name = "matrix",
+            .form = "matrix:FILE",
+            .example = "matrix:mine.csv",
+            .help = "albedo and scattering matrix, as coefficients a1 ... b2, from a CSV file",
+            .parameters = {kAlbedo},
+            .read =
+                [](const std::string& values, Species& species) {
+                    species.name = values;
+                    MatrixFile file = read_matrix_file(values);
+                    species.wavelength_nm = std::move(file.wavelength_nm);
+                    species.matrices = std::move(file.matrices);
+                    species.parameters = {mean_albedo(species.matrices)};
+                },
+            .optics = optics_of_matrices,
+            .check = check_matrices,
+            .most_fourier_orders =
+                [](const Species& m) {
+                    std::size_t most = 1;
+                    for (const MatrixCoefficients& at : m.matrices)
+                        most = std::max(most, at.a1.size());
+                    return static_cast<int>(most);
+                }};
+}
+
 }  // namespace
 
 const std::vector<MediumKind>& medium_kinds() {
     static const std::vector<MediumKind> kinds = {
-        material(), index(), table(), isotropic(), rayleigh(), henyey_greenstein(), moments(),
+        material(),          index(),   table(),  isotropic(), rayleigh(),
+        henyey_greenstein(), moments(), matrix(),
     };
     return kinds;
 }

@@ -19,6 +19,7 @@ struct MediumParameter {
     std::string allowed;  ///< "[0, 1]"
     bool (*is_allowed)(double value);
     std::optional<double> by_default = {};  ///< of a last number that may be left out
+    const char* key = nullptr;  ///< that it is given by, `depolarisation=0.03`, or left out: then 0
 };
 
 /// A new kind of medium is one object of this type and one line in medium_kinds().
@@ -33,7 +34,7 @@ struct MediumKind {
     std::function<void(const std::string& values, Species& species)> read = {};
     /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
     /// theory. The first parameter is then the single-scattering albedo.
-    std::function<rte::Optics(const Species& species)> optics = {};
+    std::function<rte::Optics(const Species& species, double wavelength_nm)> optics = {};
     /// Refuses what no such medium can be, beyond ranges of parameters.
     std::function<void(const Species& species)> check = [](const Species&) {};
     /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.

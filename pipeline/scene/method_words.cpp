@@ -22,6 +22,8 @@ constexpr NamedValue<rte::CoatMethod> kCoatMethods[] = {
     {"first-order-patched", rte::CoatMethod::first_order_patched},
     {"exponential", rte::CoatMethod::exponential}};
 
+constexpr NamedValue<int> kStokes[] = {{"auto", 0}, {"1", 1}, {"3", 3}, {"4", 4}};
+
 template <auto member>
 constexpr auto set_solver_number = set_number<&Request::solver, member>;
 
@@ -40,6 +42,14 @@ std::vector<SceneWord> method_words() {
              .default_text = fmt::format("{}", defaults.tolerance),
              .field = "tolerance",
              .set = set_solver_number<&rte::SolverOptions::tolerance>},
+            {.name = "stokes",
+             .placeholder = "N",
+             .help = "components of light: 1 (intensity), 3 (I, Q, U), 4 (with V); auto: 3 where "
+                     "polarisation shows in the intensity, else 1",
+             .group = group,
+             .default_text = kStokes[0].name,
+             .field = "stokes",
+             .set = set_solver_name<kStokes, &rte::SolverOptions::stokes>},
             {.name = "streams",
              .placeholder = "N",
              .help = fmt::format(

@@ -23,18 +23,12 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-void validate(const Directions& directions) {
-    require_cosines(directions.mu_in, "mu_in");
-    require_cosines(directions.mu_out, "mu_out");
-    for (const double azimuth : directions.azimuth_deg) {
-        if (!(azimuth >= -360.0 && azimuth <= 360.0))
-            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
-    }
-}
-
-void validate(const SolverOptions& solver) {
+void require_valid(const SolverOptions& solver) {
     if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
         throw UsageError("tolerance", solver.tolerance, "(0, 1)");
+    const int stokes = solver.stokes;
+    if (!(stokes == 0 || stokes == 1 || stokes == 3 || stokes == 4))
+        throw UsageError("stokes", stokes, "1, 3 or 4, or 0: as many as matter");
     const int streams = solver.streams;
     if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
         throw UsageError("streams", streams,
@@ -120,11 +114,20 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
 
 }  // namespace
 
+void require_valid(const Directions& directions) {
+    require_cosines(directions.mu_in, "mu_in");
+    require_cosines(directions.mu_out, "mu_out");
+    for (const double azimuth : directions.azimuth_deg) {
+        if (!(azimuth >= -360.0 && azimuth <= 360.0))
+            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
+    }
+}
+
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
     validate(scene);
     validate_wavelengths(wavelength_nm);
-    validate(options);
+    require_valid(options);
     auto state = std::make_shared<Brdf::State>(
         Brdf::State{scene, resolve(scene, wavelength_nm), options, control});
     if (state->control.memo == nullptr) state->control.memo = make_optics_memo();
@@ -132,7 +135,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
 }
 
 BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {
-    validate(directions);
+    require_valid(directions);
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers(scene.wavelength_nm.size());
     if (wants_layers(parts)) {
@@ -159,7 +162,7 @@ BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) 
 }
 
 AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
-    validate(Directions{mu_in, {}, {}});
+    require_valid(Directions{mu_in, {}, {}});
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers = compute_layers(
         {scene, {mu_in, {}, {}}, state_->solver, albedo_quantity(scene)}, state_->control);
@@ -180,6 +183,8 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
         values.plane_albedo.push_back(std::move(layer.values));
         if (!layer.mirror_reflectance.empty())
             values.mirror_reflectance.push_back(std::move(layer.mirror_reflectance));
+        if (state_->solver.stokes > 1)
+            values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
         if (!scene.substrate || scene.surface) continue;
         values.spherical_transmittance.push_back(layer.transmittance.back());
         layer.transmittance.pop_back();
@@ -191,6 +196,10 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
 BrdfTable Brdf::table(const TableOptions& options) const {
     if (options.part == BrdfPart::surface && !state_->resolved.surface) {
         throw UsageError("component 'surface' needs a surface; give a roughness, e.g. 0.3");
+    }
+    if (state_->solver.stokes > 1) {
+        throw UsageError("stokes", state_->solver.stokes,
+                         "1 or auto: tables for any direction are of unpolarised light");
     }
     return BrdfTable(make_table(state_->resolved, describe(state_->scene), state_->solver, options,
                                 state_->control));

@@ -15,12 +15,14 @@
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_errors.h"
+#include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
+#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 namespace {
@@ -55,6 +57,7 @@ LayerSlice lossless(std::size_t incidences) {
     LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
     slice.transmittance.assign(incidences + 1, 0.0);
+    slice.polarised_plane_albedo.assign(incidences, 0.0);
     return slice;
 }
 
@@ -96,11 +99,51 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
+/// Element 11 of the Mueller matrices.
+std::vector<double> intensities(const rte::MuellerTable& table) {
+    const auto elements = static_cast<std::size_t>(table.components * table.components);
+    std::vector<double> values;
+    for (std::size_t i = 0; i < table.reflection.size(); i += elements)
+        values.push_back(table.reflection[i]);
+    return values;
+}
+
+/// Light with its polarisation; what is wanted is the part of unpolarised light.
+LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optics, int components) {
+    SolverOptions solver = request.solver;
+    solver.tolerance = rest_of_tolerance(request.solver.tolerance, optics.mie_error_estimate);
+    LayerSlice slice;
+    slice.report.optical_depths = optics.optical_depths;
+    slice.report.stokes = components;
+    if (request.quantity == LayerQuantity::reflection) {
+        rte::MuellerTable table =
+            rte::reflect_polarised(optics.stack, request.directions, components, solver);
+        slice.values = intensities(table);
+        slice.plane_albedo = std::move(table.plane_albedo);
+        slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+        slice.report.solver = table.report;
+        remove_rounding(slice.plane_albedo);
+    } else {
+        rte::PolarisedAlbedoTable table =
+            rte::polarised_albedo(optics.stack, request.directions.mu_in, solver);
+        slice.values = std::move(table.plane_albedo);
+        slice.values.push_back(table.spherical_albedo);
+        remove_rounding(slice.values);
+        slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+        slice.transmittance.assign(slice.values.size(), 0.0);  // of half-spaces alone
+        slice.report.solver = table.report;
+    }
+    judge(slice.report, optics.mie_error_estimate, optics.converged, request.solver.tolerance);
+    return slice;
+}
+
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
-                 const OpticsDemand& demand, const mie::Executor& run, rte::StackMemory& memory) {
+                 const OpticsDemand& demand, const LightChoice& light, const mie::Executor& run,
+                 rte::StackMemory& memory) {
     const rte::Stack& stack = optics.stack;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary)
         return black(request);
+    if (light.components > 1) return solve_polarised(request, optics, light.components);
     const double tolerance = request.solver.tolerance;
     SolverOptions solver = request.solver;
     const bool reflects = request.quantity == LayerQuantity::reflection;
@@ -109,6 +152,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
                        (reflects && has_noisy_phase(stack) ? kPhaseShare * tolerance : 0.0));
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
+    slice.report.polarisation_left_out = light.left_out;
     if (reflects) {
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
@@ -150,16 +194,20 @@ LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
     }
     if (!slice.mirror_reflectance.empty())
         all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);
+    if (!slice.polarised_plane_albedo.empty())
+        all.polarised_plane_albedo = distinct.spread_incident(slice.polarised_plane_albedo);
     return all;
 }
 
 std::vector<double> packed(const LayerSlice& slice) {
-    const auto& [values, plane_albedo, transmittance, mirror_reflectance, report] = slice;
+    const auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] =
+        slice;
     return NumberPacker()
         .add(values)
         .add(plane_albedo)
         .add(transmittance)
         .add(mirror_reflectance)
+        .add(polarised)
         .add(report)
         .numbers();
 }
@@ -167,11 +215,12 @@ std::vector<double> packed(const LayerSlice& slice) {
 LayerSlice unpacked(const std::vector<double>& numbers) {
     NumberUnpacker unpacker(numbers);
     LayerSlice slice;
-    auto& [values, plane_albedo, transmittance, mirror_reflectance, report] = slice;
+    auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] = slice;
     unpacker.read(values);
     unpacker.read(plane_albedo);
     unpacker.read(transmittance);
     unpacker.read(mirror_reflectance);
+    unpacker.read(polarised);
     unpacker.read(report);
     return slice;
 }
@@ -221,13 +270,14 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
                                   phase_demand(request.quantity));
     // What passes the layers is wanted too: only what lets nothing through hides a ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
-    const auto optics = visible_optics(request.scene, reduced.directions,
-                                       transmits ? 0.0 : request.solver.tolerance,
-                                       missing_wavelengths, demand, control);
+    const double hiding = transmits ? 0.0 : request.solver.tolerance;
+    const std::vector<LightChoice> light =
+        choose_light(reduced, missing_wavelengths, hiding, demand, control);
+    const auto optics = optics_in(light, reduced, missing_wavelengths, hiding, demand, control);
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
     run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
         const LayerJob& job = jobs[missing[i]];
-        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, demand,
+        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, demand, light[i],
                                    pieces_of_job(control), memories.local());
         if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
     });

@@ -52,6 +52,9 @@ struct LayerSlice {
     /// With `albedo` over a substrate: net flux into it, at mu_in and of uniform light.
     std::vector<double> transmittance;
     std::vector<double> mirror_reflectance;  ///< at mu_in; empty: none
+    /// At mu_in, with polarisation: what plane_albedo changes by for light polarised in the plane
+    /// of incidence. Empty: not computed.
+    std::vector<double> polarised_plane_albedo;
     WavelengthReport report;
 };
 

@@ -1,5 +1,6 @@
 #include "pipeline/solve/optics_memo.h"
 
+#include <memory>
 #include <utility>
 
 #include "pipeline/cache/packed_numbers.h"
@@ -12,7 +13,9 @@ std::size_t bytes_of(const MediumOptics& optics) {
     const auto* table = optics.optics.phase.target<mie::PhaseTable>();
     const std::size_t of_table =
         table == nullptr ? 0 : table->parts().coefficients.size() + 2 * table->parts().edges.size();
-    return sizeof(double) * (optics.optics.chi.size() + optics.phase.size() + of_table);
+    const rte::Polarisation* p = optics.optics.polarisation.get();
+    const std::size_t of_matrix = p == nullptr ? 0 : 5 * p->a2.size();
+    return sizeof(double) * (optics.optics.chi.size() + optics.phase.size() + of_table + of_matrix);
 }
 
 }  // namespace
@@ -22,11 +25,17 @@ std::vector<double> packed(const MediumOptics& optics) {
     const auto& [o, phase, phase_error, asymmetry, q_ext, error_estimate, converged, per_um] =
         optics;
     static_cast<void>(per_um);
-    const auto& [albedo, one_minus_albedo, chi, has_more_moments, function] = o;
+    const auto& [albedo, one_minus_albedo, chi, has_more_moments, function, polarisation] = o;
     NumberPacker packer;
     packer.add(albedo).add(one_minus_albedo).add(chi).add(has_more_moments);
     packer.add(phase).add(phase_error).add(asymmetry).add(q_ext).add(error_estimate).add(converged);
     const auto* table = function.target<mie::PhaseTable>();
+    packer.add(polarisation != nullptr);
+    if (polarisation != nullptr) {
+        const auto& [a2, a3, a4, b1, b2, matrix] = *polarisation;
+        static_cast<void>(matrix);  // Mie theory gives coefficients alone
+        packer.add(a2).add(a3).add(a4).add(b1).add(b2);
+    }
     packer.add(table != nullptr);
     if (table == nullptr) return packer.numbers();
     const auto& [edges, coefficients, mean, interpolation_error, size_error, noise, noise_floor,
@@ -43,6 +52,13 @@ MediumOptics unpacked_optics(const std::vector<double>& numbers) {
     read(o.single_scattering_albedo, o.one_minus_albedo, o.chi, o.has_more_moments);
     read(optics.phase, optics.phase_error, optics.asymmetry, optics.q_ext, optics.error_estimate,
          optics.converged);
+    bool has_polarisation = false;
+    read(has_polarisation);
+    if (has_polarisation) {
+        rte::Polarisation p;
+        read(p.a2, p.a3, p.a4, p.b1, p.b2);
+        o.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
+    }
     bool has_table = false;
     read(has_table);
     if (!has_table) return optics;

@@ -24,6 +24,7 @@ struct Particles {
 struct ResolvedSpecies {
     Species species;
     std::vector<Particles> particles = {};  ///< empty for species that bring their optics
+    std::vector<double> wavelength_nm = {};  ///< in vacuum
     mie::SizeDistribution sizes = {};
     double effective_radius_um = 0.0;
     /// Of the layer's volume; of single species without amount 1, as of the particles' own.

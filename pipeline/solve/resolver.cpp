@@ -39,6 +39,13 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
     } else {
         key.add(std::string_view(species.species.kind)).add(species.species.parameters);
         key.add(species.species.chi);
+        if (!species.species.matrices.empty()) {
+            const rte::Optics o =
+                kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
+            const rte::Polarisation& p = *o.polarisation;
+            key.add(o.single_scattering_albedo).add(o.chi);
+            key.add(p.a2).add(p.a3).add(p.a4).add(p.b1).add(p.b2);
+        }
     }
     return key.hash();
 }
@@ -156,7 +163,7 @@ std::optional<double> Resolver::density_of(const Species& species) {
 
 ResolvedSpecies Resolver::species(const Species& species, const std::vector<double>& wavelength_nm,
                                   const HostAt& host) {
-    ResolvedSpecies resolved{.species = species};
+    ResolvedSpecies resolved{.species = species, .wavelength_nm = wavelength_nm};
     if (needs_mie(species)) {
         ResolvedIndex index = this->index(species, wavelength_nm);
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {

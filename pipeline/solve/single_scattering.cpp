@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 #include <miebrdf/ensemble.h>
+#include <miebrdf/matrix.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "rte/first_order/first_order.h"
@@ -54,11 +57,12 @@ mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_
     return request;
 }
 
-/// The average; what it refuses is a matter of sizes and wavelength together.
-mie::EnsembleOptics average(const Species& species, const mie::EnsembleRequest& request,
-                            const mie::Executor& run) {
+/// An average; what it refuses is a matter of sizes and wavelength together.
+template <typename Average>
+auto average(Average compute, const Species& species, const mie::EnsembleRequest& request,
+             const mie::Executor& run) {
     try {
-        return mie::average_over_sizes(request, run);
+        return compute(request, run);
     } catch (const UsageError& error) {
         const ParticleSizes& own = species.sizes;
         throw UsageError(fmt::format(
@@ -69,6 +73,32 @@ mie::EnsembleOptics average(const Species& species, const mie::EnsembleRequest& 
             own.effective_variance ? "variance" : "effective_variance",
             request.sizes.effective_variance, request.host_index, request.wavelength_nm));
     }
+}
+
+/// All of the scattering matrix, as a series: no table of P beside it.
+MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, OpticsDemand demand,
+                        const mie::Executor& run) {
+    demand.highest_moment = -1;
+    demand.whole_phase_function = false;
+    demand.angles_deg.clear();
+    const auto request = ensemble_request(species, w, demand);
+    mie::MatrixOptics matrix = average(mie::average_matrix, species.species, request, run);
+    MediumOptics result;
+    result.optics.single_scattering_albedo = matrix.optics.single_scattering_albedo;
+    result.optics.one_minus_albedo = matrix.optics.one_minus_albedo;
+    result.optics.chi = std::move(matrix.optics.chi);
+    rte::Polarisation polarisation;
+    polarisation.a2 = std::move(matrix.expansion.a2);
+    polarisation.a3 = std::move(matrix.expansion.a3);
+    polarisation.a4 = std::move(matrix.expansion.a4);
+    polarisation.b1 = std::move(matrix.expansion.b1);
+    polarisation.b2 = std::move(matrix.expansion.b2);
+    result.optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(polarisation));
+    result.asymmetry = matrix.optics.asymmetry;
+    result.q_ext = matrix.optics.q_ext;
+    result.error_estimate = matrix.optics.error_estimate;
+    result.converged = matrix.optics.converged;
+    return result;
 }
 
 MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRequest& request) {
@@ -104,21 +134,23 @@ OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, P
 }
 
 std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
-    const auto& [highest_moment, whole, angles_deg, tolerance] = demand;
-    JobKey key("single scattering");
+    const auto& [highest_moment, whole, angles_deg, tolerance, polarisation] = demand;
+    JobKey key(polarisation ? "scattering matrix" : "single scattering");
     key.add(std::string_view(species.key[w]));
+    if (polarisation) return key.add(tolerance).hash();
     // With the whole phase function come all moments, however few were asked for.
     return key.add(whole ? -1 : highest_moment).add(whole).add(angles_deg).add(tolerance).hash();
 }
 
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand, const mie::Executor& run) {
+    if (species.needs_mie() && demand.polarisation) return polarising(species, w, demand, run);
     if (species.needs_mie()) {
         const auto request = ensemble_request(species, w, demand);
-        return from_mie(average(species.species, request, run), request);
+        return from_mie(average(mie::average_over_sizes, species.species, request, run), request);
     }
     MediumOptics result;
-    result.optics = kind_of(species.species).optics(species.species);
+    result.optics = kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
     result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(

@@ -22,6 +22,9 @@ struct OpticsDemand {
     bool whole_phase_function = false;
     std::vector<double> angles_deg = {};  ///< P at these angles, for MediumOptics::phase
     double tolerance = 1e-4;              ///< relative, of the size average
+    /// The whole scattering matrix, rte::Optics::polarisation, and all moments, in place of a table
+    /// of the phase function.
+    bool polarisation = false;
 };
 
 enum class PhaseDemand { moments_only, whole };

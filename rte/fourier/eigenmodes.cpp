@@ -35,7 +35,8 @@ DiffusionEigenmode find_diffusion_eigenmode(const Eigen::MatrixXd& U,
                                             const ZenithGrid& grid) {
     const double one_minus_albedo = medium.one_minus_albedo;
     const Eigen::LLT<Eigen::MatrixXd> V(V_matrix);
-    const Eigen::VectorXd g0 = (grid.weights.array() * grid.mu.array()).sqrt();
+    Eigen::VectorXd g0 = (grid.weights.array() * grid.mu.array()).sqrt();
+    mode.keep_intensity(g0);
     Eigen::VectorXd d = Eigen::VectorXd::Zero(g0.size());
     if (one_minus_albedo > 0.0) {
         const Eigen::LDLT<Eigen::MatrixXd> U_factor(U);
@@ -149,7 +150,8 @@ const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMe
     const Eigen::Index n = grid.size();
     eigenmodes_.physical = false;
     form_matrices(mode, medium.strengths, grid);
-    if (mode.fourier_order > 0 && medium.strongest() < kScattersLittle) {
+    // Rows of one node start with one rate: no way to tell their eigenmodes apart.
+    if (mode.fourier_order > 0 && mode.rows_per_node == 1 && medium.strongest() < kScattersLittle) {
         U_ = eigenmodes_.even;
         eigenmodes_.physical = refine_nodes(grid, 0.01 * tolerance);
         if (eigenmodes_.physical) {
@@ -161,7 +163,8 @@ const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMe
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> V_factor(L_);
     if (V_factor.info() != Eigen::Success) return eigenmodes_;
     L_.triangularView<Eigen::StrictlyUpper>().setZero();
-    const bool deflate = mode.fourier_order == 0 && medium.one_minus_albedo < kDeflateBelow;
+    const bool deflate =
+        mode.fourier_order == 0 && mode.has_intensity && medium.one_minus_albedo < kDeflateBelow;
     U_ = eigenmodes_.even;
     DiffusionEigenmode diffusion;
     if (deflate) {

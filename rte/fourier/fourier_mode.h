@@ -15,6 +15,10 @@ namespace miebrdf::rte {
 
 /// Legendre functions Y_l^m of one Fourier order m, columns l = m ... L - 1, rows = directions.
 /// Columns alternate in parity: (-1)^(l-m) = +1 for column 0, 2, ...
+///
+/// Of polarised light (rte/stokes) rows are components of Stokes vectors, several for each node,
+/// and columns are its generalised spherical functions, sorted so that they alternate as well: all
+/// that the solvers know of a column is its parity and its strength.
 struct FourierMode {
     int fourier_order = 0;             ///< m
     math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
@@ -24,6 +28,14 @@ struct FourierMode {
     math::ScratchMatrix at_in;         ///< and of incident ones
     math::ScratchMatrix samples;       ///< at the fine nodes of the projection
     NodeProjections projections = {};  ///< of the grids and degrees so far
+    int rows_per_node = 1;
+    bool has_intensity = true;  ///< the first row of a node is the intensity, which carries energy
+
+    /// Of rows at nodes or cosines, those that carry no energy are set to 0.
+    void keep_intensity(Eigen::Ref<Eigen::VectorXd> rows) const {
+        for (Eigen::Index r = 0; r < rows.size(); ++r)
+            if (!has_intensity || r % rows_per_node != 0) rows[r] = 0.0;
+    }
 };
 
 /// Rows of a table: result(k, .) = table(which[k], .).
@@ -62,13 +74,15 @@ struct FourierMedium {
     math::ScratchVector strengths;  ///< alpha (2l+1) chi_l, l = m ... L - 1
     double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
     int lowest_degree = 0;          ///< m
+    std::vector<int> degrees = {};  ///< of the columns; empty: m, m + 1, ...
 
     /// Largest alpha |chi_l|, l >= m: bounds what part of a field one scattering returns, and how
     /// far the equations are from those without scattering.
     double strongest() const {
         double largest = 0.0;
         for (Eigen::Index c = 0; c < strengths.size(); ++c) {
-            const double degree = double(lowest_degree + c);
+            const double degree =
+                degrees.empty() ? double(lowest_degree + c) : degrees[std::size_t(c)];
             largest = std::max(largest, std::abs(strengths[c]) / (2.0 * degree + 1.0));
         }
         return largest;

@@ -58,14 +58,22 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
 void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
                        const RequestedDirections& requested, Reflector& ground) {
     no_reflection(grid, requested, ground);
-    if (mode.fourier_order > 0) return;
-    const Eigen::VectorXd D = flux_weights(grid);
+    if (mode.fourier_order > 0 || !mode.has_intensity) return;
+    Eigen::VectorXd D = flux_weights(grid);
+    mode.keep_intensity(D);
     // A rule that does not integrate mu exactly must still return the fraction `albedo` of the
     // flux.
     const double reflection = albedo * 0.5 / D.squaredNorm();
     ground.nodes = 2.0 * reflection * D * D.transpose();
-    ground.rows = 2.0 * reflection * Eigen::VectorXd::Ones(requested.mu.size()) * D.transpose();
-    ground.multiple.setConstant(albedo);
+    Eigen::VectorXd one = Eigen::VectorXd::Ones(requested.mu.size());
+    mode.keep_intensity(one);
+    ground.rows = 2.0 * reflection * one * D.transpose();
+    for (Eigen::Index i = 0; i < ground.multiple.cols(); ++i) {
+        for (Eigen::Index o = 0; o < ground.multiple.rows(); ++o) {
+            ground.multiple(o, i) =
+                albedo * one[requested.out[std::size_t(o)]] * one[requested.in[std::size_t(i)]];
+        }
+    }
 }
 
 namespace {

@@ -81,23 +81,6 @@ void fill_rows(double tau, const FourierMedium& medium, const FourierMode& mode,
     layer.reflection_rows += work.rows;
 }
 
-// Chandrasekhar's X and Y functions: R = sum_l (-1)^(l-m) a_l (phi phi' - psi psi') /
-// (4 (mu + mu')), with psi the moments of the radiance at the bottom; without the first order.
-void fill_multiple(const FourierMode& mode, const RequestedDirections& requested, FourierWork& work,
-                   LayerOperator& layer) {
-    layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
-    reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
-    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
-                      layer.multiple);
-    work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
-    for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
-        work.moments.col(c).array() *= requested.mu.array();
-    }
-    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
-                                 mode.at_in, requested, layer.multiple);
-    divide_by_cosines(requested, layer.multiple);
-}
-
 // T = sum_l a_l (psi phi' - phi psi') / (4 (mu - mu')), the same without the first order. Towards
 // the incident direction itself numerator and denominator vanish: extrapolated from two incident
 // cosines beside it.
@@ -134,6 +117,22 @@ void fill_transmitted(const FourierMedium& medium, const FourierMode& mode,
 
 }  // namespace
 
+// psi are the moments of the radiance at the bottom.
+void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& requested,
+                      FourierWork& work, LayerOperator& layer) {
+    layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
+    reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
+    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+                      layer.multiple);
+    work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
+    for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
+        work.moments.col(c).array() *= requested.mu.array();
+    }
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
+                                 mode.at_in, requested, layer.multiple);
+    divide_by_cosines(requested, layer.multiple);
+}
+
 Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) const {
     return 2.0 * (alike * (coupling * (opposite * incident)));
 }
@@ -151,7 +150,7 @@ void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const
     alternating(medium.strengths, work.alternating);
     layer.direct = (-tau / requested.mu.array()).exp();
     fill_rows(tau, medium, mode, requested, work, layer);
-    fill_multiple(mode, requested, work, layer);
+    fill_layer_pairs(mode, requested, work, layer);
     if (!requested.beside.empty()) fill_transmitted(medium, mode, requested, layer);
     layer.physical = true;
 }

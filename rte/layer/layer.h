@@ -49,6 +49,12 @@ LayerOperator solve_layer(double scaled_optical_depth, const FourierMedium& medi
                           const FourierMode& mode, const ZenithGrid& grid,
                           const RequestedDirections& requested);
 
+/// `multiple` of a layer out of its rows and `direct`, by Chandrasekhar's X and Y functions: R =
+/// sum_l (-1)^(l-m) a_l (phi phi' - psi psi') / (4 (mu + mu')), without the first order.
+/// @param work  with `alternating`
+void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& requested,
+                      FourierWork& work, LayerOperator& layer);
+
 /// Reflection of a layer on something: `base` seen through it.
 /// Nodes by impedances, Z = Z_p + B (B + Y)^-1 Y with Y = Z_p + Z_base; requested cosines by the
 /// radiance at the interface. Nothing cancels, whatever the optical depth.

@@ -8,6 +8,7 @@
 
 #include <miebrdf/error.h>
 #include "rte/math/legendre.h"
+#include "rte/phase/polarisation.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -46,15 +47,22 @@ void validate(const Optics& optics) {
             throw UsageError(fmt::format("chi[{}]", l), optics.chi[l], "[-1, 1]");
         }
     }
+    if (optics.polarisation) validate(*optics.polarisation);
 }
 
 Optics isotropic_optics(double single_scattering_albedo) {
     return with_albedo(single_scattering_albedo);
 }
 
-Optics rayleigh_optics(double single_scattering_albedo) {
+Optics rayleigh_optics(double single_scattering_albedo, double depolarisation_factor) {
     Optics optics = with_albedo(single_scattering_albedo);
-    optics.chi = {1.0, 0.0, 0.1};  // P = 3/4 (1 + cos^2) = 1 + P_2 / 2, chi_2 = 1 / (2 * 5)
+    const double rho = depolarisation_factor;
+    if (!(rho >= 0.0 && rho <= 6.0 / 7.0)) {
+        throw UsageError("depolarisation_factor", rho, "[0, 6/7]");
+    }
+    // P = 3/4 (1 + cos^2) = 1 + P_2 / 2 without depolarisation.
+    optics.chi = {1.0, 0.0, 0.1 * (1.0 - rho) / (1.0 + 0.5 * rho)};
+    optics.polarisation = rayleigh_polarisation(rho);
     return optics;
 }
 
@@ -132,12 +140,11 @@ Optics mix(const std::vector<MixtureComponent>& components) {
         mixture.has_more_moments = true;
         mixture.chi.resize(std::min(mixture.chi.size(), component.optics.chi.size()));
     }
-    if (any_phase) {
-        MixedPhase phase{{}, std::move(scattering)};
-        for (const MixtureComponent& component : components)
-            phase.components.push_back(component.optics);
-        mixture.phase = std::move(phase);
-    }
+    MixedPhase phase{{}, std::move(scattering)};
+    for (const MixtureComponent& component : components)
+        phase.components.push_back(component.optics);
+    mixture.polarisation = mix_polarisation(phase.components, phase.share);
+    if (any_phase) mixture.phase = std::move(phase);
     return mixture;
 }
 

@@ -16,8 +16,6 @@ constexpr double kSlowestRatio = 0.7;
 constexpr double kSeveral = 2.5;
 // Orders in a row that must agree with those of a coarser solution before the rest is taken over.
 constexpr int kEnoughAlike = 2;
-// Orders of larger tables are not kept: 30 of them would take 10 MB.
-constexpr std::size_t kMostPairs = 40000;
 
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
@@ -97,6 +95,13 @@ const Eigen::MatrixXd* CoarserFourierOrders::settled(int fourier_order) const {
     return &orders_[at];
 }
 
+bool is_smooth(const ScaledStack& stack) {
+    constexpr double no_peak = 1e-4;
+    return std::all_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
+        return medium.scaled.truncated <= no_peak;
+    });
+}
+
 namespace {
 
 // Adds (2 - delta_m0) R^m cos(m azimuth).
@@ -114,14 +119,6 @@ void add_fourier_order(int m, std::span<const double> azimuth_deg,
             for (const double cosine : cosines) *next++ += cosine * multiple(o, i);
         }
     }
-}
-
-// Nothing that matters is cut off: every order converges like the first ones.
-bool is_smooth(const ScaledStack& stack) {
-    constexpr double no_peak = 1e-4;
-    return std::all_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
-        return medium.scaled.truncated <= no_peak;
-    });
 }
 
 // How the equations of one order were solved, and the plane albedos from order 0.
@@ -157,7 +154,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     MultipleScattering sum;
     sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
     const int highest = only_fourier_order_zero(requested) ? 1 : stack.moments;
-    const bool keep = is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostPairs;
+    const bool keep =
+        is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostKeptPairs;
 
     StackSolver solver(stack, grids, requested, options, memory != nullptr ? *memory : own);
     FourierTail tail(tail_tolerance);

@@ -84,9 +84,15 @@ class CoarserFourierOrders {
     int alike_ = 0;
 };
 
+/// Orders of larger tables are not kept: 30 of them would take 10 MB.
+inline constexpr std::size_t kMostKeptPairs = 40000;
+
 struct ScaledStack;
 class StackGrids;
 struct StackMemory;
+
+/// Nothing that matters is cut off: every order converges like the first ones.
+bool is_smooth(const ScaledStack& stack);
 
 /// Reflection without the first order of scattering, and how it was found.
 struct MultipleScattering {

@@ -25,21 +25,6 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-void require_options(const SolverOptions& options) {
-    if (!(options.tolerance > 0.0 && options.tolerance < 1.0)) {
-        throw UsageError("tolerance", options.tolerance, "(0, 1)");
-    }
-    if (!(options.streams == 0 ||
-          (options.streams >= kFewestNodes && options.streams <= kMostNodes))) {
-        throw UsageError(
-            "streams", options.streams,
-            fmt::format("{} to {}, or 0 to choose from the tolerance", kFewestNodes, kMostNodes));
-    }
-    if (!(options.coat_substeps >= 1 && options.coat_substeps <= 1000000)) {
-        throw UsageError("coat_substeps", options.coat_substeps, "1 to 1000000");
-    }
-}
-
 // A lower bound of the largest reflection at every incidence, of what lies under a boundary inside
 // it: what comes out is less by no more than this factor, and returns to where layers may hide
 // others as often (index 3).
@@ -143,10 +128,7 @@ void name_worst_direction(const Directions& directions, SolverReport& report) {
 
 }  // namespace
 
-ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options, StackMemory* memory) {
-    validate(stack);
-    require_options(options);
+void validate(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
     require_cosines(directions.mu_out, "mu_out");
     for (const double azimuth : directions.azimuth_deg) {
@@ -154,6 +136,28 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
             throw UsageError("azimuth_deg", azimuth, "any finite number");
         }
     }
+}
+
+void validate(const SolverOptions& options) {
+    if (!(options.tolerance > 0.0 && options.tolerance < 1.0)) {
+        throw UsageError("tolerance", options.tolerance, "(0, 1)");
+    }
+    if (!(options.streams == 0 ||
+          (options.streams >= kFewestNodes && options.streams <= kMostNodes))) {
+        throw UsageError(
+            "streams", options.streams,
+            fmt::format("{} to {}, or 0 to choose from the tolerance", kFewestNodes, kMostNodes));
+    }
+    if (!(options.coat_substeps >= 1 && options.coat_substeps <= 1000000)) {
+        throw UsageError("coat_substeps", options.coat_substeps, "1 to 1000000");
+    }
+}
+
+ReflectionTable reflect(const Stack& stack, const Directions& directions,
+                        const SolverOptions& options, StackMemory* memory) {
+    validate(stack);
+    validate(options);
+    validate(directions);
     const AzimuthProbes probes(stack, directions, options);
     const Directions& judged = probes.directions();
     const RequestedDirections requested = collect_with_probes(judged);
@@ -181,7 +185,7 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options,
                    const std::function<SurfaceWeights(double mu)>& surface, StackMemory* memory) {
     validate(stack);
-    require_options(options);
+    validate(options);
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
     StackMemory own;

@@ -37,6 +37,10 @@ struct AlbedoTable {
     SolverReport report;
 };
 
+/// @throws UsageError  naming the cosine, azimuth or option that is out of range
+void validate(const Directions& directions);
+void validate(const SolverOptions& options);
+
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
 /// @param memory  for its matrices, where stacks are solved one after the other (stack_solver.h);
 ///                null: of its own

@@ -6,7 +6,7 @@
 # pipeline -> {materials, mie, rte}; mie -> rte/math <- rte; everyone -> error.h, version.h.
 cmake_minimum_required(VERSION 3.25)
 
-set(rte_solver rte/first_order rte/grid rte/stack rte/phase rte/math)
+set(rte_solver rte/first_order rte/grid rte/stack rte/stokes rte/phase rte/math)
 set(allowed_materials/index "")
 set(allowed_materials/readers materials/index)
 set(allowed_materials/database materials/index materials/readers)
@@ -22,6 +22,7 @@ set(allowed_rte/half_space rte/fourier rte/grid rte/phase rte/math)
 set(allowed_rte/layer rte/half_space rte/fourier rte/grid rte/phase rte/math)
 set(allowed_rte/first_order rte/phase rte/math)
 set(allowed_rte/stack rte/boundary rte/surface rte/first_order rte/layer rte/half_space rte/fourier rte/grid rte/phase rte/math)
+set(allowed_rte/stokes rte/stack rte/first_order rte/layer rte/half_space rte/fourier rte/grid rte/phase rte/math)
 set(allowed_rte/surface rte/math)
 set(allowed_pipeline/io "")
 set(allowed_pipeline/colour "")

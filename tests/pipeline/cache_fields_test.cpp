@@ -77,6 +77,8 @@ WavelengthReport full_report() {
     report.optical_depths = {0.1, 2.5};
     report.mie_error_estimate = 2e-4;
     report.phase_noise = {.largest = 0.01, .mu_in = 0.3, .mu_out = 0.4, .azimuth_deg = 170};
+    report.stokes = 3;
+    report.polarisation_left_out = 2e-3;
     report.error_estimate = std::nextafter(3e-4, 1.0);
     report.converged = true;
     return report;
@@ -91,7 +93,8 @@ TEST_CASE("every field of the solver's options is in a key", "[pipeline][cache][
              [](auto& o) { o.half_space_method = rte::HalfSpaceMethod::doubling; },
              [](auto& o) { o.coat_method = rte::CoatMethod::exponential; },
              [](auto& o) { o.coat_substeps = 2; }, [](auto& o) { o.delta_m = false; },
-             [](auto& o) { o.single_scattering_correction = false; }});
+             [](auto& o) { o.single_scattering_correction = false; },
+             [](auto& o) { o.stokes = 3; }});
 }
 
 TEST_CASE("every field of sizes is in a key", "[pipeline][cache][key]") {

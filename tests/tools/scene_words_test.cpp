@@ -22,7 +22,7 @@ std::string described(const Request& request) {
           solver.tolerance, double(solver.streams), double(int(solver.grid)),
           double(int(solver.half_space_method)), double(int(solver.coat_method)),
           double(solver.coat_substeps), double(solver.delta_m),
-          double(solver.single_scattering_correction)}) {
+          double(solver.single_scattering_correction), double(solver.stokes)}) {
         text += " " + std::to_string(value);
     }
     return text;

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchArguments {
-    std::string suites = "mie,half-space,coat,boundary,surface,pipeline,rules";
+    std::string suites = "mie,half-space,coat,boundary,stokes,surface,pipeline,rules";
     std::string compare_with;
     std::string read;
     std::string docs;

@@ -8,8 +8,8 @@
 namespace miebrdf::bench {
 
 const std::vector<std::string>& suite_names() {
-    static const std::vector<std::string> names = {"mie",     "half-space", "coat", "boundary",
-                                                   "surface", "pipeline",   "rules"};
+    static const std::vector<std::string> names = {"mie",    "half-space", "coat",     "boundary",
+                                                   "stokes", "surface",    "pipeline", "rules"};
     return names;
 }
 
@@ -18,6 +18,7 @@ std::vector<BenchCase> suite(const std::string& name) {
     if (name == "half-space") return half_space_suite();
     if (name == "coat") return coat_suite();
     if (name == "boundary") return boundary_suite();
+    if (name == "stokes") return stokes_suite();
     if (name == "surface") return surface_suite();
     if (name == "pipeline") return pipeline_suite();
     if (name == "rules") return rules_suite();

@@ -13,12 +13,13 @@ std::vector<BenchCase> mie_suite();
 std::vector<BenchCase> half_space_suite();
 std::vector<BenchCase> coat_suite();
 std::vector<BenchCase> boundary_suite();
+std::vector<BenchCase> stokes_suite();
 std::vector<BenchCase> surface_suite();
 std::vector<BenchCase> pipeline_suite();
 /// One case for each rule of `plan` (pipeline/plan/rules.h): the full and the reduced request.
 std::vector<BenchCase> rules_suite();
 
-/// "mie", "half-space", "coat", "boundary", "surface", "pipeline", "rules".
+/// "mie", "half-space", "coat", "boundary", "stokes", "surface", "pipeline", "rules".
 const std::vector<std::string>& suite_names();
 
 /// @throws miebrdf::UsageError  for an unknown name, listing the known ones

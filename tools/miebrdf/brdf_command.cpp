@@ -7,6 +7,7 @@
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/drawdown_table.h"
+#include "tools/miebrdf/mueller_table.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/result_facts.h"
 
@@ -124,6 +125,7 @@ int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question, const Brd
 }
 
 int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    if (question.request.solver.stokes > 1) return write_mueller(brdf, question, shell);
     if (question.diffuse_fraction) return write_hdrf(brdf, question, shell);
     const BrdfValues values = brdf.evaluate(question.directions, question.parts);
     for (const std::string& note : values.notes) shell.note("note: " + note);
@@ -158,6 +160,8 @@ void add_spectra(Table& table, const AlbedoValues& values,
     }
     const bool mirrors = !values.mirror_reflectance.empty();
     if (mirrors) table.columns.emplace_back("mirror_reflectance");
+    const bool polarised = !values.polarised_plane_albedo.empty();
+    if (polarised) table.columns.emplace_back("polarised_plane_albedo");
     if (diffuse_fraction) {
         table.facts.emplace_back("diffuse_fraction", *diffuse_fraction);
         table.columns.emplace_back("blue_sky_albedo");
@@ -172,6 +176,7 @@ void add_spectra(Table& table, const AlbedoValues& values,
                 row.emplace_back(values.spherical_transmittance[w]);
             }
             if (mirrors) row.emplace_back(values.mirror_reflectance[w][i]);
+            if (polarised) row.emplace_back(values.polarised_plane_albedo[w][i]);
             if (diffuse_fraction) row.emplace_back(values.under_sky(w, i, *diffuse_fraction));
         }
     }
@@ -213,7 +218,8 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
               "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless: "
               "plane of light from mu_in, spherical of uniform light; transmittances: net flux "
               "into what lies below the layers; mirror_reflectance: the part of plane_albedo that "
-              "goes into the mirror direction alone");
+              "goes into the mirror direction alone; polarised_plane_albedo: what plane_albedo "
+              "changes by for light polarised in the plane of incidence");
     add_spectra(table, values, question.diffuse_fraction);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;

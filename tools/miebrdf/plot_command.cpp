@@ -51,6 +51,7 @@ void add_plot(CLI::App& command, Shell& shell) {
     add_profile_plot(command, shell);
     add_phase_angle_plot(command, shell);
     add_map_plots(command, shell);
+    add_polarisation_plot(command, shell);
     add_medium_plots(command, shell);
     add_columns_plot(command, shell);
 }

@@ -33,6 +33,8 @@ class PlotArguments {
 void add_medium_plots(CLI::App& plot, Shell& shell);
 /// Curves of a scene: lobe, spectrum.
 void add_scene_plots(CLI::App& plot, Shell& shell);
+/// What a scene does to the polarisation of light: polarisation.
+void add_polarisation_plot(CLI::App& plot, Shell& shell);
 /// A scene's BRDF by several methods: profile.
 void add_profile_plot(CLI::App& plot, Shell& shell);
 /// Against the angle between source and viewer: phase-angle.

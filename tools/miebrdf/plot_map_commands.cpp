@@ -30,7 +30,76 @@ constexpr int kHemispherePixels = 870;
 /// The rim shows what is seen just above the horizon.
 constexpr double kLowestView_deg = 89.5;
 
-int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
+struct HemisphereArguments : ScenePlotArguments {
+    std::string quantity = "brdf";
+};
+
+/// Calls use(place in map.value, zenith_deg, azimuth_deg) for every pixel of the upper half disk.
+template <typename Use>
+void for_each_pixel(const plot::HemisphereMap& map, const Use& use) {
+    for (int y = 0; y < map.size / 2; ++y) {
+        for (int x = 0; x < map.size; ++x) {
+            const auto angles = plot::pixel_angles(map.size, x, y);
+            if (!angles) continue;
+            use(static_cast<std::size_t>(y * map.size + x),
+                std::min(angles->zenith_deg, kLowestView_deg), angles->azimuth_deg);
+        }
+    }
+}
+
+/// A place between two of `count` nodes that are `step` apart, from 0 on.
+struct BetweenNodes {
+    BetweenNodes(double value, double step, std::size_t count)
+        : lower(std::min(static_cast<std::size_t>(value / step), count - 2)),
+          share(value / step - static_cast<double>(lower)) {}
+    std::size_t lower;
+    double share;
+};
+
+/// Degree of linear polarisation of what is reflected of unpolarised light: smooth, so that it is
+/// interpolated between directions.
+bool put_polarisation(const Brdf& brdf, double mu_in, plot::HemisphereMap& map) {
+    constexpr std::size_t kZeniths = 61, kAzimuths = 61;
+    constexpr double kZenithStep_deg = kLowestView_deg / (kZeniths - 1),
+                     kAzimuthStep_deg = 180.0 / (kAzimuths - 1);
+    Directions directions{{mu_in}, {}, {}};
+    for (std::size_t o = 0; o < kZeniths; ++o)
+        directions.mu_out.push_back(cosine_of(static_cast<double>(o) * kZenithStep_deg));
+    for (std::size_t a = 0; a < kAzimuths; ++a)
+        directions.azimuth_deg.push_back(static_cast<double>(a) * kAzimuthStep_deg);
+    const MuellerValues values = brdf.mueller(directions);
+    const auto at = [&](std::size_t o, std::size_t a) {
+        return values.degree_of_linear_polarisation(0, 0, o, a);
+    };
+    for_each_pixel(map, [&](std::size_t pixel, double zenith_deg, double azimuth_deg) {
+        const BetweenNodes o(zenith_deg, kZenithStep_deg, kZeniths);
+        const BetweenNodes a(std::min(azimuth_deg, 360.0 - azimuth_deg), kAzimuthStep_deg,
+                             kAzimuths);
+        const auto along = [&](std::size_t out) {
+            return (1.0 - a.share) * at(out, a.lower) + a.share * at(out, a.lower + 1);
+        };
+        map.value[pixel] = (1.0 - o.share) * along(o.lower) + o.share * along(o.lower + 1);
+    });
+    map.value_label = "degree of linear polarisation";
+    return values.converged();
+}
+
+bool put_brdf(const Brdf& brdf, double mu_in, BrdfPart part, plot::HemisphereMap& map,
+              const Shell& shell) {
+    std::vector<Direction> directions;
+    std::vector<std::size_t> pixels;
+    for_each_pixel(map, [&](std::size_t pixel, double zenith_deg, double azimuth_deg) {
+        directions.push_back({mu_in, cosine_of(zenith_deg), azimuth_deg});
+        pixels.push_back(pixel);
+    });
+    const BrdfTable table = brdf.table({part, shell.command_line()});
+    const auto values = evaluate_all(table, directions, "hemisphere", shell.control());
+    for (std::size_t i = 0; i < pixels.size(); ++i) map.value[pixels[i]] = values[i];
+    if (!table.report().converged()) shell.note(table.report().summary());
+    return table.report().converged();
+}
+
+int run_hemisphere(const HemisphereArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
@@ -44,24 +113,13 @@ int run_hemisphere(const ScenePlotArguments& arguments, const Shell& shell) {
     map.incidence_deg = incidence_deg.front();
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
     const double mu_in = cosine_of(map.incidence_deg);
-    std::vector<Direction> directions;
-    std::vector<std::size_t> pixels;
-    for (int y = 0; y < map.size / 2; ++y) {
-        for (int x = 0; x < map.size; ++x) {
-            const auto angles = plot::pixel_angles(map.size, x, y);
-            if (!angles) continue;
-            directions.push_back({mu_in, cosine_of(std::min(angles->zenith_deg, kLowestView_deg)),
-                                  angles->azimuth_deg});
-            pixels.push_back(static_cast<std::size_t>(y * map.size + x));
-        }
-    }
-    const BrdfTable table = solved(request, shell.control()).table({part, shell.command_line()});
-    const auto values = evaluate_all(table, directions, "hemisphere", shell.control());
-    for (std::size_t i = 0; i < pixels.size(); ++i) map.value[pixels[i]] = values[i];
+    const Brdf brdf = solved(request, shell.control());
+    const bool converged = arguments.quantity == "dolp"
+                               ? put_polarisation(brdf, mu_in, map)
+                               : put_brdf(brdf, mu_in, part, map, shell);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_hemisphere(map, caption), shell);
-    if (!table.report().converged()) shell.note(table.report().summary());
-    return table.report().converged() ? kGood : kNotConverged;
+    return converged ? kGood : kNotConverged;
 }
 
 struct SliceArguments : ScenePlotArguments {
@@ -128,11 +186,17 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
 }  // namespace
 
 void add_map_plots(CLI::App& plot, Shell& shell) {
-    auto hemisphere = std::make_shared<ScenePlotArguments>();
+    auto hemisphere = std::make_shared<HemisphereArguments>();
     auto* hemisphere_command = add_scene_kind(
         plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere, kOneWavelength);
     add_incidence_option(*hemisphere_command, "45", hemisphere);
     add_component_options(*hemisphere_command, hemisphere);
+    hemisphere_command
+        ->add_option("--quantity", hemisphere->quantity,
+                     "brdf, or dolp: the degree of linear polarisation that the scene gives to "
+                     "unpolarised light")
+        ->check(CLI::IsMember({"brdf", "dolp"}))
+        ->capture_default_str();
     hemisphere_command->footer(
         "Example:\n  miebrdf plot hemisphere --base TiO2 --wavelengths 550 --incidence 60 --log -o "
         "hemisphere.png");

@@ -27,9 +27,14 @@ void set_law(ParticleSizes& sizes, const std::optional<std::string>& law) {
 py::tuple state_of(const Species& s) {
     py::object amount = py::none();
     if (s.amount) amount = py::make_tuple(static_cast<int>(s.amount->kind), s.amount->value);
+    py::list matrices;
+    for (const MatrixCoefficients& m : s.matrices) {
+        matrices.append(
+            py::make_tuple(m.single_scattering_albedo, m.a1, m.a2, m.a3, m.a4, m.b1, m.b2));
+    }
     return py::make_tuple(s.kind, s.name, s.parameters, s.chi, s.wavelength_nm, s.index,
                           s.sizes.effective_radius_um, s.sizes.effective_variance, law_of(s.sizes),
-                          s.density_g_cm3, amount);
+                          s.density_g_cm3, amount, matrices);
 }
 
 Species species_of(const py::tuple& state) {
@@ -47,6 +52,12 @@ Species species_of(const py::tuple& state) {
     if (!state[10].is_none()) {
         const auto amount = state[10].cast<std::pair<int, double>>();
         s.amount = Amount{static_cast<Amount::Kind>(amount.first), amount.second};
+    }
+    for (const py::handle of_wavelength : state[11]) {
+        const auto numbers = of_wavelength.cast<py::tuple>();
+        const auto list = [&](std::size_t i) { return numbers[i].cast<std::vector<double>>(); };
+        s.matrices.push_back({numbers[0].cast<double>(), list(1), list(2), list(3), list(4),
+                              list(5), list(6)});
     }
     return s;
 }

@@ -66,8 +66,12 @@ struct WavelengthReport {
     std::vector<double> optical_depths;
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
     PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
-    double error_estimate = 0.0;      ///< of single scattering and transfer together
-    bool converged = false;           ///< error_estimate <= tolerance, and every step says so
+    int stokes = 1;                   ///< components of light that were computed: 1, 3 or 4
+    /// Bound on what leaving polarisation out changes, relative to the largest value at that
+    /// incidence (docs/polarisation.md); 0: nothing. Not in error_estimate.
+    double polarisation_left_out = 0.0;
+    double error_estimate = 0.0;  ///< of single scattering and transfer together
+    bool converged = false;       ///< error_estimate <= tolerance, and every step says so
 };
 
 /// What all results have in common: one report for each wavelength, and the worst of them.
@@ -111,12 +115,43 @@ class BrdfValues : public ResultReport {
               BrdfPart part = BrdfPart::total) const;
 };
 
+/// The Mueller matrix of the BRDF, 1/sr without the cosine, at every combination of directions:
+/// what it makes of the Stokes vector (I, Q, U, V) of the incident light, Q = parallel minus
+/// perpendicular to the meridian plane (of the ray and the normal) of each ray. Signs:
+/// docs/polarisation.md.
+class MuellerValues : public ResultReport {
+  public:
+    Directions directions;
+    int components = 3;  ///< 3: I, Q, U; 4: with V
+    /// [wavelength][(((in * mu_out.size() + out) * azimuth_deg.size() + azimuth) * components +
+    /// row)
+    /// * components + column]; row = outgoing, column = incident component
+    std::vector<std::vector<double>> mueller;
+    std::vector<std::vector<double>> plane_albedo;  ///< of unpolarised light, [wavelength][mu_in]
+    /// What it changes by if the light is fully polarised in the plane of incidence.
+    std::vector<std::vector<double>> polarised_plane_albedo;
+
+    /// @param row, column  0: I, 1: Q, 2: U, 3: V
+    /// @throws UsageError  for an index beyond its list
+    double at(std::size_t wavelength, std::size_t in, std::size_t out, std::size_t azimuth,
+              int row = 0, int column = 0) const;
+    /// Degree of linear polarisation of what is reflected of unpolarised light, in [0, 1].
+    double degree_of_linear_polarisation(std::size_t wavelength, std::size_t in, std::size_t out,
+                                         std::size_t azimuth) const;
+    /// The angle between its plane of polarisation and the meridian plane, degrees in [0, 180): 0 =
+    /// parallel, 90 = perpendicular; 0 where it is not polarised.
+    double angle_of_polarisation_deg(std::size_t wavelength, std::size_t in, std::size_t out,
+                                     std::size_t azimuth) const;
+};
+
 /// Plane and spherical albedos. With a surface both are those of the whole: rho + (1 - rho) A.
 class AlbedoValues : public ResultReport {
   public:
     std::vector<double> mu_in;
     std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
     std::vector<double> spherical_albedo;           ///< [wavelength]
+    /// With polarisation asked for: as of MuellerValues. Empty: not asked for.
+    std::vector<std::vector<double>> polarised_plane_albedo;
     /// What of them goes into the mirror direction and nowhere else, [wavelength][mu_in]; empty
     /// without boundary and mirror.
     std::vector<std::vector<double>> mirror_reflectance;
@@ -198,6 +233,13 @@ class Brdf {
 
     /// Fourier order 0 alone, without phase functions.
     AlbedoValues albedo(const std::vector<double>& mu_in) const;
+
+    /// The Mueller matrix: light with its polarisation, options().stokes components or 3.
+    /// @throws UsageError  for directions out of range, and for scenes that polarised light cannot
+    /// be
+    ///         computed of (surface, boundary, mirror, crowded particles, methods by name), with
+    ///         the reason
+    MuellerValues mueller(const Directions& directions) const;
 
     /// Hemispherical-directional reflectance factors: radiance reflected into mu_out over that of a
     /// white Lambertian surface in the same light, (1 - d) pi f + d A(mu_out). Of the irradiance

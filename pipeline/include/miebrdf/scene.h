@@ -37,18 +37,33 @@ struct Amount {
     bool operator==(const Amount&) const = default;
 };
 
+/// Single scattering with polarisation at one wavelength: the coefficients of the scattering matrix
+/// in generalised spherical functions, entry l = degree l, all six of one length
+/// (docs/polarisation.md).
+struct MatrixCoefficients {
+    double single_scattering_albedo = 0.0;       ///< in [0, 1]
+    std::vector<double> a1, a2, a3, a4, b1, b2;  ///< with 2l + 1 in them: a1_0 = 1
+
+    bool operator==(const MatrixCoefficients&) const = default;
+};
+
 /// One kind of scatterers; species() makes one from words.
 struct Species {
-    /// "material", "index", "isotropic", "rayleigh", "hg", "moments", ... (medium_forms), or
+    /// "material", "index", "isotropic", "rayleigh", "hg", "moments", "matrix" (medium_forms), or
     /// "table": spheres of a refractive index of one's own
     std::string kind = {};
-    std::string name = {};  ///< material: NAME or source:KEY; moments: the file's path; table: any
-    std::vector<double> parameters = {};     ///< the numbers after the colon; moments: the albedo
-    std::vector<double> chi = {};            ///< moments: chi_0 = 1, chi_1, ...
-    std::vector<double> wavelength_nm = {};  ///< table: in vacuum, ascending
-    std::vector<std::complex<double>> index = {};  ///< table: n + ik at each wavelength, between
-                                                   ///< them monotone cubic in photon energy
-    ParticleSizes sizes = {};                      ///< of species that go through Mie theory
+    /// material: NAME or source:KEY; moments, matrix: the file's path; table: any
+    std::string name = {};
+    /// The numbers after the colon, rayleigh with its depolarisation factor, which may be left out;
+    /// moments, matrix: the albedo (the mean over the wavelengths).
+    std::vector<double> parameters = {};
+    std::vector<double> chi = {};  ///< moments: chi_0 = 1, chi_1, ...
+    /// table, matrix: in vacuum, ascending; matrix: empty where it is the same at all
+    std::vector<double> wavelength_nm = {};
+    std::vector<MatrixCoefficients> matrices = {};  ///< matrix: at each wavelength, linear between
+    std::vector<std::complex<double>> index = {};   ///< table: n + ik at each wavelength, between
+                                                    ///< them monotone cubic in photon energy
+    ParticleSizes sizes = {};                       ///< of species that go through Mie theory
     std::optional<double> density_g_cm3 = {};  ///< > 0; empty: that of the database, where needed
     std::optional<Amount> amount = {};         ///< see Medium
 
@@ -80,8 +95,8 @@ struct Medium {
 };
 
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
-/// `hg:ALBEDO,G` or `moments:FILE` (the file is read here; names are looked up by solve()), then
-/// sizes and amounts of its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
+/// `hg:ALBEDO,G`, `moments:FILE` or `matrix:FILE` (the file is read here; names are looked up by
+/// solve()), then sizes and amounts of its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong
 Species species(const std::string& text);

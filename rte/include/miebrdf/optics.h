@@ -5,9 +5,11 @@
 
 #include <complex>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include <miebrdf/polarisation.h>
 #include <miebrdf/surface.h>
 
 #pragma GCC visibility push(default)
@@ -28,9 +30,14 @@ struct Optics {
     /// Functions with narrow features (glory, rainbows) need all their moments in chi as well: what
     /// is beyond delta-M is corrected from them.
     std::function<double(double cos_theta)> phase;
+    /// What it does to polarised light, for the Stokes solver alone. Null: whatever it scatters is
+    /// unpolarised, as if a1 were all of its scattering matrix.
+    std::shared_ptr<const Polarisation> polarisation = {};
 };
 
-/// Checks albedo, one_minus_albedo, chi_0 and |chi_l| <= 1.
+/// Checks albedo, one_minus_albedo, chi_0, |chi_l| <= 1 and, where there is one, the polarisation:
+/// all coefficients finite, those of degrees that do not exist 0, and no degree sends out more
+/// polarised light than it receives (|x_l| <= 2l + 1).
 /// @throws UsageError  naming what is out of range
 void validate(const Optics& optics);
 
@@ -38,12 +45,15 @@ void validate(const Optics& optics);
 /// @param single_scattering_albedo  in [0, 1]; one_minus_albedo is what subtraction gives
 /// @throws UsageError  for an albedo out of range
 Optics isotropic_optics(double single_scattering_albedo);
-/// P = 3/4 (1 + cos^2 Theta) = 1 + P_2(cos Theta) / 2: Rayleigh scattering of unpolarised light by
-/// spheres much smaller than the wavelength (Chandrasekhar 1960, ch. I, section 3). Three moments,
-/// chi = (1, 0, 1/10), are all of it.
+/// P = 3/4 (1 + cos^2 Theta) = 1 + P_2(cos Theta) / 2: Rayleigh scattering by spheres much smaller
+/// than the wavelength (Chandrasekhar 1960, ch. I, section 3). Three moments, chi = (1, 0, 1/10),
+/// are all of it. Its polarisation comes with it.
 /// @param single_scattering_albedo  in [0, 1]
-/// @throws UsageError  for an albedo out of range
-Optics rayleigh_optics(double single_scattering_albedo);
+/// @param depolarisation_factor  of molecules that are no spheres, rho = I_parallel /
+///        I_perpendicular of unpolarised light scattered by 90 degrees, in [0, 6/7]; air .0279.
+///        chi_2 = (1 - rho) / (10 + 5 rho)
+/// @throws UsageError  for an albedo or a factor out of range
+Optics rayleigh_optics(double single_scattering_albedo, double depolarisation_factor = 0.0);
 /// P = (1 - g^2) / (1 + g^2 - 2 g cos Theta)^(3/2) (Henyey and Greenstein 1941): chi_l = g^l up to
 /// where (2l + 1) g^l is below rounding, at most 2^20 of them, and the exact P.
 /// @param single_scattering_albedo  in [0, 1]
@@ -65,8 +75,9 @@ struct MixedPhase {
     double operator()(double cos_theta) const;
 };
 
-/// Several scatterers in one layer: albedos average by extinction, moments and phase functions by
-/// scattering. The exact phase function (MixedPhase) is kept if any component has one.
+/// Several scatterers in one layer: albedos average by extinction, moments, phase functions and
+/// polarisation by scattering. The exact phase function (MixedPhase) and the exact scattering
+/// matrix are kept if any component has one.
 /// @throws UsageError  for no component, an extinction that is negative or not finite, or a sum of
 ///         zero
 Optics mix(const std::vector<MixtureComponent>& components);

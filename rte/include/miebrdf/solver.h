@@ -25,6 +25,9 @@ struct SolverOptions {
     int coat_substeps = 1;  ///< of the stepwise coat methods, 1 to 1000000
     bool delta_m = true;
     bool single_scattering_correction = true;
+    /// Components of light: 1 (the intensity I alone), 3 (I, Q, U) or 4 (with V); 0: 1 where what
+    /// that changes is within the tolerance, else 3.
+    int stokes = 0;
 };
 
 /// Every combination of the three lists is wanted.

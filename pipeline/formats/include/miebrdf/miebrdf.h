@@ -11,9 +11,11 @@
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
+#include <miebrdf/matrix.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/processor_path.h>
+#include <miebrdf/polarisation.h>
 #include <miebrdf/sampling.h>
 #include <miebrdf/scene.h>
 #include <miebrdf/sizes.h>

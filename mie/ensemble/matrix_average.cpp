@@ -1,0 +1,258 @@
+#include <miebrdf/matrix.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <miebrdf/error.h>
+#include "mie/ensemble/ensemble_problem.h"
+#include "mie/ensemble/exact_extinction.h"
+#include "mie/ensemble/flushing.h"
+#include "mie/ensemble/size_sums.h"
+#include "mie/sphere/radial_functions.h"
+#include "rte/math/quadrature.h"
+#include "rte/math/wigner.h"
+
+namespace miebrdf::mie {
+namespace {
+
+using Rule = SizeRefinement::Rule;
+
+constexpr double kMatrixRounding = 1e-13;  // no estimate below what rounding leaves
+constexpr double kNegligible = 1e-15;      // coefficients without 2l + 1: rounding of the sums
+constexpr double kProductsPerSecond = 4e9;
+constexpr int kNodesAtOnce = 64;        // whose functions stay in the cache
+constexpr double kMostProducts = 1e11;  // a further pass of sizes is not begun beyond
+
+// Products of partial waves, angles and sizes: real and imaginary part of two sums.
+double products(int terms, int nodes, double sizes) { return 4.0 * terms * nodes * sizes; }
+
+int all_degrees(int terms) { return 2 * terms; }
+
+// Exact for the product of two amplitudes and a function of that degree.
+int node_count(int terms, int degree) { return terms + degree / 2 + 1; }
+
+// a1, a4, a2 + a3, a2 - a3, b1 and b2 at the nodes, from A = S1 + S2 and B = S1 - S2: |A|^2, |B|^2,
+// Re A B*, Im A B*. (|A|^2 + |B|^2) / 4 = (|S1|^2 + |S2|^2) / 2, whose mean is half of `scattered`.
+Eigen::MatrixXd elements(const Eigen::ArrayXXd& products, double scattered) {
+    const double scale = 1.0 / (2.0 * scattered);
+    const Eigen::ArrayXd sum = scale * products.col(0), difference = scale * products.col(1);
+    Eigen::MatrixXd values(products.rows(), 6);
+    values.col(0) = sum + difference;
+    values.col(1) = sum - difference;
+    values.col(2) = 2.0 * sum;
+    values.col(3) = 2.0 * difference;
+    values.col(4) = -2.0 * scale * products.col(2);
+    values.col(5) = 2.0 * scale * products.col(3);
+    return values;
+}
+
+// Rows l = 0 ... degree: (2l + 1)/2 times the integral of each column times its d^l_mn.
+Eigen::MatrixXd projected(Eigen::MatrixXd values, const math::Quadrature& rule, int degree) {
+    constexpr struct {
+        int m, n, column, columns;
+    } kFamilies[] = {{0, 0, 0, 2}, {2, 2, 2, 1}, {2, -2, 3, 1}, {0, 2, 4, 2}};
+    const auto count = static_cast<Eigen::Index>(rule.nodes.size());
+    const Eigen::Map<const Eigen::VectorXd> x(rule.nodes.data(), count);
+    values.array().colwise() *= Eigen::Map<const Eigen::ArrayXd>(rule.weights.data(), count);
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(degree + 1, 6);
+    math::ScratchMatrix functions;
+    for (Eigen::Index first = 0; first < count; first += kNodesAtOnce) {
+        const Eigen::Index here = std::min<Eigen::Index>(kNodesAtOnce, count - first);
+        for (const auto [m, n, column, columns] : kFamilies) {
+            math::wigner_functions(m, n, degree + 1, x.segment(first, here), functions);
+            if (functions.cols() == 0) continue;
+            result.block(degree + 1 - functions.cols(), column, functions.cols(), columns)
+                .noalias() += functions.transpose() * values.block(first, column, here, columns);
+        }
+    }
+    for (int l = 0; l <= degree; ++l) result.row(l) *= l + 0.5;
+    return result;
+}
+
+MatrixExpansion expansion_of(const Eigen::MatrixXd& rows) {
+    MatrixExpansion e;
+    for (Eigen::Index l = 0; l < rows.rows(); ++l) {
+        e.a1.push_back(rows(l, 0));
+        e.a4.push_back(rows(l, 1));
+        e.a2.push_back(0.5 * (rows(l, 2) + rows(l, 3)));
+        e.a3.push_back(0.5 * (rows(l, 2) - rows(l, 3)));
+        e.b1.push_back(rows(l, 4));
+        e.b2.push_back(rows(l, 5));
+    }
+    return e;
+}
+
+double largest_change(const MatrixExpansion& a, const MatrixExpansion& b) {
+    double change = 0;
+    for (const auto list : {&MatrixExpansion::a1, &MatrixExpansion::a2, &MatrixExpansion::a3,
+                            &MatrixExpansion::a4, &MatrixExpansion::b1, &MatrixExpansion::b2}) {
+        for (std::size_t l = 0; l < (a.*list).size(); ++l)
+            change = std::max(change, std::abs((a.*list)[l] - (b.*list)[l]) / (2.0 * l + 1.0));
+    }
+    return change;
+}
+
+// Without the end that is rounding.
+void trim(MatrixExpansion& e) {
+    std::size_t size = e.a1.size();
+    const auto is_negligible = [&](std::size_t l) {
+        double largest = 0;
+        for (const auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2})
+            largest = std::max(largest, std::abs((*list)[l]));
+        return largest <= kNegligible * (2.0 * l + 1.0);
+    };
+    while (size > 1 && is_negligible(size - 1)) --size;
+    for (auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2}) list->resize(size);
+}
+
+class MatrixAverage {
+  public:
+    MatrixAverage(const EnsembleRequest& request, const Executor& run)
+        : request_(request),
+          run_(run),
+          problem_(problem_of(request)),
+          terms_(number_of_terms(problem_.wave_number_per_um * problem_.range.largest_um)),
+          degree_(all_degrees(terms_)),
+          refinement_(request.sizes, problem_.range, problem_.relative_index,
+                      problem_.wave_number_per_um) {
+        if (request.highest_moment >= 0) degree_ = std::min(degree_, request.highest_moment);
+        rule_ = math::gauss_legendre(node_count(terms_, degree_));
+    }
+
+    MatrixOptics compute() {
+        EnsembleRequest scalar = request_;
+        scalar.highest_moment = -1;
+        scalar.angles_deg.clear();
+        scalar.with_phase_table = false;
+        result_.optics = average_over_sizes(scalar, run_);
+        const int nodes = static_cast<int>(rule_.nodes.size());
+        const AngularFunctions angles(
+            Eigen::Map<const Eigen::ArrayXd>(rule_.nodes.data(), Eigen::Index(nodes)), terms_,
+            run_);
+        do {
+            add_pass(angles);
+        } while (!(error_ <= request_.tolerance) &&
+                 products(terms_, nodes, refinement_.nodes_so_far()) <= kMostProducts &&
+                 refinement_.refine());
+        return finished();
+    }
+
+  private:
+    void add_pass(const AngularFunctions& angles) {
+        if (refinement_.rule() == Rule::even) prepare_even_rule();
+        SizeSumOptions options;
+        options.terms = terms_;
+        options.angles = &angles;
+        options.with_matrix = true;
+        SizeSums sums = sum_over_sizes(
+            problem_.relative_index,
+            WeightedSizes(refinement_.nodes(), problem_.wave_number_per_um), options, run_);
+        if (refinement_.adds_to_passes_before()) {
+            total_.add(sums);
+            total_.scale(0.5);
+        } else {
+            total_ = std::move(sums);
+        }
+        const MatrixExpansion before = std::move(result_.expansion);
+        result_.expansion = expansion_of(
+            projected(elements(total_.products, total_.spheres.scattered), rule_, degree_));
+        estimate_error(before);
+    }
+
+    void prepare_even_rule() {
+        if (exact_q_ext_ > 0 || !request_.sizes.kind.law().analytic) return;
+        exact_q_ext_ = exact_extinction(problem_.relative_index, request_.sizes, problem_.range,
+                                        problem_.wave_number_per_um, run_) /
+                       problem_.share;
+    }
+
+    // As EnsembleAverage has it: the exact extinction tells which resonances the sizes have missed.
+    void estimate_error(const MatrixExpansion& before) {
+        const double least = std::max(kMatrixRounding, tail_for(request_));
+        const bool single = refinement_.rule() == Rule::single;
+        error_ = single ? kMatrixRounding : 1.0;
+        if (single || refinement_.pass() == 0) return;
+        const double change = largest_change(before, result_.expansion);
+        const double q_ext =
+            2 * (total_.spheres.scattered + total_.spheres.absorbed) / problem_.share;
+        const double missed = exact_q_ext_ > 0 ? std::abs(q_ext / exact_q_ext_ - 1) : change;
+        if (!request_.sizes.kind.law().analytic) {
+            error_ = std::max(2 * change, least);
+        } else if (refinement_.rule() == Rule::smooth) {
+            const double gain = change_before_ > 0 ? std::min(1.0, change / change_before_) : 1.0;
+            error_ = std::max(change * gain, least);
+        } else {
+            // Levels may agree by chance: no error is believed to fall by more than half.
+            error_ = std::max({missed, change / 2, doubt_ / 2, least});
+            doubt_ = std::max(change / 2, doubt_ / 2);
+        }
+        change_before_ = change;
+    }
+
+    MatrixOptics finished() {
+        trim(result_.expansion);
+        EnsembleOptics& optics = result_.optics;
+        const double whole = result_.expansion.a1.front();  // 1 but for rounding
+        for (auto* list : {&result_.expansion.a1, &result_.expansion.a2, &result_.expansion.a3,
+                           &result_.expansion.a4, &result_.expansion.b1, &result_.expansion.b2}) {
+            for (double& value : *list) value /= whole;
+        }
+        optics.chi.clear();
+        for (std::size_t l = 0; l < result_.expansion.a1.size(); ++l)
+            optics.chi.push_back(result_.expansion.a1[l] / (2.0 * l + 1.0));
+        optics.error_estimate = std::max(optics.error_estimate, error_);
+        optics.size_nodes = std::max(optics.size_nodes, refinement_.nodes_so_far());
+        optics.converged = optics.converged && error_ <= request_.tolerance;
+        return std::move(result_);
+    }
+
+    const EnsembleRequest& request_;
+    const Executor& run_;
+    EnsembleProblem problem_;
+    int terms_;
+    int degree_;
+    math::Quadrature rule_;
+    SizeRefinement refinement_;
+    SizeSums total_;
+    double error_ = 1, change_before_ = 0, doubt_ = 0;
+    double exact_q_ext_ = 0;  // of the even rule; 0: not known
+    MatrixOptics result_;
+};
+
+void require_affordable(const EnsembleRequest& request) {
+    const EnsembleProblem problem = problem_of(request);
+    const double largest = problem.wave_number_per_um * problem.range.largest_um;
+    if (largest <= kLargestMatrixSphere) return;
+    throw UsageError(
+        "size parameter with polarisation", fmt::format("{:.4g}", largest),
+        fmt::format("up to {:g}; this would take {:.2g} s and {:.2g} GB, and change "
+                    "the reflectance of unpolarised light by less than 0.3 %",
+                    kLargestMatrixSphere, matrix_seconds(request), 16e-9 * largest * 2 * largest));
+}
+
+}  // namespace
+
+double matrix_seconds(const EnsembleRequest& request) {
+    const EnsembleProblem problem = problem_of(request);
+    const double largest = problem.wave_number_per_um * problem.range.largest_um;
+    const int terms = number_of_terms(largest);
+    const SizeRefinement refinement(request.sizes, problem.range, problem.relative_index,
+                                    problem.wave_number_per_um);
+    const bool single = refinement.rule() == Rule::single;
+    const double sizes = (single ? 1.0 : 2.0) * refinement.nodes_so_far();
+    int degree = all_degrees(terms);
+    if (request.highest_moment >= 0) degree = std::min(degree, request.highest_moment);
+    return products(terms, node_count(terms, degree), sizes) / kProductsPerSecond;
+}
+
+MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {
+    validate(request);
+    require_affordable(request);
+    const Executor pieces = flushing(run);
+    return MatrixAverage(request, pieces).compute();
+}
+
+}  // namespace miebrdf::mie

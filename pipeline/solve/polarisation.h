@@ -1,0 +1,59 @@
+// Whether the polarisation of light matters to a request: what the solver asks, and `plan`.
+#pragma once
+
+#include <miebrdf/optics.h>
+#include <miebrdf/solver.h>
+
+#include <string>
+#include <vector>
+
+#include "pipeline/solve/layers.h"
+#include "pipeline/solve/resolved_scene.h"
+#include "pipeline/solve/scene_optics.h"
+
+namespace miebrdf {
+
+/// How light is computed at one wavelength.
+struct LightChoice {
+    int components = 1;       ///< 1, 3 or 4
+    double left_out = 0.0;    ///< WavelengthReport::polarisation_left_out
+    std::string reason = {};  ///< "no layer polarises what it scatters", ...
+    /// With 1 component: nothing is known yet of how strongly the layers polarise; their scattering
+    /// matrices tell (choose_light below).
+    bool needs_matrices = false;
+};
+
+/// Empty, or why light of several components cannot be computed: "a boundary ...".
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver,
+                                LayerQuantity quantity);
+
+/// What is known before single scattering: by what was asked for, media that do not polarise, and
+/// spheres so large that leaving polarisation out changes less than the tolerance.
+/// @throws UsageError  where several components were asked for and cannot be computed
+LightChoice choose_light(const LayerRequest& request, std::size_t w);
+
+/// The rest, by the scattering matrices of the layers that show.
+LightChoice choose_light(const LayerRequest& request, const rte::Stack& stack);
+
+/// All of it for some of the scene's wavelengths (layers.cpp).
+std::vector<LightChoice> choose_light(const LayerRequest& request,
+                                      const std::vector<std::size_t>& wavelengths,
+                                      double hiding_tolerance, OpticsDemand demand,
+                                      const Control& control);
+
+/// Optics of what shows at some of the scene's wavelengths, with the scattering matrix where light
+/// has several components.
+std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
+                                   const LayerRequest& request,
+                                   const std::vector<std::size_t>& wavelengths,
+                                   double hiding_tolerance, OpticsDemand demand,
+                                   const Control& control);
+
+/// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
+/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides).
+double change_by_polarisation(const rte::Stack& stack);
+
+/// The same of spheres, from their size parameter alone: a bound over all refractive indices.
+double change_by_polarisation(double effective_size_parameter);
+
+}  // namespace miebrdf

@@ -1,0 +1,196 @@
+#include "rte/stokes/stokes_mode.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rte/math/wigner.h"
+
+namespace miebrdf::rte {
+namespace {
+
+using enum StokesComponent;
+
+// R and T = (-1)^m (d^l_m2 +- d^l_m,-2) / 2, from column l = m on.
+void fill_linear(int m, int degrees, const Eigen::VectorXd& mu, StokesTable& table) {
+    math::ScratchMatrix plus, minus;
+    math::wigner_functions(m, 2, degrees, mu, plus);
+    math::wigner_functions(m, -2, degrees, mu, minus);
+    const double half = m % 2 == 0 ? 0.5 : -0.5;
+    const Eigen::Index missing = std::max(0, 2 - m);
+    table.R.resize(mu.size(), degrees - m);
+    table.T.resize(mu.size(), degrees - m);
+    table.R.setZero();
+    table.T.setZero();
+    if (plus.cols() == 0) return;
+    table.R.rightCols(degrees - m - missing) = half * (plus + minus);
+    table.T.rightCols(degrees - m - missing) = half * (plus - minus);
+    if (m == 0) table.T.setZero();
+}
+
+// One column of a block's functions: along which of Pi_l's columns it lies.
+struct Column {
+    int degree = 0;
+    double strength = 0.0;
+    double along_I = 0.0, along_Q = 0.0, along_U = 0.0, along_V = 0.0;
+};
+
+bool contains(const StokesBlock& block, StokesComponent component) {
+    return std::find(block.begin(), block.end(), component) != block.end();
+}
+
+// Where the strengths of a parity go: I and Q to the even columns for even l - m, U and V for odd.
+struct Columns {
+    std::vector<Column> even, odd;
+};
+
+Columns list_columns(int m, Eigen::Index degrees, const StokesBlock& block,
+                     const MatrixStrengths& medium) {
+    Columns columns;
+    const bool has_I = contains(block, I), has_U = contains(block, U), has_V = contains(block, V);
+    const auto known = std::min(degrees, Eigen::Index(medium.first.size()));
+    for (int l = m; l < known; ++l) {
+        const bool is_even = (l - m) % 2 == 0;
+        auto& linear = is_even ? columns.even : columns.odd;
+        auto& circular = is_even ? columns.odd : columns.even;
+        const double c = medium.cosine[l], s = medium.sine[l];
+        if (has_I)
+            linear.push_back(
+                {.degree = l, .strength = medium.first[l], .along_I = c, .along_Q = s});
+        if (has_I && l >= 2)
+            linear.push_back(
+                {.degree = l, .strength = medium.second[l], .along_I = -s, .along_Q = c});
+        if (has_U && has_V) {
+            const double cc = medium.circular_cosine[l], ss = medium.circular_sine[l];
+            circular.push_back(
+                {.degree = l, .strength = medium.lower[l], .along_U = -ss, .along_V = cc});
+            if (l >= 2)
+                circular.push_back(
+                    {.degree = l, .strength = medium.upper[l], .along_U = cc, .along_V = ss});
+        } else if (has_U && l >= 2) {
+            circular.push_back({.degree = l, .strength = medium.a3[l], .along_U = 1.0});
+        } else if (has_V) {
+            circular.push_back({.degree = l, .strength = medium.a4[l], .along_V = 1.0});
+        }
+    }
+    return columns;
+}
+
+// Rows k, k + c, k + 2c, ... of a column: component k of a block of c.
+auto component_rows(math::ScratchMatrix& table, Eigen::Index column, int k, int rows_per_node) {
+    return Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<>>(
+        table.data() + column * table.rows() + k, table.rows() / rows_per_node,
+        Eigen::InnerStride<>(rows_per_node));
+}
+
+// One component of the function that belongs to a column: a row of Pi_l times its direction.
+void fill_component(const StokesTable& from, Eigen::Index at, StokesComponent component,
+                    const Column& column,
+                    Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<>> rows) {
+    switch (component) {
+        case I:
+            rows = column.along_I * from.P.col(at);
+            return;
+        case Q:
+            rows = column.along_Q * from.R.col(at) - column.along_U * from.T.col(at);
+            return;
+        case U:
+            rows = column.along_U * from.R.col(at) - column.along_Q * from.T.col(at);
+            return;
+        case V:
+            rows = column.along_V * from.P.col(at);
+            return;
+    }
+}
+
+}  // namespace
+
+std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool has_b2) {
+    const bool has_V = components == 4;
+    if (fourier_order == 0) {
+        std::vector<StokesBlock> blocks{{I, Q}, {U}};
+        if (has_V && has_b2) blocks[1] = {U, V};
+        if (has_V && !has_b2) blocks.push_back({V});
+        return blocks;
+    }
+    std::vector<StokesBlock> blocks{{I, Q, U}};
+    if (has_V && has_b2) blocks[0].push_back(V);
+    if (has_V && !has_b2) blocks.push_back({V});
+    return blocks;
+}
+
+ZenithGrid repeated(const ZenithGrid& grid, int rows_per_node) {
+    ZenithGrid result{Eigen::VectorXd(grid.size() * rows_per_node),
+                      Eigen::VectorXd(grid.size() * rows_per_node)};
+    for (Eigen::Index p = 0; p < result.size(); ++p) {
+        result.mu[p] = grid.mu[p / rows_per_node];
+        result.weights[p] = grid.weights[p / rows_per_node];
+    }
+    return result;
+}
+
+RequestedDirections repeated(const RequestedDirections& requested, int rows_per_node) {
+    RequestedDirections result;
+    result.mu.resize(requested.mu.size() * rows_per_node);
+    for (Eigen::Index r = 0; r < result.mu.size(); ++r)
+        result.mu[r] = requested.mu[r / rows_per_node];
+    const auto repeat = [&](const std::vector<int>& which, std::vector<int>& list) {
+        for (const int place : which)
+            for (int k = 0; k < rows_per_node; ++k) list.push_back(place * rows_per_node + k);
+    };
+    repeat(requested.out, result.out);
+    repeat(requested.in, result.in);
+    result.probes = requested.probes * std::size_t(rows_per_node);
+    return result;
+}
+
+void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
+                        const RequestedDirections& requested, StokesTables& tables) {
+    tables.fourier_order = fourier_order;
+    FourierMode scalar;  // orthogonal in order 0 as there: energy is conserved by the same sums
+    make_fourier_mode(fourier_order, degrees, grid, requested, scalar);
+    tables.nodes.P = scalar.at_nodes;
+    tables.requested.P = scalar.at_requested;
+    fill_linear(fourier_order, degrees, grid.mu, tables.nodes);
+    fill_linear(fourier_order, degrees, requested.mu, tables.requested);
+}
+
+void make_block_mode(const StokesTables& tables, const StokesBlock& block,
+                     const MatrixStrengths& medium, const ZenithGrid& grid,
+                     const RequestedDirections& requested, FourierMode& mode,
+                     FourierMedium& fourier_medium) {
+    const int m = tables.fourier_order;
+    const int c = int(block.size());
+    Columns columns = list_columns(m, m + tables.nodes.P.cols(), block, medium);
+    const std::size_t pairs = std::max({std::size_t(1), columns.even.size(), columns.odd.size()});
+    columns.even.resize(pairs);
+    columns.odd.resize(pairs);
+    mode.fourier_order = m;
+    mode.rows_per_node = c;
+    mode.has_intensity = block.front() == I;
+    const auto count = Eigen::Index(2 * pairs);
+    mode.at_nodes.resize(grid.size(), count);
+    mode.at_requested.resize(requested.mu.size(), count);
+    fourier_medium.lowest_degree = m;
+    fourier_medium.strengths.resize(count);
+    fourier_medium.degrees.resize(std::size_t(count));
+    for (Eigen::Index j = 0; j < count; ++j) {
+        const Column& column = (j % 2 == 0 ? columns.even : columns.odd)[std::size_t(j / 2)];
+        const int l = std::max(column.degree, m);  // of a column that fills up: any
+        fourier_medium.strengths[j] = column.strength;
+        fourier_medium.degrees[std::size_t(j)] = l;
+        for (int k = 0; k < c; ++k) {
+            const StokesComponent component = block[std::size_t(k)];
+            fill_component(tables.nodes, l - m, component, column,
+                           component_rows(mode.at_nodes, j, k, c));
+            fill_component(tables.requested, l - m, component, column,
+                           component_rows(mode.at_requested, j, k, c));
+        }
+    }
+    mode.scaled_nodes.resize(mode.at_nodes.rows(), count);
+    mode.scaled_nodes =
+        (grid.weights.array() / grid.mu.array()).sqrt().matrix().asDiagonal() * mode.at_nodes;
+    gather_rows(mode.at_requested, requested.out, mode.at_out);
+    gather_rows(mode.at_requested, requested.in, mode.at_in);
+}
+
+}  // namespace miebrdf::rte

@@ -1,0 +1,51 @@
+// One Fourier order of polarised light in the form of FourierMode: rows are components of Stokes
+// vectors at nodes or cosines, so that the solvers of the scalar equations solve these as well.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rte/fourier/fourier_mode.h"
+#include "rte/stokes/matrix_strengths.h"
+
+namespace miebrdf::rte {
+
+enum class StokesComponent { I, Q, U, V };
+
+/// Components that one Fourier order couples; their number is the rows of a node.
+using StokesBlock = std::vector<StokesComponent>;
+
+/// (I, Q) and (U) in order 0, all three in the others; V beside them, coupled or on its own.
+std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool has_b2);
+
+/// The same nodes or cosines, each as often as a block has components.
+ZenithGrid repeated(const ZenithGrid& grid, int rows_per_node);
+RequestedDirections repeated(const RequestedDirections& requested, int rows_per_node);
+
+/// P, R and T of one Fourier order (docs/maths-polarisation.md), shared by all media on a grid.
+/// Columns l = m ... L - 1; R and T are 0 for l < 2.
+struct StokesTable {
+    math::ScratchMatrix P, R, T;
+};
+struct StokesTables {
+    int fourier_order = 0;
+    StokesTable nodes, requested;
+};
+void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
+                        const RequestedDirections& requested, StokesTables& tables);
+
+/// Functions of one block as a FourierMode: U is the sum over its even columns, V over its odd
+/// ones, a column for each degree and axis of its block (MatrixStrengths). Columns of strength 0
+/// fill up the shorter list.
+///
+/// Of a block with both U and V the columns are the axes of [[a3, -b2], [-b2, -a4]]: sums are then
+/// over strength y y^T J, J = -1 in the rows of V (coupled_modes.h).
+/// @param grid, requested  repeated()
+/// @param medium  degrees that it has no strengths for scatter nothing
+/// @param fourier_medium  strengths and degrees of the columns; one_minus_albedo is left alone
+void make_block_mode(const StokesTables& tables, const StokesBlock& block,
+                     const MatrixStrengths& medium, const ZenithGrid& grid,
+                     const RequestedDirections& requested, FourierMode& mode,
+                     FourierMedium& fourier_medium);
+
+}  // namespace miebrdf::rte

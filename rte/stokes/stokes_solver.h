@@ -1,0 +1,87 @@
+// A stack of media as polarised light sees it: the Mueller matrix in one Fourier order after the
+// other, by the solvers of half-spaces and layers that the scalar equations use.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "rte/fourier/eigenmodes.h"
+#include "rte/layer/layer.h"
+#include "rte/stack/stack_solver.h"
+#include "rte/stokes/coupled_layer.h"
+#include "rte/stokes/stokes_mode.h"
+
+namespace miebrdf::rte {
+
+/// All matrices that it takes, for one block, order, number of nodes and stack after the other. At
+/// n nodes and c components about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not
+/// thread-safe.
+struct StokesMemory {
+    StokesTables tables = {};
+    FourierMode mode = {};
+    FourierMedium medium = {};
+    FourierWork work = {};
+    LayerOperator layer = {};
+    Reflector reflector = {}, below = {};
+    CoupledWork coupled = {};
+};
+
+/// One Fourier order of the Mueller matrix of light scattered more than once.
+struct StokesOrder {
+    /// R^m, row = out * c + component, column = in * c + component. Of the four blocks (I, Q) and
+    /// (U, V) those on the diagonal belong to cos(m azimuth), the lower left one to sin(m azimuth),
+    /// the upper right one to -sin(m azimuth).
+    Eigen::MatrixXd multiple;
+    /// Of order 0, at the incident cosines: MuellerTable.
+    std::vector<double> plane_albedo, polarised_plane_albedo;
+    double spherical_albedo = 0.0;  ///< of order 0
+    int iterations = 0;
+    double residual = 0.0;
+    bool converged = true;
+    bool physical = true;
+};
+
+class StokesSolver {
+  public:
+    /// The arguments must outlive this.
+    /// @param stack  without boundaries and mirrors
+    StokesSolver(const ScaledStack& stack, const ZenithGrid& grid,
+                 const RequestedDirections& requested, int components, const SolverOptions& options,
+                 StokesMemory& memory);
+
+    /// @return valid until the next call
+    const StokesOrder& solve(int fourier_order);
+    /// Order 0 of I and Q alone: all that albedos need.
+    const StokesOrder& solve_albedos();
+
+  private:
+    void start(int fourier_order);
+    void solve_block(const StokesBlock& block);
+    std::size_t solve_lowest(const StokesBlock& block);
+    void solve_base(const StokesBlock& block);
+    void solve_medium_as_half_space(std::size_t index, const StokesBlock& block);
+    void put_on_coat(std::size_t index, const StokesBlock& block, ReflectorParts parts);
+    void set_medium(const StokesBlock& block, std::size_t index);
+    void keep(const StokesBlock& block);
+    void keep_albedos();
+    ReflectorParts parts_of(const StokesBlock& block) const;
+    const ZenithGrid& grid_of(const StokesBlock& block) const { return grids_[block.size()]; }
+    const RequestedDirections& requested_of(const StokesBlock& block) const {
+        return requested_[block.size()];
+    }
+
+    const ScaledStack& stack_;
+    const int components_;
+    std::vector<MatrixStrengths> strengths_;  ///< of the media
+    bool has_b2_ = false;
+    std::array<ZenithGrid, 5> grids_;  ///< by the rows of a node
+    std::array<RequestedDirections, 5> requested_;
+    double tolerance_;  ///< of the equations of one order
+    Eigen::VectorXd sky_;
+    StokesMemory& memory_;
+    StokesOrder order_;
+};
+
+}  // namespace miebrdf::rte

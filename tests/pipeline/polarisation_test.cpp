@@ -1,0 +1,249 @@
+// Light with its polarisation, from words to Mueller matrices.
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
+#include <miebrdf/plan.h>
+#include "pipeline/solve/optics_memo.h"
+#include "pipeline/solve/polarisation.h"
+#include "pipeline/solve/single_scattering.h"
+#include "tests/support/catch.h"
+#include "tests/support/reference_table.h"
+#include "tests/support/scenes.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using support::scene_of;
+
+namespace {
+
+rte::Optics optics_of_words(const std::string& words, double wavelength_nm = 550) {
+    const ResolvedScene scene = resolve(scene_of(words), {wavelength_nm});
+    OpticsDemand demand;
+    demand.polarisation = true;
+    return compute_optics(scene, 0, 0, demand).optics;
+}
+
+std::string written(const support::TemporaryFolder& folder, const std::string& name,
+                    const std::string& text) {
+    const std::string path = (folder.path() / name).string();
+    std::ofstream(path) << text;
+    return path;
+}
+
+constexpr char kRayleighRows[] =
+    "0,1,0,0,0,0,0\n1,0,0,0,1.5,0,0\n2,0.5,3,0,0,-1.2247448713915890,0\n";
+
+std::string file_of_rayleigh() {
+    return std::string("# single_scattering_albedo: 0.9\nl,a1,a2,a3,a4,b1,b2\n") + kRayleighRows;
+}
+
+}  // namespace
+
+TEST_CASE("rayleigh takes a depolarisation factor in words", "[pipeline][polarisation]") {
+    const rte::Optics air = optics_of_words("rayleigh:0.9,depolarisation=0.0279");
+    const double anisotropic = (1 - 0.0279) / (1 + 0.0279 / 2);
+    CHECK(air.chi[2] == Approx(0.1 * anisotropic).epsilon(1e-14));
+    CHECK(air.polarisation->b1[2] == Approx(-std::sqrt(1.5) * anisotropic).epsilon(1e-14));
+    CHECK(describe(medium("rayleigh:0.9,depolarisation=0.0279")) ==
+          "rayleigh:0.9,depolarisation=0.0279");
+    CHECK(describe(medium("rayleigh:0.9,depolarisation=0")) == "rayleigh:0.9");
+    CHECK(medium("rayleigh:0.9,depolarisation=0") == medium("rayleigh:0.9"));
+    CHECK_THROWS_WITH(medium("rayleigh:0.9,depolarisation=0.9"),
+                      Catch::Contains("0.9") && Catch::Contains("[0, 6/7]"));
+    CHECK_THROWS_WITH(medium("rayleigh:0.9,depolarized=0.1"), Catch::Contains("depolarisation"));
+    CHECK_THROWS_AS(medium("hg:0.9,0.5,depolarisation=0.1"), UsageError);
+}
+
+TEST_CASE("a file of coefficients is read as it is", "[pipeline][polarisation]") {
+    const support::TemporaryFolder folder;
+    const std::string path = written(folder, "rayleigh.csv", file_of_rayleigh());
+    const rte::Optics file = optics_of_words("matrix:" + path);
+    const rte::Optics formula = rte::rayleigh_optics(0.9);
+    CHECK(file.single_scattering_albedo == 0.9);
+    CHECK(file.chi == formula.chi);
+    CHECK(file.polarisation->a2 == std::vector<double>{0, 0, 3});
+    CHECK(file.polarisation->a4 == std::vector<double>{0, 1.5, 0});
+    CHECK(file.polarisation->b1[2] == Approx(formula.polarisation->b1[2]).epsilon(1e-15));
+    CHECK(describe(medium("matrix:" + path)) == "matrix:" + path);
+}
+
+TEST_CASE("a spectral file of coefficients is linear between its wavelengths",
+          "[pipeline][polarisation]") {
+    const support::TemporaryFolder folder;
+    const std::string path = written(
+        folder, "spectral.csv",
+        "wavelength_nm,single_scattering_albedo,l,a1,a2,a3,a4,b1,b2\n"
+        "400,0.8,0,1,0,0,0,0,0\n400,0.8,1,0.9,0,0,0.5,0,0\n"
+        "600,0.6,0,1,0,0,0,0,0\n600,0.6,1,0.3,0,0,0.1,0,0\n600,0.6,2,0.2,1,0.4,0,-0.1,0.04\n");
+    const rte::Optics between = optics_of_words("matrix:" + path, 450);
+    CHECK(between.single_scattering_albedo == Approx(0.75).epsilon(1e-14));
+    CHECK(3 * between.chi[1] == Approx(0.75).epsilon(1e-14));
+    CHECK(between.polarisation->b2[2] == Approx(0.01).epsilon(1e-14));
+    CHECK_THROWS_WITH(optics_of_words("matrix:" + path, 700),
+                      Catch::Contains("700") && Catch::Contains("400 to 600"));
+    // Results of one wavelength are not those of another.
+    const ResolvedScene scene = resolve(scene_of("matrix:" + path), {450, 500, 450});
+    CHECK(scene.media[0].key[0] != scene.media[0].key[1]);
+    CHECK(scene.media[0].key[0] == scene.media[0].key[2]);
+}
+
+TEST_CASE("files of coefficients that are wrong are refused with their line",
+          "[pipeline][polarisation][errors]") {
+    const support::TemporaryFolder folder;
+    struct Case {
+        std::string text, message;
+    };
+    const std::string head = "# single_scattering_albedo: 0.9\nl,a1,a2,a3,a4,b1,b2\n";
+    const auto wrong = GENERATE_COPY(
+        Case{"", "no rows"}, Case{head + "1,1,0,0,0,0,0\n", "line 3"},
+        Case{head + "0,1,0,0,0,0\n", "6 values for 7"},
+        Case{head + "0,1,0,0,0,0,0\n2,0,0,0,0,0,0\n", "l = 2 where 1"},
+        Case{head + "0,0.5,0,0,0,0,0\n", "0.5"},
+        Case{head + "0,1,0,0,0,0,0\n1,nan,0,0,0,0,0\n", "line 4"},
+        Case{"l,a1,a2,a3,a4,b1,b2\n0,1,0,0,0,0,0\n", "albedo"},
+        Case{"l,a1,a2,a3,a4,b1\n", "no column 'b2'"}, Case{"l,a1,a2,a3,a4,b1,b2,c9\n", "'c9'"},
+        Case{head + "0,1,0,0,0,0,0\n1,0,0,0,0,0,0\n2,0,7,0,0,0,0\n", "7"});
+    CAPTURE(wrong.text);
+    CHECK_THROWS_WITH(medium("matrix:" + written(folder, "wrong.csv", wrong.text)),
+                      Catch::Contains(wrong.message));
+    CHECK_THROWS_AS(medium("matrix:/no/such/file.csv"), InputError);
+}
+
+TEST_CASE("optics with a scattering matrix come back from the cache whole",
+          "[pipeline][polarisation][cache]") {
+    OpticsDemand demand;
+    demand.polarisation = true;
+    const ResolvedScene scene = resolve(scene_of("index:1.6,0.01,radius=0.2"), {500});
+    const MediumOptics optics = compute_optics(scene, 0, 0, demand);
+    const MediumOptics copy = unpacked_optics(packed(optics));
+    REQUIRE(copy.optics.polarisation);
+    CHECK(copy.optics.chi == optics.optics.chi);
+    CHECK(copy.optics.polarisation->a2 == optics.optics.polarisation->a2);
+    CHECK(copy.optics.polarisation->b2 == optics.optics.polarisation->b2);
+    OpticsDemand scalar;
+    CHECK(optics_hash(scene.media[0].species[0], 0, demand) !=
+          optics_hash(scene.media[0].species[0], 0, scalar));
+}
+
+TEST_CASE("a mixture polarises as its species by what they scatter", "[pipeline][polarisation]") {
+    const rte::Optics a = optics_of_words("index:1.5,0,radius=0.1");
+    const rte::Optics b = optics_of_words("index:2,0.1,radius=0.05");
+    const rte::Optics both =
+        optics_of_words("index:1.5,0,radius=0.1,volume=10% + index:2,0.1,radius=0.05,volume=1%");
+    REQUIRE(both.polarisation);
+    // One unknown share explains all coefficients.
+    const double share = (both.chi[1] - b.chi[1]) / (a.chi[1] - b.chi[1]);
+    CHECK(share > 0.0);
+    CHECK(share < 1.0);
+    for (std::size_t l = 2; l < 6; ++l) {
+        const auto& p = *both.polarisation;
+        CHECK(p.b1[l] == Approx(share * a.polarisation->b1[l] + (1 - share) * b.polarisation->b1[l])
+                             .margin(1e-10));
+        CHECK(p.a3[l] == Approx(share * a.polarisation->a3[l] + (1 - share) * b.polarisation->a3[l])
+                             .margin(1e-10));
+    }
+}
+
+TEST_CASE("the Mueller matrix of a Rayleigh half-space is that of the table",
+          "[pipeline][polarisation]") {
+    const support::ReferenceTable table("rte/stokes_rayleigh_half_space.csv");
+    const Brdf brdf = solve(scene_of("rayleigh:0.9"), {550}, {.tolerance = 1e-7, .stokes = 4});
+    REQUIRE(table.size() > 10);
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        const double mu_in = table.number(row, "mu_in"), mu_out = table.number(row, "mu_out");
+        const double azimuth = table.number(row, "azimuth_deg");
+        const MuellerValues values = brdf.mueller({{mu_in}, {mu_out}, {azimuth}});
+        CAPTURE(mu_in, mu_out, azimuth);
+        CHECK(values.converged());
+        const auto check = [&](int r, int c, const char* name) {
+            const double R = std::numbers::pi * values.at(0, 0, 0, 0, r, c);
+            CHECK(std::abs(R - table.number(row, name)) <= 1e-7);  // digits, and the tolerance
+        };
+        check(0, 0, "r11");
+        check(1, 0, "r21");
+        check(2, 0, "r31");
+        check(1, 1, "r22");
+        check(2, 2, "r33");
+        check(3, 3, "r44");
+    }
+}
+
+TEST_CASE("light that nothing polarises has the Mueller matrix of its BRDF",
+          "[pipeline][polarisation]") {
+    const Scene scene = scene_of("hg:0.9,0.5", {"isotropic:0.5@0.3"});
+    const Directions directions = support::few_directions();
+    const BrdfValues scalar = solve(scene, {550}, {.stokes = 1}).evaluate(directions);
+    const MuellerValues matrix = solve(scene, {550}, {.stokes = 3}).mueller(directions);
+    for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t o = 0; o < 2; ++o) {
+            for (std::size_t a = 0; a < 3; ++a) {
+                CHECK(matrix.at(0, i, o, a) ==
+                      Approx(scalar.at(0, i, o, a)).epsilon(2e-3));  // two tolerances
+                CHECK(matrix.degree_of_linear_polarisation(0, i, o, a) <= 1e-12);
+            }
+        }
+    }
+}
+
+TEST_CASE("auto computes polarisation where it shows, and only there",
+          "[pipeline][polarisation][rules]") {
+    const Directions directions = {{0.5, 1.0}, {0.5, 1.0}, {0, 180}};
+    const auto report = [&](const std::string& words, double tolerance) {
+        const Brdf brdf = solve(scene_of(words), {550}, {.tolerance = tolerance});
+        return brdf.evaluate(directions).wavelengths.front();
+    };
+    CHECK(report("rayleigh:0.9", 1e-3).stokes == 3);
+    CHECK(report("index:1.5,0,radius=0.03", 1e-3).stokes == 3);
+    const WavelengthReport coarse = report("index:1.5,0.01,radius=10", 1e-3);
+    CHECK(coarse.stokes == 1);
+    CHECK(coarse.polarisation_left_out > 0.0);
+    CHECK(coarse.polarisation_left_out <= 0.03);
+    const WavelengthReport none = report("hg:0.9,0.7", 1e-3);
+    CHECK(none.stokes == 1);
+    CHECK(none.polarisation_left_out == 0.0);
+}
+
+TEST_CASE("plan says what is done about polarisation and why", "[pipeline][polarisation][plan]") {
+    const Directions directions = {{0.5}, {0.5}, {0}};
+    const auto plan = [&](const std::string& words, int stokes) {
+        return plan_evaluate(solve(scene_of(words), {550}, {.stokes = stokes}), directions);
+    };
+    CHECK(plan("hg:0.9,0.5", 0).leaves_out("polarisation"));
+    CHECK(plan("index:1.5,0,radius=50", 0).leaves_out("polarisation"));
+    CHECK(plan("rayleigh:0.9", 1).leaves_out("polarisation"));
+    CHECK_FALSE(plan("rayleigh:0.9", 3).leaves_out("polarisation"));
+    const Plan vector = plan("rayleigh:0.9", 3);
+    CHECK(std::any_of(vector.steps.begin(), vector.steps.end(),
+                      [](const PlannedStep& step) { return step.stage == "polarisation"; }));
+}
+
+TEST_CASE("polarisation is refused where it cannot be computed, with the reason",
+          "[pipeline][polarisation][errors]") {
+    const Directions directions = {{0.5}, {0.5}, {0}};
+    Scene boundary = scene_of("index:1.5,0,radius=0.1 in index:1.3");
+    boundary.boundary = rte::Boundary{};
+    const Scene rough = support::under_surface(scene_of("rayleigh:0.9"), 0.3, 1.5);
+    for (const Scene& scene : {boundary, rough}) {
+        CHECK_THROWS_WITH(solve(scene, {550}, {.stokes = 3}).mueller(directions),
+                          Catch::Contains("stokes") && Catch::Contains("unpolarised"));
+        CHECK(solve(scene, {550}).evaluate(directions).wavelengths.front().stokes == 1);
+    }
+    CHECK_THROWS_WITH(solve(scene_of("rayleigh:0.9"), {550}, {.stokes = 2}),
+                      Catch::Contains("2") && Catch::Contains("3 or 4"));
+}
+
+TEST_CASE("albedos with polarisation are those of unpolarised and polarised light",
+          "[pipeline][polarisation]") {
+    const AlbedoValues values =
+        solve(scene_of("rayleigh:0.9"), {550}, {.tolerance = 1e-6, .stokes = 3}).albedo({0.2, 1.0});
+    // Spherical albedo of a Rayleigh half-space by another solver.
+    CHECK(std::abs(values.spherical_albedo[0] - 0.4793955) <= 2e-6);
+    REQUIRE(values.polarised_plane_albedo.size() == 1);
+    REQUIRE(values.polarised_plane_albedo[0].size() == 2);
+    // From the zenith no plane of polarisation is any better than another.
+    CHECK(std::abs(values.polarised_plane_albedo[0][1]) <= 1e-6);
+    CHECK(std::abs(values.polarised_plane_albedo[0][0]) > 1e-3);
+}

@@ -1,0 +1,85 @@
+// miebrdf brdf --stokes and its relatives.
+#include <cmath>
+#include <filesystem>
+
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using Columns = std::vector<std::string>;
+
+namespace {
+
+const std::string kDirections = " --wavelengths 550 --mu-in 0.8 --mu-out 0.5 --azimuth 90";
+
+support::CsvOutput csv_of(const std::string& arguments) {
+    const auto run = support::run_program(arguments);
+    CAPTURE(arguments, run.err);
+    REQUIRE(run.exit_code == 0);
+    return support::CsvOutput(run.out);
+}
+
+}  // namespace
+
+TEST_CASE("brdf --stokes prints Mueller matrices", "[program][polarisation]") {
+    const auto three =
+        csv_of("brdf --base rayleigh:0.9 --stokes 3 --quantity reflection" + kDirections);
+    CHECK(three.columns() == Columns{"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "m11",
+                                     "m12", "m13", "m21", "m22", "m23", "m31", "m32", "m33", "dolp",
+                                     "aolp_deg"});
+    // From another solver, to eight digits; the program's tolerance is 1e-3 of the largest.
+    CHECK(std::abs(three.number(0, "m11") - 0.42948297) <= 2e-3);
+    CHECK(std::abs(three.number(0, "m31") - 0.18648685) <= 2e-3);
+    CHECK(std::abs(three.number(0, "dolp") - std::hypot(0.01182129, 0.18648685) / 0.42948297) <=
+          5e-3);
+    const auto four = csv_of("brdf --base rayleigh:0.9 --stokes 4" + kDirections);
+    CHECK(four.columns().size() == 4 + 16 + 2);
+    CHECK(std::abs(four.number(0, "m44") * M_PI + 0.13434483) <= 2e-3);
+}
+
+TEST_CASE("outputs say what was done about polarisation", "[program][polarisation]") {
+    const auto said = [](const std::string& words) {
+        const std::string out = support::run_program("brdf " + words + kDirections).out;
+        const auto at = out.find("# polarisation: ");
+        return at == std::string::npos ? std::string() : out.substr(at, out.find('\n', at) - at);
+    };
+    CHECK(said("--base hg:0.9,0.5").empty());
+    CHECK_THAT(said("--base rayleigh:0.9"), Catch::Contains("3 components"));
+    CHECK(said("--base rayleigh:0.9 --stokes 1").empty());
+    CHECK_THAT(said("--base index:1.5,0.01,radius=20"), Catch::Contains("left out"));
+}
+
+TEST_CASE("what does not go with polarisation is refused with the reason",
+          "[program][polarisation][errors]") {
+    struct Case {
+        std::string words, reason;
+    };
+    const auto wrong = GENERATE(
+        Case{"brdf --base rayleigh:0.9 --stokes 2" + kDirections, "auto, 1, 3, 4"},
+        Case{"brdf --base rayleigh:0.9 --stokes 3 --quantity hdrf --diffuse-fraction 0.1" +
+                 kDirections,
+             "Mueller"},
+        Case{"brdf --base rayleigh:0.9 --stokes 3 --component subsurface" + kDirections,
+             "component"},
+        Case{
+            "brdf --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --stokes 3" + kDirections,
+            "unpolarised"},
+        Case{"export --base rayleigh:0.9 --stokes 3 --format merl -o /dev/null", "unpolarised"});
+    const auto run = support::run_program(wrong.words);
+    CAPTURE(wrong.words, run.err);
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Catch::Contains(wrong.reason));
+}
+
+TEST_CASE("polarisation is drawn", "[program][polarisation][plot]") {
+    const support::TemporaryFolder folder;
+    for (const char* kind : {"polarisation --incidence 30,60", "hemisphere --quantity dolp"}) {
+        const std::string file = folder / "chart.svg";
+        const auto run = support::run_program(std::string("plot ") + kind +
+                                              " --base rayleigh:0.9 --wavelengths 550 -o " + file);
+        CAPTURE(kind, run.err);
+        CHECK(run.exit_code == 0);
+        CHECK(std::filesystem::file_size(file) > 2000);
+    }
+}

@@ -1,0 +1,91 @@
+#include "tools/miebrdf/mueller_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include <miebrdf/error.h>
+#include "tools/miebrdf/result_facts.h"
+
+namespace miebrdf::program {
+namespace {
+
+void refuse_other_questions(const BrdfQuestion& question) {
+    if (question.diffuse_fraction || question.viewing) {
+        throw UsageError(
+            "--stokes 3 and 4 give Mueller matrices; leave out --quantity hdrf and --colour, or "
+            "write --stokes auto");
+    }
+    if (question.columns != std::vector{BrdfPart::total})
+        throw UsageError("--stokes 3 and 4 give the matrix of the whole; leave out --component");
+}
+
+std::vector<std::string> columns_of(int components) {
+    std::vector<std::string> names = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg"};
+    for (int row = 1; row <= components; ++row) {
+        for (int column = 1; column <= components; ++column)
+            names.push_back(fmt::format("m{}{}", row, column));
+    }
+    names.insert(names.end(), {"dolp", "aolp_deg"});
+    return names;
+}
+
+void add_physics(Table& table, const MuellerValues& values) {
+    table.report_columns.insert(table.report_columns.end(), {"largest_albedo", "least_value"});
+    for (std::size_t w = 0; w < values.mueller.size(); ++w) {
+        const auto& albedo = values.plane_albedo[w];
+        const auto elements = static_cast<std::size_t>(values.components * values.components);
+        double least = values.mueller[w].front();
+        for (std::size_t i = 0; i < values.mueller[w].size(); i += elements)
+            least = std::min(least, values.mueller[w][i]);
+        table.report[w].emplace_back(*std::max_element(albedo.begin(), albedo.end()));
+        table.report[w].emplace_back(least);
+    }
+}
+
+void add_rows(Table& table, const MuellerValues& values, double factor) {
+    const auto& [mu_in, mu_out, azimuth_deg] = values.directions;
+    for (std::size_t w = 0; w < values.mueller.size(); ++w) {
+        for (std::size_t i = 0; i < mu_in.size(); ++i) {
+            for (std::size_t o = 0; o < mu_out.size(); ++o) {
+                for (std::size_t a = 0; a < azimuth_deg.size(); ++a) {
+                    auto& row = table.rows.emplace_back(std::vector<Cell>{
+                        values.wavelengths[w].wavelength_nm, mu_in[i], mu_out[o], azimuth_deg[a]});
+                    for (int r = 0; r < values.components; ++r) {
+                        for (int c = 0; c < values.components; ++c)
+                            row.emplace_back(factor * values.at(w, i, o, a, r, c));
+                    }
+                    row.emplace_back(values.degree_of_linear_polarisation(w, i, o, a));
+                    row.emplace_back(values.angle_of_polarisation_deg(w, i, o, a));
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+
+int write_mueller(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    refuse_other_questions(question);
+    const MuellerValues values = brdf.mueller(question.directions);
+    for (const std::string& note : values.notes) shell.note("note: " + note);
+    Table table;
+    add_facts(
+        table, values, brdf.scene(),
+        std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: "
+                    "0 = mirror side, 180 = towards the source; ") +
+            (question.as_reflection ? "m: Mueller matrix of pi times the BRDF"
+                                    : "m: Mueller matrix of the BRDF, 1/sr, cosine not "
+                                      "included") +
+            ", row = outgoing, column = incident component of (I, Q, U, V), Q = parallel "
+            "minus perpendicular to the meridian plane; dolp, aolp_deg: degree and angle "
+            "(from the meridian plane) of linear polarisation of reflected unpolarised light");
+    add_physics(table, values);
+    table.columns = columns_of(values.components);
+    add_rows(table, values, question.as_reflection ? std::numbers::pi : 1.0);
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
+}  // namespace miebrdf::program
