@@ -1,5 +1,6 @@
-// The functions of librsvg, and of cairo and GLib below it, that pictures need, loaded when they are
-// called first (pipeline/io/late_library.h). librsvg brings 40 libraries, with text layout and fonts.
+// The functions of librsvg, and of cairo and GLib below it, that pictures need, loaded when they
+// are called first (pipeline/io/late_library.h). librsvg brings 40 libraries, with text layout and
+// fonts.
 #pragma once
 
 #include <cairo.h>

@@ -1,5 +1,5 @@
-// Embree's functions, loaded when they are called first (pipeline/io/late_library.h): its tables for
-// every kind of processor take the loader longer than all that other commands need.
+// Embree's functions, loaded when they are called first (pipeline/io/late_library.h): its tables
+// for every kind of processor take the loader longer than all that other commands need.
 #pragma once
 
 #include <embree3/rtcore.h>

@@ -23,7 +23,7 @@ struct Particles {
 /// A species at every wavelength of its scene.
 struct ResolvedSpecies {
     Species species;
-    std::vector<Particles> particles = {};  ///< empty for species that bring their optics
+    std::vector<Particles> particles = {};   ///< empty for species that bring their optics
     std::vector<double> wavelength_nm = {};  ///< in vacuum
     mie::SizeDistribution sizes = {};
     double effective_radius_um = 0.0;

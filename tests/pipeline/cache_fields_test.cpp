@@ -88,13 +88,13 @@ WavelengthReport full_report() {
 
 TEST_CASE("every field of the solver's options is in a key", "[pipeline][cache][key]") {
     check_changes<SolverOptions>(
-        {}, {[](auto& o) { o.tolerance = std::nextafter(o.tolerance, 1.0); },
-             [](auto& o) { o.grid = rte::GridKind::paper; }, [](auto& o) { o.streams = 8; },
-             [](auto& o) { o.half_space_method = rte::HalfSpaceMethod::doubling; },
-             [](auto& o) { o.coat_method = rte::CoatMethod::exponential; },
-             [](auto& o) { o.coat_substeps = 2; }, [](auto& o) { o.delta_m = false; },
-             [](auto& o) { o.single_scattering_correction = false; },
-             [](auto& o) { o.stokes = 3; }});
+        {},
+        {[](auto& o) { o.tolerance = std::nextafter(o.tolerance, 1.0); },
+         [](auto& o) { o.grid = rte::GridKind::paper; }, [](auto& o) { o.streams = 8; },
+         [](auto& o) { o.half_space_method = rte::HalfSpaceMethod::doubling; },
+         [](auto& o) { o.coat_method = rte::CoatMethod::exponential; },
+         [](auto& o) { o.coat_substeps = 2; }, [](auto& o) { o.delta_m = false; },
+         [](auto& o) { o.single_scattering_correction = false; }, [](auto& o) { o.stokes = 3; }});
 }
 
 TEST_CASE("every field of sizes is in a key", "[pipeline][cache][key]") {

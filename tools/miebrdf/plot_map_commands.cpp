@@ -114,9 +114,8 @@ int run_hemisphere(const HemisphereArguments& arguments, const Shell& shell) {
     if (arguments.logarithmic) map.scale = plot::Scale::logarithmic;
     const double mu_in = cosine_of(map.incidence_deg);
     const Brdf brdf = solved(request, shell.control());
-    const bool converged = arguments.quantity == "dolp"
-                               ? put_polarisation(brdf, mu_in, map)
-                               : put_brdf(brdf, mu_in, part, map, shell);
+    const bool converged = arguments.quantity == "dolp" ? put_polarisation(brdf, mu_in, map)
+                                                        : put_brdf(brdf, mu_in, part, map, shell);
     const auto caption = arguments.plot.caption(shell, map_title(request, wavelength_nm));
     arguments.plot.save(plot::draw_hemisphere(map, caption), shell);
     return converged ? kGood : kNotConverged;

@@ -68,9 +68,10 @@ void add_polarisation(Table& table, const ResultReport& result) {
     if (left_out > 0.0) {
         table.facts.emplace_back(
             "polarisation",
-            fmt::format("left out: relative changes of the values are below {:.1g} (bound; stokes 3 "
-                        "has it computed)",
-                        left_out));
+            fmt::format(
+                "left out: relative changes of the values are below {:.1g} (bound; stokes 3 "
+                "has it computed)",
+                left_out));
     }
 }
 

@@ -56,8 +56,8 @@ Species species_of(const py::tuple& state) {
     for (const py::handle of_wavelength : state[11]) {
         const auto numbers = of_wavelength.cast<py::tuple>();
         const auto list = [&](std::size_t i) { return numbers[i].cast<std::vector<double>>(); };
-        s.matrices.push_back({numbers[0].cast<double>(), list(1), list(2), list(3), list(4),
-                              list(5), list(6)});
+        s.matrices.push_back(
+            {numbers[0].cast<double>(), list(1), list(2), list(3), list(4), list(5), list(6)});
     }
     return s;
 }

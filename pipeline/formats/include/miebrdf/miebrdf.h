@@ -14,8 +14,8 @@
 #include <miebrdf/matrix.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
-#include <miebrdf/processor_path.h>
 #include <miebrdf/polarisation.h>
+#include <miebrdf/processor_path.h>
 #include <miebrdf/sampling.h>
 #include <miebrdf/scene.h>
 #include <miebrdf/sizes.h>
