@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "pipeline/plot/chart.h"
+#include "pipeline/scene/labels.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/plot_command.h"
 
@@ -61,7 +62,7 @@ int run_polarisation(const ScenePlotArguments& arguments, const Shell& shell) {
                 {label, plane.angle_deg, plane.polarisation, plot::Mark::line, colour, {}});
         }
     }
-    const auto caption = arguments.plot.caption(shell, title_of(request.scene));
+    const auto caption = arguments.plot.caption(shell, label_of(request.scene));
     arguments.plot.save(plot::draw_chart({reflection, polarisation}, caption), shell);
     return values.converged() ? kGood : kNotConverged;
 }
