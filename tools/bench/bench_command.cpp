@@ -114,8 +114,9 @@ int run(const BenchArguments& arguments, const Shell& shell) {
 void add_bench(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<BenchArguments>();
     command
-        .add_option("--suite", arguments->suites,
-                    "mie, half-space, coat, boundary, stokes, surface, pipeline, rules; default all")
+        .add_option(
+            "--suite", arguments->suites,
+            "mie, half-space, coat, boundary, stokes, surface, pipeline, rules; default all")
         ->type_name("LIST");
     command
         .add_option("--compare", arguments->compare_with,
