@@ -182,7 +182,8 @@ const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMe
     eigenmodes_.vectors.resize(n, n);
     eigenmodes_.vectors.noalias() = L_.transpose() * eigen_.vectors();
     eigenmodes_.rates = eigen_.values();
-    const bool is_good_enough = mode.fourier_order > 0 && left_by_eigensolver(n) <= 0.1 * tolerance;
+    const bool is_good_enough =
+        mode.fourier_order > 0 && left_by_eigensolver(n / mode.rows_per_node) <= 0.1 * tolerance;
     const int steps = is_good_enough ? 0 : 4;
     for (int step = 0; step < steps; ++step) {
         if (refine(1e-3) <= 1e-8) break;

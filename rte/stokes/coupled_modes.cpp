@@ -80,7 +80,7 @@ bool CoupledModes::iterate(double tolerance) {
     const Eigen::VectorXd& k = linear().rates;
     const Eigen::VectorXd& q = circular().rates;
     // What rounding leaves in the products; below it steps would not shrink.
-    const double goal = std::max(1e-14, 1e-3 * tolerance);
+    const double goal = std::max(1e-14, 0.1 * tolerance);
     S = k.asDiagonal();
     T = q.asDiagonal();
     K.setZero(k.size(), q.size());
@@ -88,10 +88,11 @@ bool CoupledModes::iterate(double tolerance) {
     for (steps = 0; steps < kMostSteps && change > goal; ++steps) {
         SW_.noalias() = S * omega_;
         KW_.noalias() = K.transpose() * omega_;
-        R12_.noalias() = SW_ * K.transpose();
-        R11_ = R12_ + R12_.transpose();
-        R11_.noalias() += K * K.transpose();
-        R11_.noalias() -= S * S;
+        R12_ = SW_ + 0.5 * K;
+        R11_.noalias() = R12_ * K.transpose();
+        R11_ = (R11_ + R11_.transpose()).eval();
+        R11_.selfadjointView<Eigen::Lower>().rankUpdate(S, -1.0);
+        R11_.triangularView<Eigen::StrictlyUpper>() = R11_.transpose();
         R11_.diagonal().array() += k.array().square();
         R12_ = upsilon_;
         R12_.noalias() -= S * K;

@@ -8,8 +8,6 @@
 namespace miebrdf::rte {
 namespace {
 
-using enum StokesComponent;
-
 // R and T = (-1)^m (d^l_m2 +- d^l_m,-2) / 2, from column l = m on.
 void fill_linear(int m, int degrees, const Eigen::VectorXd& mu, StokesTable& table) {
     math::ScratchMatrix plus, minus;
@@ -45,6 +43,7 @@ struct Columns {
 
 Columns list_columns(int m, Eigen::Index degrees, const StokesBlock& block,
                      const MatrixStrengths& medium) {
+    using enum StokesComponent;
     Columns columns;
     const bool has_I = contains(block, I), has_U = contains(block, U), has_V = contains(block, V);
     const auto known = std::min(degrees, Eigen::Index(medium.first.size()));
@@ -86,6 +85,7 @@ auto component_rows(math::ScratchMatrix& table, Eigen::Index column, int k, int 
 void fill_component(const StokesTable& from, Eigen::Index at, StokesComponent component,
                     const Column& column,
                     Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<>> rows) {
+    using enum StokesComponent;
     switch (component) {
         case I:
             rows = column.along_I * from.P.col(at);
@@ -105,6 +105,7 @@ void fill_component(const StokesTable& from, Eigen::Index at, StokesComponent co
 }  // namespace
 
 std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool has_b2) {
+    using enum StokesComponent;
     const bool has_V = components == 4;
     if (fourier_order == 0) {
         std::vector<StokesBlock> blocks{{I, Q}, {U}};
@@ -166,7 +167,7 @@ void make_block_mode(const StokesTables& tables, const StokesBlock& block,
     columns.odd.resize(pairs);
     mode.fourier_order = m;
     mode.rows_per_node = c;
-    mode.has_intensity = block.front() == I;
+    mode.has_intensity = block.front() == StokesComponent::I;
     const auto count = Eigen::Index(2 * pairs);
     mode.at_nodes.resize(grid.size(), count);
     mode.at_requested.resize(requested.mu.size(), count);

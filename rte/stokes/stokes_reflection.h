@@ -41,7 +41,7 @@ struct PolarisedAlbedoTable {
 /// @param components  3: V left out, with b2 (R11 changes by less than 2e-6 with spheres); 4
 /// @param options     the methods must be `automatic`
 /// @throws UsageError  for what `reflect` refuses, for components other than 3 and 4, other
-///         methods, a boundary, a mirror, and coats of several indices where they matter
+///         methods, a boundary and a mirror
 MuellerTable reflect_polarised(const Stack& stack, const Directions& directions, int components,
                                const SolverOptions& options = {});
 
