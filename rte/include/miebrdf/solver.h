@@ -25,8 +25,9 @@ struct SolverOptions {
     int coat_substeps = 1;  ///< of the stepwise coat methods, 1 to 1000000
     bool delta_m = true;
     bool single_scattering_correction = true;
-    /// Components of light: 1 (the intensity I alone), 3 (I, Q, U) or 4 (with V); 0: 1 where what
-    /// that changes is within the tolerance, else 3.
+    /// Components of light: 1 (the intensity I alone), 3 (I, Q, U) or 4 (with V); 0: 3 where
+    /// polarisation shows in the intensity (docs/polarisation.md), else 1. Brdf looks at it, the
+    /// solvers of rte do not.
     int stokes = 0;
 };
 
