@@ -1,5 +1,7 @@
 // The same program along each processor path that this build has and this machine can run
 // (tools/cmake/MiebrdfProcessorPaths.cmake). Builds for one path run the first three cases only.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,7 +17,7 @@ using namespace miebrdf;
 namespace {
 
 std::string forced(const std::string& path) {
-    return std::string(program::kPathVariable) + "=" + path;
+    return fmt::format("{}={}", program::kPathVariable, path);
 }
 
 support::CsvOutput csv_along(const std::string& path, const std::string& arguments) {
