@@ -13,6 +13,7 @@
 
 #include "materials/database/names.h"
 #include "pipeline/sweep/axis_values.h"
+#include "pipeline/sweep/samples.h"
 #include "pipeline/sweep/sweep_checks.h"
 
 namespace miebrdf::sweep {
@@ -183,12 +184,47 @@ class SweepFile {
         return {.name = name, .words = texts, .unit = ""};
     }
 
-    /// Columns of a file, which is looked for beside the sweep file.
+    /// A number of samples or a seed.
+    std::int64_t whole_number(const toml::node& node, const std::string& key) const {
+        const auto number = node.value_exact<std::int64_t>();
+        if (!number || *number < 0 || *number > 0xffffffff)
+            refuse(node, fmt::format("'{}' is a whole number", key));
+        return *number;
+    }
+
+    /// Columns of one dimension: of a file, or samples.
     std::vector<Axis> columns_of(const std::string& name, const toml::table& table) const {
+        const toml::node *sobol = table.get("sobol"), *latin = table.get("latin-hypercube");
+        if (sobol == nullptr && latin == nullptr) return columns_of_file(name, table);
+        if (sobol != nullptr && latin != nullptr)
+            refuse(*latin, "sobol and latin-hypercube: give one of them");
+        std::vector<SampleRange> ranges;
+        for (const auto& [column, node] : in_order(table)) {
+            if (column == "sobol" || column == "latin-hypercube") continue;
+            if (column == "seed" && latin != nullptr) continue;
+            const auto text = node->value_exact<std::string>();
+            if (!text) refuse(*node, fmt::format("'{}' is a range, \"50:1000 log\"", column));
+            at(*node, [&, &column_name = column] {
+                ranges.push_back(parse_sample_range(column_name, *text));
+            });
+        }
+        if (sobol != nullptr)
+            return sobol_samples(std::size_t(whole_number(*sobol, "sobol")), ranges);
+        const toml::node* seed = table.get("seed");
+        return latin_hypercube_samples(
+            std::size_t(whole_number(*latin, "latin-hypercube")), ranges,
+            seed == nullptr ? 0 : std::uint32_t(whole_number(*seed, "seed")));
+    }
+
+    /// Columns of a file, which is looked for beside the sweep file.
+    std::vector<Axis> columns_of_file(const std::string& name, const toml::table& table) const {
         check_keys(table, {"file", "columns"}, "key");
         const toml::node* file = table.get("file");
         if (file == nullptr || !file->is_string())
-            throw InputError(fmt::format("axis {}: a table needs file = \"samples.csv\"", name));
+            throw InputError(
+                fmt::format("axis {}: a table needs file = \"samples.csv\", sobol = 256 or "
+                            "latin-hypercube = 100",
+                            name));
         std::vector<std::string> columns;
         if (const toml::node* list = table.get("columns")) {
             if (!list->is_array()) refuse(*list, "'columns' is a list of names");

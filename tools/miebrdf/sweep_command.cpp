@@ -56,7 +56,7 @@ bool is_complete(const sweep::Sweep& sweep, const std::string& table) {
            sweep::identity_of(sweep);
 }
 
-Table plan_table(const sweep::SweepPlan& plan, const Control& control) {
+Table plan_table(const sweep::SweepPlan& plan) {
     Table table;
     table.columns = {"quantity", "value", "unit"};
     const auto add = [&](const char* name, double value, const char* unit) {
@@ -69,15 +69,15 @@ Table plan_table(const sweep::SweepPlan& plan, const Control& control) {
     add("NetCDF file before compression", std::ceil(plan.netcdf_bytes / 1e3), "kB");
     add("CSV file, about", std::ceil(plan.csv_bytes / 1e3), "kB");
     add("memory, at most", std::ceil(plan.memory_bytes / 1e6), "MB");
-    add("scenes timed", double(plan.sampled), "");
-    add("time for them", rounded(plan.sample_seconds, 3), "s");
-    add("time of the sweep", rounded(plan.seconds, 3), "s");
-    add("standard error of it", rounded(plan.seconds_error, 2), "s");
-    table.facts.emplace_back(
-        "estimate", fmt::format("from {} groups of {}, {}, on this machine as it was just now",
-                                plan.sampled_groups, plan.groups,
-                                control.threads > 0 ? fmt::format("{} threads", control.threads)
-                                                    : std::string("all processors")));
+    add("groups and wavelengths timed", double(plan.sampled), "");
+    add("processor time for them", rounded(plan.sample_seconds, 3), "s");
+    add("processor time of the sweep", rounded(plan.processor_seconds, 3), "s");
+    add("standard error of it", rounded(plan.processor_seconds_error, 2), "s");
+    add("processors", double(plan.processors), "");
+    add("time on them", rounded(plan.processor_seconds / double(plan.processors), 3), "s");
+    table.facts.emplace_back("estimate",
+                             "from single wavelengths of groups, spread over the sweep; the time "
+                             "is that of processors that nothing else uses");
     return table;
 }
 
@@ -125,10 +125,9 @@ int run_sweep(const sweep::Sweep& sweep, const SweepArguments& arguments, const 
     const sweep::Layout layout = sweep::layout_of(sweep);
     const std::string& table = shell.common().output;
     if (arguments.plan) {
-        const Control control = shell.control();
-        const auto plan = sweep::plan_sweep(sweep, layout, arguments.sample_s, control);
+        const auto plan = sweep::plan_sweep(sweep, layout, arguments.sample_s, shell.control());
         Shell to_screen(shell.command_line());
-        to_screen.write(plan_table(plan, control));
+        to_screen.write(plan_table(plan));
         return kGood;
     }
     const fs::path folder = sweep::Parts::folder_of(table);
@@ -166,7 +165,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
                      "compute nothing else");
     command
         .add_option("--sample-seconds", arguments.sample_s,
-                    "of --plan: no more scenes are timed after this")
+                    "of --plan: no more is timed after this processor time")
         ->type_name("S")
         ->check(CLI::Range(0.0, 1e6))
         ->capture_default_str();
