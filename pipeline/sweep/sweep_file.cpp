@@ -19,8 +19,8 @@
 namespace miebrdf::sweep {
 namespace {
 
-const std::vector<std::string> kKeys = {"title", "scene",   "axes",    "outputs",
-                                        "units", "combine", "viewing", "chunk"};
+const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
+                                        "combine", "viewing", "chunk", "layout"};
 
 std::string read_text(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -51,6 +51,7 @@ class SweepFile {
     Sweep read() {
         check_keys(root_, kKeys, "key");
         sweep_.title = text_of_key("title");
+        read_layout();
         read_axes();
         read_units();
         read_words();
@@ -104,6 +105,14 @@ class SweepFile {
             if (std::find(known.begin(), known.end(), name) == known.end())
                 refuse_word(key.source(), fmt::format("unknown {} '{}'", what, name), name, known);
         }
+    }
+
+    void read_layout() {
+        const std::string layout = text_of_key("layout");
+        sweep_.for_eradiate = layout == "eradiate";
+        if (!sweep_.for_eradiate && !layout.empty() && layout != "cf")
+            refuse(*root_.get("layout"),
+                   fmt::format("unknown layout '{}'; allowed: cf, eradiate", layout));
     }
 
     /// Empty if there is no such key at the top.

@@ -204,7 +204,8 @@ void time_sample(const Sweep& sweep, double budget_s, const Control& quiet, Swee
     plan.processor_seconds = std::accumulate(times.begin(), times.end(), 0.0) / n;
     double sum = 0.0;
     for (const double time : times) sum += std::pow(time - plan.processor_seconds, 2);
-    const double left_out = 1.0 - n / double(plan.groups * different.size());
+    // Of groups with several scenes, single ones were timed: never all.
+    const double left_out = size > 1 ? 1.0 : 1.0 - n / double(plan.groups * different.size());
     plan.processor_seconds_error = n > 1.0 ? std::sqrt(sum / (n - 1.0) / n * left_out)
                                            : std::numeric_limits<double>::quiet_NaN();
 }
