@@ -12,7 +12,8 @@ packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev li
 packages_render=("${packages_program[@]}" libembree-dev libtinyobjloader-dev libpng-dev)
 packages_tests=("${packages_render[@]}" catch2 python3-pytest python3-venv python3-xarray
                 python3-netcdf4 netcdf-bin
-                python3-matplotlib python3-tqdm codespell chromium slurm-wlm munge debootstrap dpkg-dev)
+                python3-matplotlib python3-tqdm codespell chromium slurm-wlm munge
+                openmpi-bin debootstrap dpkg-dev)
 packages_gates=("${packages_program[@]}" clang clang-format clang-tidy python3-numpy mypy)
 packages_coverage=("${packages_tests[@]}" gcovr)
 

@@ -90,6 +90,18 @@ AxisWeights weights_of(const StoredAxis& axis, const std::map<std::string, std::
     return {std::move(nodes), false, is_known};
 }
 
+/// The axis of this name, or the only one that begins with it.
+std::string axis_named(const std::string& asked, const std::vector<std::string>& names) {
+    std::vector<std::string> beginning;
+    for (const std::string& name : names) {
+        if (name == asked) return name;
+        if (name.rfind(asked, 0) == 0) beginning.push_back(name);
+    }
+    if (beginning.size() == 1) return beginning.front();
+    throw UsageError(
+        fmt::format("the table has no axis '{}'; it has: {}", asked, fmt::join(names, ", ")));
+}
+
 /// A block of values, contracted with one list of weights for each axis; axes that are listed stay.
 class Block {
   public:
@@ -157,6 +169,40 @@ Interpolation parse_interpolation(const std::string& text) {
     if (text == "linear") return Interpolation::linear;
     if (text == "cubic") return Interpolation::cubic;
     throw UsageError(fmt::format("unknown interpolation '{}'; allowed: linear, cubic", text));
+}
+
+std::vector<std::string> axes_of_table(const StoredTable& table) {
+    std::vector<std::string> names;
+    for (const std::string& variable : table.variables()) {
+        for (const StoredAxis& axis : table.axes_of(variable)) {
+            if (std::find(names.begin(), names.end(), axis.name) == names.end())
+                names.push_back(axis.name);
+        }
+    }
+    return names;
+}
+
+std::map<std::string, std::string> named_values(const StoredTable& table,
+                                                const std::map<std::string, std::string>& asked) {
+    const std::vector<std::string> names = axes_of_table(table);
+    std::map<std::string, std::string> values;
+    for (const auto& [name, value] : asked) {
+        const std::string axis = axis_named(name, names);
+        if (!values.emplace(axis, value).second)
+            throw UsageError(fmt::format("{}: given twice", axis));
+    }
+    return values;
+}
+
+std::vector<std::string> named_variables(const StoredTable& table,
+                                         const std::vector<std::string>& names) {
+    const std::vector<std::string> known = table.variables();
+    for (const std::string& name : names) {
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw UsageError(fmt::format("the table has no variable '{}'; it has: {}", name,
+                                         fmt::join(known, ", ")));
+    }
+    return names.empty() ? known : names;
 }
 
 NodeWeights weights_between(const std::vector<double>& nodes, double x, Interpolation order) {

@@ -13,6 +13,7 @@ struct StoredAxis {
     std::vector<std::string> texts = {};  ///< of axes such as names of materials
     bool is_logarithmic = false;          ///< interpolated over the logarithm
     bool is_sample = false;               ///< numbers of samples: nothing lies between them
+    std::string unit = {};                ///< empty: none
 
     std::size_t size() const { return texts.empty() ? numbers.size() : texts.size(); }
 };
@@ -35,6 +36,19 @@ class StoredTable {
 enum class Interpolation { linear, cubic };
 /// @throws UsageError
 Interpolation parse_interpolation(const std::string& text);
+
+/// Axes of all variables, each once.
+std::vector<std::string> axes_of_table(const StoredTable& table);
+
+/// Values by names of axes, of which the beginning will do if it is the only one: radius for
+/// radius_um.
+/// @throws UsageError  for names that the table has not, and for axes that are named twice
+std::map<std::string, std::string> named_values(const StoredTable& table,
+                                                const std::map<std::string, std::string>& asked);
+
+/// These variables, or all if there are none. @throws UsageError  for those that the table has not
+std::vector<std::string> named_variables(const StoredTable& table,
+                                         const std::vector<std::string>& names);
 
 struct LookedUp {
     std::string variable, unit;

@@ -5,6 +5,8 @@
 #include <miebrdf/version.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -116,7 +118,10 @@ std::string identity_of(const Sweep& sweep) {
             key.add(value.index()).add(std::string_view(text_of(value)));
     }
     for (const Output output : sweep.outputs) key.add(output);
-    return key.add(sweep.viewing.illuminant).add(sweep.viewing.observer).hash();
+    return key.add(sweep.viewing.illuminant)
+        .add(sweep.viewing.observer)
+        .add(sweep.for_eradiate)
+        .hash();
 }
 
 fs::path Parts::folder_of(const fs::path& table) { return table.string() + ".parts"; }
@@ -172,6 +177,25 @@ std::optional<std::vector<SceneResult>> Parts::read(const Chunk& chunk) const {
     for (std::size_t i = 0; i < chunk.count; ++i) results.push_back(reader.result(layout_.record));
     if (!reader.is_whole()) return std::nullopt;
     return results;
+}
+
+bool Parts::take(const Chunk& chunk, const std::string& launch) const {
+    const std::string name = file_of(chunk).string() + ".taken-" + launch;
+    // Exclusive creation is one step, on NFS too (since version 3). Should a file system break
+    // that, two processes compute the same bytes.
+    std::FILE* file = std::fopen(name.c_str(), "wx");
+    if (file != nullptr) {
+        std::fclose(file);
+        return true;
+    }
+    if (errno == EEXIST) return false;
+    throw InputError(fmt::format("cannot write '{}': {}", name, std::strerror(errno)));
+}
+
+std::optional<fs::file_time_type> Parts::time_of(const Chunk& chunk) const {
+    std::error_code error;
+    const auto time = fs::last_write_time(file_of(chunk), error);
+    return error ? std::nullopt : std::optional(time);
 }
 
 void Parts::write(const Chunk& chunk, const std::vector<SceneResult>& results) const {

@@ -52,6 +52,13 @@ class Parts {
     /// version, or other n and k. Such files are left where they are, to be replaced.
     std::optional<std::vector<SceneResult>> read(const Chunk& chunk) const;
 
+    /// Whether this process is the first of a launch (crew.h) to ask for the chunk.
+    /// @throws InputError  when nothing can be written
+    bool take(const Chunk& chunk, const std::string& launch) const;
+
+    /// When its file was written; empty if there is none.
+    std::optional<std::filesystem::file_time_type> time_of(const Chunk& chunk) const;
+
     /// @throws InputError  when it cannot be written; what is there stays
     void write(const Chunk& chunk, const std::vector<SceneResult>& results) const;
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/optics_memo.h"
@@ -65,10 +66,36 @@ std::vector<SceneResult> compute_chunk(const Sweep& sweep, const Layout& layout,
     return results;
 }
 
+ChunkWorker::ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& parts,
+                         Control control)
+    : sweep_(sweep), layout_(layout), parts_(parts), control_(std::move(control)) {
+    control_.cache = nullptr;
+}
+
+void ChunkWorker::compute(const Chunk& chunk, RunReport& report) {
+    if (control_.memo == nullptr || control_.memo->free_bytes() < kSharedBytes / 2)
+        control_.memo = make_optics_memo(kSharedBytes);
+    const std::clock_t start = std::clock();
+    parts_.write(chunk, compute_chunk(sweep_, layout_, chunk, control_));
+    report.costs.push_back({chunk, double(std::clock() - start) / CLOCKS_PER_SEC});
+    report.computed_scenes += chunk.count;
+}
+
+void ChunkWorker::compute_unless(const Chunk& chunk, RunReport& report,
+                                 const std::function<bool()>& is_there) {
+    const std::function<bool()> outer = control_.is_cancelled;
+    control_.is_cancelled = [&] { return (outer && outer()) || is_there(); };
+    try {
+        compute(chunk, report);
+    } catch (const Cancelled&) {
+        if (outer && outer()) throw;
+    }
+    control_.is_cancelled = outer;
+}
+
 RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts,
-                    const Share& share, Control control) {
+                    const Share& share, const Control& control) {
     RunReport report;
-    control.cache = nullptr;
     std::vector<Chunk> missing;
     for (std::size_t number = share.number - 1; number < parts.chunks().size();
          number += share.of) {
@@ -80,12 +107,10 @@ RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts
             missing.push_back(chunk);
         }
     }
+    ChunkWorker worker(sweep, layout, parts, control);
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (control.is_cancelled && control.is_cancelled()) throw Cancelled();
-        if (control.memo == nullptr || control.memo->free_bytes() < kSharedBytes / 2)
-            control.memo = make_optics_memo(kSharedBytes);
-        parts.write(missing[i], compute_chunk(sweep, layout, missing[i], control));
-        report.computed_scenes += missing[i].count;
+        worker.compute(missing[i], report);
         if (control.progress) control.progress("chunks", i + 1, missing.size());
     }
     return report;

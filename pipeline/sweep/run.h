@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,17 @@ struct Share {
 /// Reads `3/8`. @throws UsageError
 Share parse_share(const std::string& text);
 
+/// What a chunk took.
+struct ChunkCost {
+    Chunk chunk;
+    double processor_seconds = 0.0;  ///< of all threads together
+};
+
 struct RunReport {
-    std::size_t chunks = 0;           ///< of this share
-    std::size_t found = 0;            ///< of them, computed by an earlier run
-    std::size_t computed_scenes = 0;  ///< by this run
+    std::size_t chunks = 0;             ///< of this share
+    std::size_t found = 0;              ///< of them, computed by an earlier run
+    std::size_t computed_scenes = 0;    ///< by this run
+    std::vector<ChunkCost> costs = {};  ///< in the order in which they were computed
 };
 
 /// Single scattering that is kept for later scenes.
@@ -39,11 +47,29 @@ std::vector<SceneResult> solve_scenes(const Sweep& sweep, const Layout& layout,
 std::vector<SceneResult> compute_chunk(const Sweep& sweep, const Layout& layout, const Chunk& chunk,
                                        const Control& control);
 
+/// Computes chunks one after the other and stores them; they share a memo of single scattering.
+class ChunkWorker {
+  public:
+    /// @param control  without a cache: parts remember
+    ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& parts, Control control);
+
+    /// @throws Cancelled; InputError  when the part cannot be written
+    void compute(const Chunk& chunk, RunReport& report);
+    /// The same, but stops when somebody else has stored it.
+    void compute_unless(const Chunk& chunk, RunReport& report,
+                        const std::function<bool()>& is_there);
+
+  private:
+    const Sweep& sweep_;
+    const Layout& layout_;
+    const Parts& parts_;
+    Control control_;
+};
+
 /// Computes what is missing of a share and stores it, chunk by chunk.
-/// @param control  without a cache: parts remember
 /// @throws Cancelled; InputError  when a part cannot be written
 RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts,
-                    const Share& share, Control control);
+                    const Share& share, const Control& control);
 
 /// What the scenes of a table have in common.
 struct TableReport {

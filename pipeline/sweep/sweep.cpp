@@ -10,6 +10,7 @@
 #include <set>
 
 #include "pipeline/solve/resolved_scene.h"
+#include "pipeline/sweep/eradiate.h"
 
 namespace miebrdf::sweep {
 namespace {
@@ -18,7 +19,11 @@ bool starts_with_theta(const Axis& axis) { return axis.name.rfind("theta", 0) ==
 
 std::vector<double> cosines_of(const Axis& axis) {
     std::vector<double> cosines = axis.numbers;
-    if (!starts_with_theta(axis)) return cosines;
+    if (!starts_with_theta(axis)) {
+        // Only Eradiate's layout has a 0, at its start.
+        if (cosines.size() > 1 && cosines[0] == 0.0) cosines[0] = kGrazingStep * cosines[1];
+        return cosines;
+    }
     for (double& value : cosines) value = std::cos(value * std::numbers::pi / 180.0);
     return cosines;
 }

@@ -64,6 +64,7 @@ struct Sweep {
     Axis wavelength, incidence, reflection, azimuth;
     std::vector<Output> outputs = {};
     Viewing viewing = {};
+    bool for_eradiate = false;         ///< layout of the table (eradiate.h)
     std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen
     std::string text = {};             ///< the file, for the provenance of tables
 

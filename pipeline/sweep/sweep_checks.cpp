@@ -10,6 +10,7 @@
 #include <set>
 
 #include "pipeline/sweep/axis_values.h"
+#include "pipeline/sweep/eradiate.h"
 
 namespace miebrdf::sweep {
 namespace {
@@ -51,11 +52,13 @@ void require(const Axis& axis, const std::string& allowed, bool (*is_allowed)(do
     }
 }
 
-void require_range_of_name(const Axis& axis) {
+void require_range_of_name(const Axis& axis, bool for_eradiate) {
     if (axis.name == "wavelength_nm") {
         require(axis, "> 0", [](double x) { return x > 0.0; });
     } else if (axis.name == "azimuth_deg") {
         require(axis, "[-360, 360]", [](double x) { return x >= -360.0 && x <= 360.0; });
+    } else if (axis.name.rfind("mu_", 0) == 0 && for_eradiate) {
+        require(axis, "[0, 1]", [](double x) { return x >= 0.0 && x <= 1.0; });
     } else if (axis.name.rfind("mu_", 0) == 0) {
         require(axis, "(0, 1]", [](double x) { return x > 0.0 && x <= 1.0; });
     } else {
@@ -166,7 +169,7 @@ void place_axis(Sweep& sweep, Axis axis) {
         sweep.dimensions.push_back({name, {std::move(axis)}});
         return;
     }
-    require_range_of_name(axis);
+    require_range_of_name(axis, sweep.for_eradiate);
     if (place->size() > 0)
         throw UsageError(fmt::format("axes '{}' and '{}' are the same direction; give one of them",
                                      place->name, axis.name));
@@ -255,6 +258,7 @@ void check_sweep(const Sweep& sweep) {
     for (const Axis* axis :
          {&sweep.wavelength, &sweep.incidence, &sweep.reflection, &sweep.azimuth})
         require_monotonic(*axis);
+    if (sweep.for_eradiate) require_eradiate_axes(sweep);
 }
 
 }  // namespace miebrdf::sweep

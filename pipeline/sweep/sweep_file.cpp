@@ -13,13 +13,14 @@
 
 #include "materials/database/names.h"
 #include "pipeline/sweep/axis_values.h"
+#include "pipeline/sweep/samples.h"
 #include "pipeline/sweep/sweep_checks.h"
 
 namespace miebrdf::sweep {
 namespace {
 
-const std::vector<std::string> kKeys = {"title", "scene",   "axes",    "outputs",
-                                        "units", "combine", "viewing", "chunk"};
+const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
+                                        "combine", "viewing", "chunk", "layout"};
 
 std::string read_text(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -50,6 +51,7 @@ class SweepFile {
     Sweep read() {
         check_keys(root_, kKeys, "key");
         sweep_.title = text_of_key("title");
+        read_layout();
         read_axes();
         read_units();
         read_words();
@@ -103,6 +105,14 @@ class SweepFile {
             if (std::find(known.begin(), known.end(), name) == known.end())
                 refuse_word(key.source(), fmt::format("unknown {} '{}'", what, name), name, known);
         }
+    }
+
+    void read_layout() {
+        const std::string layout = text_of_key("layout");
+        sweep_.for_eradiate = layout == "eradiate";
+        if (!sweep_.for_eradiate && !layout.empty() && layout != "cf")
+            refuse(*root_.get("layout"),
+                   fmt::format("unknown layout '{}'; allowed: cf, eradiate", layout));
     }
 
     /// Empty if there is no such key at the top.
@@ -183,12 +193,47 @@ class SweepFile {
         return {.name = name, .words = texts, .unit = ""};
     }
 
-    /// Columns of a file, which is looked for beside the sweep file.
+    /// A number of samples or a seed.
+    std::int64_t whole_number(const toml::node& node, const std::string& key) const {
+        const auto number = node.value_exact<std::int64_t>();
+        if (!number || *number < 0 || *number > 0xffffffff)
+            refuse(node, fmt::format("'{}' is a whole number", key));
+        return *number;
+    }
+
+    /// Columns of one dimension: of a file, or samples.
     std::vector<Axis> columns_of(const std::string& name, const toml::table& table) const {
+        const toml::node *sobol = table.get("sobol"), *latin = table.get("latin-hypercube");
+        if (sobol == nullptr && latin == nullptr) return columns_of_file(name, table);
+        if (sobol != nullptr && latin != nullptr)
+            refuse(*latin, "sobol and latin-hypercube: give one of them");
+        std::vector<SampleRange> ranges;
+        for (const auto& [column, node] : in_order(table)) {
+            if (column == "sobol" || column == "latin-hypercube") continue;
+            if (column == "seed" && latin != nullptr) continue;
+            const auto text = node->value_exact<std::string>();
+            if (!text) refuse(*node, fmt::format("'{}' is a range, \"50:1000 log\"", column));
+            at(*node, [&, &column_name = column] {
+                ranges.push_back(parse_sample_range(column_name, *text));
+            });
+        }
+        if (sobol != nullptr)
+            return sobol_samples(std::size_t(whole_number(*sobol, "sobol")), ranges);
+        const toml::node* seed = table.get("seed");
+        return latin_hypercube_samples(
+            std::size_t(whole_number(*latin, "latin-hypercube")), ranges,
+            seed == nullptr ? 0 : std::uint32_t(whole_number(*seed, "seed")));
+    }
+
+    /// Columns of a file, which is looked for beside the sweep file.
+    std::vector<Axis> columns_of_file(const std::string& name, const toml::table& table) const {
         check_keys(table, {"file", "columns"}, "key");
         const toml::node* file = table.get("file");
         if (file == nullptr || !file->is_string())
-            throw InputError(fmt::format("axis {}: a table needs file = \"samples.csv\"", name));
+            throw InputError(
+                fmt::format("axis {}: a table needs file = \"samples.csv\", sobol = 256 or "
+                            "latin-hypercube = 100",
+                            name));
         std::vector<std::string> columns;
         if (const toml::node* list = table.get("columns")) {
             if (!list->is_array()) refuse(*list, "'columns' is a list of names");

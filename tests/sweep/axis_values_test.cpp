@@ -1,9 +1,11 @@
 // Lists, ranges and columns of files.
 #include <miebrdf/error.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/sweep/axis_values.h"
+#include "pipeline/sweep/samples.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -57,4 +59,52 @@ TEST_CASE("columns of a CSV file are numbers or texts", "[sweep]") {
     CHECK_THROWS_WITH(sweep::read_columns(folder.write("b.csv", "a,b\n1\n"), {}),
                       Contains("line 2"));
     CHECK_THROWS_AS(sweep::read_columns(folder / "none.csv", {}), InputError);
+}
+
+TEST_CASE("Sobol's samples begin as published", "[sweep]") {
+    // Bratley and Fox 1988, with the origin left out: column 1 is van der Corput's sequence in the
+    // order of Gray's code.
+    const auto axes = sweep::sobol_samples(7, {{"a"}, {"b"}});
+    REQUIRE(axes.size() == 2);
+    CHECK(axes[0].numbers == std::vector<double>{0.5, 0.75, 0.25, 0.375, 0.875, 0.625, 0.125});
+    CHECK(axes[1].numbers == std::vector<double>{0.5, 0.25, 0.75, 0.375, 0.875, 0.125, 0.625});
+    const auto scaled = sweep::sobol_samples(
+        3, {sweep::parse_sample_range("r_um", "1:16 log"), sweep::parse_sample_range("x", "-1:1")});
+    CHECK(scaled[0].numbers == std::vector<double>{4, 8, 2});
+    CHECK(scaled[1].numbers == std::vector<double>{0, -0.5, 0.5});
+    CHECK(scaled[0].unit == "um");
+}
+
+TEST_CASE("samples fill equal boxes evenly", "[sweep]") {
+    // With the origin, 2^k points of Sobol's sequence have one in each of 2^k intervals, in every
+    // column, and in two columns one in each of 2^i x 2^j boxes, i + j = k (a (0, k, 2)-net).
+    const auto axes = sweep::sobol_samples(255, {{"a"}, {"b"}, {"c"}});
+    for (const int rows : {1, 4, 16, 256}) {
+        std::vector<int> boxes(256, 0);
+        ++boxes[0];  // the origin
+        for (std::size_t i = 0; i < 255; ++i) {
+            const int row = int(axes[0].numbers[i] * rows);
+            const int column = int(axes[1].numbers[i] * (256 / rows));
+            ++boxes[std::size_t(row * (256 / rows) + column)];
+        }
+        CHECK(std::all_of(boxes.begin(), boxes.end(), [](int count) { return count == 1; }));
+    }
+    // A Latin hypercube has one value in each of its intervals, whatever their number.
+    const auto latin = sweep::latin_hypercube_samples(37, {{"a"}, {"b", 0.0, 2.0}}, 5);
+    for (std::size_t c = 0; c < 2; ++c) {
+        std::vector<int> intervals(37, 0);
+        for (const double x : latin[c].numbers) ++intervals[std::size_t(x / double(c + 1) * 37.0)];
+        CHECK(std::all_of(intervals.begin(), intervals.end(), [](int n) { return n == 1; }));
+        CHECK_FALSE(std::is_sorted(latin[c].numbers.begin(), latin[c].numbers.end()));
+    }
+    CHECK(sweep::latin_hypercube_samples(37, {{"a"}}, 5)[0].numbers == latin[0].numbers);
+    CHECK(sweep::latin_hypercube_samples(37, {{"a"}}, 6)[0].numbers != latin[0].numbers);
+}
+
+TEST_CASE("bad samples are refused with what was allowed", "[sweep][errors]") {
+    CHECK_THROWS_WITH(sweep::parse_sample_range("x", "1:2:3"), Contains("first:last"));
+    CHECK_THROWS_WITH(sweep::parse_sample_range("x", "1:2 cubic"), Contains("first:last log"));
+    CHECK_THROWS_WITH(sweep::parse_sample_range("x", "0:2 log"), Contains("not positive"));
+    CHECK_THROWS_WITH(sweep::sobol_samples(0, {{"a"}}), Contains("1 to 1000000"));
+    CHECK_THROWS_WITH(sweep::sobol_samples(5, {}), Contains("1 to 1000"));
 }

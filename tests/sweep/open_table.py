@@ -30,6 +30,53 @@ wavelength_nm = [500, 600]
 """
 
 
+ERADIATE = """outputs = ["brdf"]
+layout = "eradiate"
+[scene]
+base = "hg:0.9,{g}"
+[axes]
+g = 0.4
+mu_in = "0:1:5 linear"
+mu_out = "0:1:3 linear"
+azimuth_deg = "0:270:90"
+wavelength_nm = [500, 600]
+"""
+
+
+def eradiate(program, folder):
+    """What Eradiate checks of a measured surface's BRDF, and values at their directions."""
+    (folder / "eradiate.toml").write_text(ERADIATE)
+    (folder / "grey.toml").write_text(ERADIATE.replace("[500, 600]", "550").replace("{g}", "0.4")
+                                      .replace("g = 0.4\n", ""))
+    for name in "eradiate", "grey":
+        (folder / f"{name}.nc").unlink(missing_ok=True)
+        subprocess.run([program, "sweep", str(folder / f"{name}.toml"), "-q", "-o",
+                        str(folder / f"{name}.nc")], check=True)
+    grey = xr.open_dataset(folder / "grey.nc")
+    assert grey.brdf.dims == ("cos_theta_o", "phi_d", "cos_theta_i"), grey.brdf.dims
+    assert float(grey.w) == 550 and grey.w.units == "nm"
+    data = xr.open_dataset(folder / "eradiate.nc")
+    assert data.brdf.dims == ("g", "cos_theta_o", "phi_d", "cos_theta_i", "w"), data.brdf.dims
+    for name, size in (("cos_theta_o", 3), ("cos_theta_i", 5)):
+        assert np.allclose(data[name], np.linspace(0, 1, size)) and data[name].units
+    assert np.allclose(data.phi_d, np.linspace(0, 2 * np.pi, 4, endpoint=False))
+    assert data.phi_d.units == "rad" and data.w.units == "nm"
+    assert np.isfinite(data.brdf).all()
+    # Our azimuth 0 is the mirror's side, pi of theirs; hg:0.9,0.4 scatters forward.
+    alone = subprocess.run([program, "brdf", "--base", "hg:0.9,0.4", "--wavelengths", "500",
+                            "--mu-in", "0.25,0.5,0.75,1", "--mu-out", "0.5,1", "--azimuth",
+                            "0,90,180", "--no-cache"], capture_output=True, text=True, check=True)
+    lines = [line.split(",") for line in alone.stdout.splitlines() if not line.startswith("#")]
+    for row in lines[1:]:
+        _, mu_in, mu_out, azimuth, value = (float(cell) for cell in row[:5])
+        phi = np.pi * (1 - azimuth / 180)
+        stored = float(data.brdf.isel(g=0, w=0).sel(cos_theta_o=mu_out, phi_d=phi,
+                                                    cos_theta_i=mu_in, method="nearest"))
+        assert abs(stored / value - 1) <= 1e-3, (row, stored)  # other directions are asked beside
+    forward = data.brdf.isel(g=0, w=0, cos_theta_i=1, cos_theta_o=1)
+    assert float(forward.isel(phi_d=2)) > 1.2 * float(forward.isel(phi_d=0))
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -71,6 +118,7 @@ def main():
     dump = subprocess.run(["ncdump", "-h", str(table)], capture_output=True, text=True)
     if dump.returncode == 0:
         assert "double plane_albedo(medium, ground, albedo, wavelength_nm, mu_in)" in dump.stdout
+    eradiate(program, folder)
     print("opened with xarray, netCDF4 and ncdump")
 
 

@@ -73,6 +73,34 @@ TEST_CASE("zipped axes and samples of a file make one dimension", "[sweep]") {
     CHECK(sweep::request_of(zipped, 1).scene.base == medium("hg:0.5,0.3"));
 }
 
+TEST_CASE("samples of a sequence are columns of one dimension", "[sweep]") {
+    const support::TemporaryFolder folder;
+    const std::string head = R"(outputs = ["spherical_albedo"]
+[scene]
+base = "hg:{a},{g}"
+[axes]
+wavelength_nm = 500
+)";
+    const auto sobol = sweep::read_sweep_file(
+        folder.write("s.toml", head + "draw = {sobol = 5, a = \"0.2:0.6\", g = \"0:0.4\"}\n"));
+    REQUIRE(sobol.dimensions.size() == 1);
+    CHECK(sobol.dimensions[0].name == "draw");
+    CHECK(sobol.dimensions[0].axes[0].name == "a");  // in the order of the file
+    CHECK(sobol.dimensions[0].axes[1].numbers == std::vector<double>{0.2, 0.1, 0.3, 0.15, 0.35});
+    const auto latin = sweep::read_sweep_file(folder.write(
+        "l.toml",
+        head + "draw = {latin-hypercube = 9, seed = 3, a = \"0.2:0.6\", g = \"0:0.4\"}\n"));
+    CHECK(latin.scenes() == 9);
+    const auto refused = [&](const std::string& line, const std::string& reason) {
+        CHECK_THROWS_WITH(sweep::read_sweep_file(folder.write("b.toml", head + line + "\n")),
+                          Contains(reason) && Contains("line 6"));
+    };
+    refused("draw = {sobol = 5, a = 3, g = \"0:0.4\"}", "50:1000 log");
+    refused("draw = {sobol = 2.5, a = \"0.2:0.6\", g = \"0:0.4\"}", "whole number");
+    refused("draw = {sobol = 2, latin-hypercube = 3, a = \"0:1\"}", "one of them");
+    refused("draw = {sobol = 5, seed = 3, a = \"0.2:0.6\", g = \"0:0.4\"}", "seed");
+}
+
 TEST_CASE("mistakes of a sweep file are named before anything runs", "[sweep][errors]") {
     const support::TemporaryFolder folder;
     struct Mistake {

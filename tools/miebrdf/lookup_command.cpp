@@ -1,6 +1,5 @@
 // miebrdf lookup: values between the nodes of a sweep's table.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -42,30 +41,6 @@ std::vector<std::pair<std::string, std::string>> pairs_of(const std::vector<std:
     return pairs;
 }
 
-/// Axes of the whole table.
-std::vector<std::string> axes_of_table(const sweep::StoredTable& table) {
-    std::vector<std::string> names;
-    for (const std::string& variable : table.variables()) {
-        for (const sweep::StoredAxis& axis : table.axes_of(variable)) {
-            if (std::find(names.begin(), names.end(), axis.name) == names.end())
-                names.push_back(axis.name);
-        }
-    }
-    return names;
-}
-
-/// The axis of this name, or the only one that begins with it: radius for radius_um.
-std::string axis_named(const std::string& asked, const std::vector<std::string>& names) {
-    std::vector<std::string> beginning;
-    for (const std::string& name : names) {
-        if (name == asked) return name;
-        if (name.rfind(asked, 0) == 0) beginning.push_back(name);
-    }
-    if (beginning.size() == 1) return beginning.front();
-    throw UsageError(
-        fmt::format("the table has no axis '{}'; it has: {}", asked, fmt::join(names, ", ")));
-}
-
 /// The axis of cosines that degrees are given for; null for other names.
 const char* cosine_named(const std::string& name) {
     if (name == "theta_in" || name == "sun_zenith") return "mu_in";
@@ -73,30 +48,19 @@ const char* cosine_named(const std::string& name) {
     return nullptr;
 }
 
+/// Options by the names that they were typed with.
 std::map<std::string, std::string> asked_values(const std::vector<std::string>& words,
                                                 const sweep::StoredTable& table) {
-    const std::vector<std::string> names = axes_of_table(table);
     std::map<std::string, std::string> asked;
     for (auto [name, value] : pairs_of(words)) {
         if (const char* cosine = cosine_named(name)) {
             name = cosine;
             value = fmt::format("{}", cosine_of_degrees(parse_number(value, "degrees")));
         }
-        if (!asked.emplace(axis_named(name, names), value).second)
+        if (!asked.emplace(name, value).second)
             throw UsageError(fmt::format("--{}: given twice", name));
     }
-    return asked;
-}
-
-std::vector<std::string> wanted_variables(const LookupArguments& arguments,
-                                          const sweep::StoredTable& table) {
-    const std::vector<std::string> known = table.variables();
-    for (const std::string& name : arguments.variables) {
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw UsageError(fmt::format("the table has no variable '{}'; it has: {}", name,
-                                         fmt::join(known, ", ")));
-    }
-    return arguments.variables.empty() ? known : arguments.variables;
+    return sweep::named_values(table, asked);
 }
 
 /// A row for each value; axes that the variable has not stay empty.
@@ -123,7 +87,7 @@ int look_up(const LookupArguments& arguments, const std::vector<std::string>& wo
     const auto asked = asked_values(words, *stored);
     const sweep::Interpolation order = sweep::parse_interpolation(arguments.interpolation);
     std::vector<std::string> listed;
-    for (const std::string& name : axes_of_table(*stored)) {
+    for (const std::string& name : sweep::axes_of_table(*stored)) {
         if (!asked.contains(name)) listed.push_back(name);
     }
     Table table;
@@ -137,7 +101,7 @@ int look_up(const LookupArguments& arguments, const std::vector<std::string>& wo
         "interpolation_error",
         "absolute, from nodes that the interpolation leaves out; empty: none is left out. The "
         "error of the nodes themselves is the variable error_estimate");
-    for (const std::string& variable : wanted_variables(arguments, *stored))
+    for (const std::string& variable : sweep::named_variables(*stored, arguments.variables))
         add_rows(table, sweep::look_up(*stored, variable, asked, order), listed);
     shell.write(std::move(table));
     return kGood;

@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
+#include "pipeline/sweep/crew.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 #include "pipeline/sweep/run.h"
 #include "pipeline/sweep/slurm.h"
@@ -20,6 +23,7 @@ namespace fs = std::filesystem;
 struct SweepArguments {
     std::string file;
     std::string part;
+    std::string costs;
     std::size_t sbatch_parts = 0;
     bool plan = false, merge = false, keep_parts = false;
     double sample_s = 30.0;
@@ -56,7 +60,7 @@ bool is_complete(const sweep::Sweep& sweep, const std::string& table) {
            sweep::identity_of(sweep);
 }
 
-Table plan_table(const sweep::SweepPlan& plan, const Control& control) {
+Table plan_table(const sweep::SweepPlan& plan) {
     Table table;
     table.columns = {"quantity", "value", "unit"};
     const auto add = [&](const char* name, double value, const char* unit) {
@@ -69,15 +73,15 @@ Table plan_table(const sweep::SweepPlan& plan, const Control& control) {
     add("NetCDF file before compression", std::ceil(plan.netcdf_bytes / 1e3), "kB");
     add("CSV file, about", std::ceil(plan.csv_bytes / 1e3), "kB");
     add("memory, at most", std::ceil(plan.memory_bytes / 1e6), "MB");
-    add("scenes timed", double(plan.sampled), "");
-    add("time for them", rounded(plan.sample_seconds, 3), "s");
-    add("time of the sweep", rounded(plan.seconds, 3), "s");
-    add("standard error of it", rounded(plan.seconds_error, 2), "s");
-    table.facts.emplace_back(
-        "estimate", fmt::format("from {} groups of {}, {}, on this machine as it was just now",
-                                plan.sampled_groups, plan.groups,
-                                control.threads > 0 ? fmt::format("{} threads", control.threads)
-                                                    : std::string("all processors")));
+    add("groups and wavelengths timed", double(plan.sampled), "");
+    add("processor time for them", rounded(plan.sample_seconds, 3), "s");
+    add("processor time of the sweep", rounded(plan.processor_seconds, 3), "s");
+    add("standard error of it", rounded(plan.processor_seconds_error, 2), "s");
+    add("processors", double(plan.processors), "");
+    add("time on them", rounded(plan.processor_seconds / double(plan.processors), 3), "s");
+    table.facts.emplace_back("estimate",
+                             "from single wavelengths of groups, spread over the sweep; the time "
+                             "is that of processors that nothing else uses");
     return table;
 }
 
@@ -121,30 +125,69 @@ int merge(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::P
     return tell_report(report, table, shell);
 }
 
+/// Which scenes are expensive: a row for each chunk that was computed.
+void write_costs(const sweep::RunReport& report, const std::string& file, const Shell& shell) {
+    if (file.empty()) return;
+    Table table;
+    table.facts = {{"command", shell.command_line()}};
+    table.columns = {"chunk", "first_scene", "scenes", "processor_seconds"};
+    for (const auto& [chunk, seconds] : report.costs)
+        table.rows.push_back(
+            {double(chunk.number), double(chunk.first), double(chunk.count), seconds});
+    AtomicFile out(file);
+    write_csv(table, out.stream());
+    out.commit();
+}
+
+int tell_complete(const sweep::Sweep& sweep, const sweep::Layout& layout,
+                  const SweepArguments& arguments, const Shell& shell) {
+    const std::string& table = shell.common().output;
+    const fs::path folder = sweep::Parts::folder_of(table);
+    shell.note(fmt::format("'{}' is complete already; remove it to compute it again", table));
+    if (!arguments.keep_parts && fs::is_directory(folder))
+        sweep::Parts(sweep, layout, folder).remove();
+    return kGood;
+}
+
+/// As one of several processes of mpirun or srun; the first of them writes the table.
+int run_in_crew(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::Parts& parts,
+                const sweep::Crew& crew, const SweepArguments& arguments, const Shell& shell) {
+    const auto is_there = [&] { return is_complete(sweep, shell.common().output); };
+    const auto report = sweep::run_crew(sweep, layout, parts, crew, is_there, shell.control());
+    shell.note(fmt::format(
+        "process {} of {}: {} chunks taken, {} of them were there; {} scenes "
+        "computed",
+        crew.number + 1, crew.size, report.chunks, report.found, report.computed_scenes));
+    write_costs(report,
+                arguments.costs.empty() ? "" : fmt::format("{}.{}", arguments.costs, crew.number),
+                shell);
+    if (is_there()) return tell_complete(sweep, layout, arguments, shell);
+    return crew.number == 0 ? merge(sweep, layout, parts, arguments, shell) : int(kGood);
+}
+
 int run_sweep(const sweep::Sweep& sweep, const SweepArguments& arguments, const Shell& shell) {
     const sweep::Layout layout = sweep::layout_of(sweep);
     const std::string& table = shell.common().output;
     if (arguments.plan) {
-        const Control control = shell.control();
-        const auto plan = sweep::plan_sweep(sweep, layout, arguments.sample_s, control);
+        const auto plan = sweep::plan_sweep(sweep, layout, arguments.sample_s, shell.control());
         Shell to_screen(shell.command_line());
-        to_screen.write(plan_table(plan, control));
+        to_screen.write(plan_table(plan));
         return kGood;
     }
     const fs::path folder = sweep::Parts::folder_of(table);
-    if (is_complete(sweep, table)) {
-        shell.note(fmt::format("'{}' is complete already; remove it to compute it again", table));
-        if (!arguments.keep_parts && fs::is_directory(folder))
-            sweep::Parts(sweep, layout, folder).remove();
-        return kGood;
-    }
+    if (is_complete(sweep, table)) return tell_complete(sweep, layout, arguments, shell);
     const sweep::Parts parts(sweep, layout, folder);
+    const auto crew =
+        sweep::crew_of_environment([](const char* name) { return std::getenv(name); });
+    if (crew && !arguments.merge && arguments.part.empty())
+        return run_in_crew(sweep, layout, parts, *crew, arguments, shell);
     if (!arguments.merge) {
         const auto share =
             arguments.part.empty() ? sweep::Share{} : sweep::parse_share(arguments.part);
         const auto report = sweep::run_share(sweep, layout, parts, share, shell.control());
         shell.note(fmt::format("{} of {} chunks were there; {} scenes computed", report.found,
                                report.chunks, report.computed_scenes));
+        write_costs(report, arguments.costs, shell);
         if (!arguments.part.empty()) return kGood;
     }
     return merge(sweep, layout, parts, arguments, shell);
@@ -166,7 +209,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
                      "compute nothing else");
     command
         .add_option("--sample-seconds", arguments.sample_s,
-                    "of --plan: no more scenes are timed after this")
+                    "of --plan: no more is timed after this processor time")
         ->type_name("S")
         ->check(CLI::Range(0.0, 1e6))
         ->capture_default_str();
@@ -180,6 +223,10 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
                     "print a script for Slurm: a job array of N parts, and how to merge them")
         ->type_name("N")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+    command
+        .add_option("--costs", arguments.costs,
+                    "also write the processor time of every chunk that is computed, as CSV")
+        ->type_name("FILE");
     command.add_flag("--keep-parts", arguments.keep_parts,
                      "leave the folder FILE.parts when the table is complete");
 }
@@ -197,6 +244,8 @@ void add_sweep(CLI::App& command, Shell& shell) {
         require_one_task(*arguments);
         if (!arguments->plan) require_table(shell.common().output);
         const sweep::Sweep sweep = sweep::read_sweep_file(arguments->file);
+        if (sweep.for_eradiate && !arguments->plan && !is_netcdf(shell.common().output))
+            throw UsageError("layout eradiate is one of NetCDF; give -o table.nc");
         if (arguments->sbatch_parts == 0)
             return [=, &shell] { return run_sweep(sweep, *arguments, shell); };
         return [=, &shell]() -> int {

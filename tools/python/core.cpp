@@ -78,4 +78,5 @@ PYBIND11_MODULE(_core, module) {
     bind_scene(module);
     bind_brdf(module);
     bind_exports(module);
+    bind_tables(module);
 }

@@ -93,6 +93,7 @@ class NetcdfTable : public StoredTable {
             axis.numbers.resize(size);
             handle_.check(nc_get_var_double(handle_.id(), variable, axis.numbers.data()));
         }
+        axis.unit = handle_.text(variable, "units");
         axis.is_logarithmic = handle_.text(variable, "spacing") == "logarithmic";
         return axis;
     }

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/sweep/eradiate.h"
 #include "pipeline/sweep/netcdf/handle.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 
@@ -39,6 +40,10 @@ std::string long_name_of(const Axis& axis) {
         {"theta_in_deg", "angle of incidence from the normal"},
         {"mu_out", "cosine of the angle of reflection"},
         {"theta_out_deg", "angle of reflection from the normal"},
+        {"w", "wavelength in vacuum"},
+        {"cos_theta_i", "cosine of the angle of incidence"},
+        {"cos_theta_o", "cosine of the angle of reflection"},
+        {"phi_d", "azimuth of the outgoing minus that of the incoming direction"},
         {"azimuth_deg", "azimuth between incidence and reflection; 0: the mirror side"}};
     const auto found = kNames.find(axis.name);
     return found != kNames.end() ? found->second : axis.name;
@@ -78,8 +83,13 @@ class NetcdfWriter : public TableWriter {
             }
         }
         for (const Axis* axis : asked_axes(sweep_)) {
-            asked_[axis] = define_dimension(axis->name, axis->size());
-            define_axis(*axis, asked_[axis]);
+            if (sweep_.for_eradiate && axis == &sweep_.wavelength && axis->size() == 1) {
+                define_single(eradiate_axis(*axis));
+                continue;
+            }
+            const Axis stored = sweep_.for_eradiate ? eradiate_axis(*axis) : *axis;
+            asked_[axis] = define_dimension(stored.name, stored.size());
+            define_axis(stored, asked_[axis]);
         }
         for (const Variable& variable : layout_.variables) define_variable(variable);
         error_estimate_ =
@@ -119,7 +129,7 @@ class NetcdfWriter : public TableWriter {
         handle_.put_text(variable, "long_name", long_name_of(axis));
         if (!axis.is_text())
             handle_.put_text(variable, "units", axis.unit.empty() ? "1" : axis.unit);
-        if (axis.name == "wavelength_nm")
+        if (axis.name == "wavelength_nm" || (sweep_.for_eradiate && axis.name == "w"))
             handle_.put_text(variable, "standard_name", "radiation_wavelength");
         if (axis.is_logarithmic) handle_.put_text(variable, "spacing", "logarithmic");
         handle_.check(nc_enddef(id()));
@@ -129,6 +139,42 @@ class NetcdfWriter : public TableWriter {
             handle_.check(nc_put_var_double(id(), variable, axis.numbers.data()));
         }
         handle_.check(nc_redef(id()));
+    }
+
+    /// Names and units that Eradiate looks for.
+    Axis eradiate_axis(const Axis& axis) const {
+        if (&axis == &sweep_.wavelength) return renamed(axis, "w", "nm", axis.numbers);
+        if (&axis == &sweep_.azimuth) return renamed(axis, "phi_d", "rad", eradiate_azimuths(axis));
+        const char* name = &axis == &sweep_.incidence ? "cos_theta_i" : "cos_theta_o";
+        return renamed(axis, name, "dimensionless", axis.numbers);
+    }
+
+    static Axis renamed(Axis axis, const char* name, const char* unit,
+                        const std::vector<double>& numbers) {
+        axis.name = name;
+        axis.unit = unit;
+        axis.numbers = numbers;
+        return axis;
+    }
+
+    /// A coordinate without a dimension: Eradiate's check wants three, for one wavelength.
+    void define_single(const Axis& axis) {
+        int variable = -1;
+        handle_.check(nc_def_var(id(), axis.name.c_str(), NC_DOUBLE, 0, nullptr, &variable));
+        handle_.put_text(variable, "long_name", long_name_of(axis));
+        handle_.put_text(variable, "units", axis.unit);
+        handle_.check(nc_enddef(id()));
+        handle_.check(nc_put_var_double(id(), variable, axis.numbers.data()));
+        handle_.check(nc_redef(id()));
+        coordinates_ += (coordinates_.empty() ? "" : " ") + axis.name;
+    }
+
+    /// The axes of a variable behind those of the scenes, as they are stored.
+    std::vector<const Axis*> stored_axes(const Variable& variable) const {
+        if (!sweep_.for_eradiate || variable.axes.empty()) return variable.axes;
+        std::vector<const Axis*> axes = {&sweep_.reflection, &sweep_.azimuth, &sweep_.incidence};
+        if (sweep_.wavelength.size() > 1) axes.push_back(&sweep_.wavelength);
+        return axes;
     }
 
     int define_array(const char* name, nc_type type, const std::vector<int>& dimensions,
@@ -145,7 +191,7 @@ class NetcdfWriter : public TableWriter {
     int define_values(const Variable& variable) {
         std::vector<int> dimensions = scene_dimensions_;
         std::vector<std::size_t> shape = scene_shape_;
-        for (const Axis* axis : variable.axes) {
+        for (const Axis* axis : stored_axes(variable)) {
             dimensions.push_back(asked_.at(axis));
             shape.push_back(axis->size());
         }
@@ -168,12 +214,18 @@ class NetcdfWriter : public TableWriter {
         for (std::size_t v = 0; v < variables_.size(); ++v) {
             const Variable& variable = layout_.variables[v];
             std::vector<std::size_t> start = place, count(place.size(), 1);
-            for (const Axis* axis : variable.axes) {
+            for (const Axis* axis : stored_axes(variable)) {
                 start.push_back(0);
                 count.push_back(axis->size());
             }
-            handle_.check(nc_put_vara_double(id(), variables_[v], start.data(), count.data(),
-                                             result.values.data() + variable.offset));
+            const double* values = result.values.data() + variable.offset;
+            std::vector<double> ordered;
+            if (sweep_.for_eradiate) {
+                ordered = in_eradiate_order(sweep_, values);
+                values = ordered.data();
+            }
+            handle_.check(
+                nc_put_vara_double(id(), variables_[v], start.data(), count.data(), values));
         }
         const signed char converged = result.converged;
         handle_.check(

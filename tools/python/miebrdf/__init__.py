@@ -29,6 +29,7 @@ from ._media import coat, lambertian, media_forms, medium  # noqa: E402
 from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
 from ._options import set_options  # noqa: E402
 from ._scene import Scene  # noqa: E402
+from ._tables import LookedUp, lookup  # noqa: E402
 from ._version import __version__  # noqa: E402
 from .errors import (  # noqa: E402
     Cancelled,
@@ -53,6 +54,7 @@ __all__ = [
     "FileCheck",
     "InputError",
     "Layer",
+    "LookedUp",
     "Material",
     "MaterialFileError",
     "Materials",
@@ -76,6 +78,7 @@ __all__ = [
     "errors",
     "formats",
     "lambertian",
+    "lookup",
     "materials",
     "media_forms",
     "medium",
