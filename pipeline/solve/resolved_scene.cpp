@@ -109,8 +109,10 @@ void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& res
 
 }  // namespace
 
-ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm) {
-    Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front());
+ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm,
+                      NamedIndexMemo* memo) {
+    Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front(),
+                      memo);
     ResolvedScene resolved{.wavelength_nm = wavelength_nm, .particles = scene.particles};
     if (scene.substrate) {
         resolved.substrate = scene.substrate->kind;
