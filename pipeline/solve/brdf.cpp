@@ -9,6 +9,7 @@
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/layers.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/surface_part.h"
@@ -128,8 +129,9 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
     validate(scene);
     validate_wavelengths(wavelength_nm);
     require_valid(options);
+    NamedIndexMemo* const names = control.memo != nullptr ? &control.memo->names() : nullptr;
     auto state = std::make_shared<Brdf::State>(
-        Brdf::State{scene, resolve(scene, wavelength_nm), options, control});
+        Brdf::State{scene, resolve(scene, wavelength_nm, names), options, control});
     if (state->control.memo == nullptr) state->control.memo = make_optics_memo();
     return Brdf(std::move(state));
 }

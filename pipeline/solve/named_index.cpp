@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 
 namespace miebrdf {
@@ -26,8 +27,9 @@ std::string source_line(const materials::MaterialInfo& info) {
 
 }  // namespace
 
-Materials::Materials(const std::string& file, const materials::IndexOptions& options)
-    : file_(file), options_(options) {
+Materials::Materials(const std::string& file, const materials::IndexOptions& options,
+                     NamedIndexMemo* memo)
+    : file_(file), options_(options), memo_(memo) {
     if (!file.empty() && !std::filesystem::exists(file)) {
         throw InputError(fmt::format("materials database '{}' does not exist", file));
     }
@@ -45,26 +47,40 @@ materials::RefractiveIndex Materials::index(const std::string& name) {
     return open().refractive_index(name, options_);
 }
 
-ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
-                            double k_floor, Materials& materials) {
-    ResolvedIndex resolved;
-    const auto add = [&](std::complex<double> n_ik) {
-        resolved.index.emplace_back(n_ik.real(), std::max(n_ik.imag(), k_floor));
-    };
-    if (species.kind == "index") {
-        resolved.source = describe(Species{.kind = species.kind, .parameters = species.parameters});
-        for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
-            add({species.parameters[0], species.parameters[1]});
-        return resolved;
-    }
-    const bool own = species.kind == "table";
-    const auto table = own ? own_index(species) : materials.index(species.name);
-    resolved.source = own ? fmt::format("{}: n + ik as given, at {} wavelengths", species.name,
-                                        species.index.size())
-                          : source_line(materials.open().info(species.name));
+std::optional<ResolvedIndex> NamedIndexMemo::find(const std::string& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(key);
+    return known == known_.end() ? std::nullopt : std::optional(known->second);
+}
+
+void NamedIndexMemo::keep(const std::string& key, const ResolvedIndex& index) {
+    const std::lock_guard lock(mutex_);
+    known_.emplace(key, index);
+}
+
+ResolvedIndex Materials::remembered(const std::string& name,
+                                    const std::vector<double>& wavelength_nm, double k_floor,
+                                    const std::function<ResolvedIndex()>& look_up) const {
+    if (memo_ == nullptr) return look_up();
+    JobKey key("n and k");
+    key.add(std::string_view(file_)).add(std::string_view(name)).add(wavelength_nm).add(k_floor);
+    key.add(options_.interpolation).add(options_.extrapolation).add(options_.missing_k_is_zero);
+    const std::string hash = key.hash();
+    if (auto known = memo_->find(hash)) return *known;
+    ResolvedIndex found = look_up();
+    memo_->keep(hash, found);
+    return found;
+}
+
+namespace {
+
+ResolvedIndex values_of(const materials::RefractiveIndex& table, std::string source,
+                        const std::vector<double>& wavelength_nm, double k_floor) {
+    ResolvedIndex resolved{{}, std::move(source)};
     std::size_t outside = 0;
     for (const double nm : wavelength_nm) {
-        add(table.at(nm));
+        const std::complex<double> n_ik = table.at(nm);
+        resolved.index.emplace_back(n_ik.real(), std::max(n_ik.imag(), k_floor));
         outside += !table.covers(nm);
     }
     if (outside > 0) {
@@ -74,6 +90,31 @@ ResolvedIndex resolve_index(const Species& species, const std::vector<double>& w
             outside, wavelength_nm.size(), table.shortest_nm(), table.longest_nm());
     }
     return resolved;
+}
+
+}  // namespace
+
+ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
+                            double k_floor, Materials& materials) {
+    if (species.kind == "index") {
+        const std::complex<double> n_ik(species.parameters[0],
+                                        std::max(species.parameters[1], k_floor));
+        return {std::vector(wavelength_nm.size(), n_ik),
+                describe(Species{.kind = species.kind, .parameters = species.parameters})};
+    }
+    if (species.kind == "table") {
+        return values_of(own_index(species),
+                         fmt::format("{}: n + ik as given, at {} wavelengths", species.name,
+                                     species.index.size()),
+                         wavelength_nm, k_floor);
+    }
+    return materials.remembered(species.name, wavelength_nm, k_floor, [&] {
+        const auto table = materials.index(species.name);
+        const auto info = materials.open().info(species.name);
+        ResolvedIndex resolved = values_of(table, source_line(info), wavelength_nm, k_floor);
+        resolved.density_g_cm3 = info.density_g_cm3;
+        return resolved;
+    });
 }
 
 ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,

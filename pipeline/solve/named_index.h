@@ -5,11 +5,33 @@
 #include <miebrdf/scene.h>
 
 #include <complex>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace miebrdf {
+
+/// A material's n + ik and where it comes from.
+struct ResolvedIndex {
+    std::vector<std::complex<double>> index;
+    std::string source;
+    std::optional<double> density_g_cm3 = {};  ///< of a material by name, where it is known
+};
+
+/// What scenes of one run have looked up. Thread-safe. A database that changes during the run is
+/// not asked again.
+class NamedIndexMemo {
+  public:
+    std::optional<ResolvedIndex> find(const std::string& key) const;
+    void keep(const std::string& key, const ResolvedIndex& index);
+
+  private:
+    mutable std::mutex mutex_;
+    std::map<std::string, ResolvedIndex> known_;
+};
 
 /// The user's own materials over the embedded ones, opened for the first medium that has a name:
 /// scenes without names need no database.
@@ -17,22 +39,23 @@ class Materials {
   public:
     /// @param file  of the user's materials; empty: the default one
     /// @throws InputError  for a file that does not exist
-    explicit Materials(const std::string& file, const materials::IndexOptions& options = {});
+    /// @param memo  null: nothing is remembered
+    explicit Materials(const std::string& file, const materials::IndexOptions& options = {},
+                       NamedIndexMemo* memo = nullptr);
 
     materials::Database& open();
+
+    /// @param look_up  what to do where nothing is remembered of these
+    ResolvedIndex remembered(const std::string& name, const std::vector<double>& wavelength_nm,
+                             double k_floor, const std::function<ResolvedIndex()>& look_up) const;
 
     materials::RefractiveIndex index(const std::string& name);
 
   private:
     std::string file_;
     materials::IndexOptions options_;
+    NamedIndexMemo* memo_;
     std::optional<materials::Database> database_;
-};
-
-/// A material's n + ik and where it comes from.
-struct ResolvedIndex {
-    std::vector<std::complex<double>> index;
-    std::string source;
 };
 
 /// @param species  a material, index: or table

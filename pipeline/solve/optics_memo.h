@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/solve/named_index.h"
 #include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf {
@@ -29,12 +30,14 @@ class OpticsMemo {
     void keep(const std::string& hash, const MediumOptics& optics);
     int found() const;               ///< how often something was there
     std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
+    NamedIndexMemo& names() { return names_; }  ///< n and k: small, so not counted
 
   private:
     mutable std::mutex mutex_;
     std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
     std::size_t free_bytes_;
     int found_ = 0;
+    NamedIndexMemo names_;
 };
 
 /// Optics from where they are known, from an earlier scene of the run or from the cache; else

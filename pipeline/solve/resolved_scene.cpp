@@ -122,8 +122,10 @@ void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
 
 }  // namespace
 
-ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm) {
-    Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front());
+ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm,
+                      NamedIndexMemo* memo) {
+    Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front(),
+                      memo);
     ResolvedScene resolved{.wavelength_nm = wavelength_nm, .particles = scene.particles};
     if (scene.substrate) {
         resolved.substrate = scene.substrate->kind;

@@ -83,8 +83,8 @@ bool has_mirror(const Scene& scene) {
 
 bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0; }
 
-Resolver::Resolver(const Scene& scene, double some_nm)
-    : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index) {}
+Resolver::Resolver(const Scene& scene, double some_nm, NamedIndexMemo* memo)
+    : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index, memo) {}
 
 ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                                 double optical_depth) {
@@ -148,17 +148,12 @@ Resolver::HostAt Resolver::look_up(const Host& host, const std::vector<double>& 
     try {
         ResolvedIndex found = resolve_index(material, wavelength_nm, 0.0, materials_);
         at.index = std::move(found.index);
+        at.density_g_cm3 = found.density_g_cm3;
         add_source("host " + found.source);
     } catch (const InputError& error) {
         throw InputError(fmt::format("host '{}': {}", host.name, error.what()));
     }
-    at.density_g_cm3 = materials_.open().info(host.name).density_g_cm3;
     return at;
-}
-
-std::optional<double> Resolver::density_of(const Species& species) {
-    if (species.density_g_cm3 || species.kind != "material") return species.density_g_cm3;
-    return materials_.open().info(species.name).density_g_cm3;
 }
 
 ResolvedSpecies Resolver::species(const Species& species, const std::vector<double>& wavelength_nm,
@@ -171,7 +166,8 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         }
         resolved.sizes = sizes_of(species, scene_.particles);
         resolved.effective_radius_um = mie::effective_radius_of(resolved.sizes);
-        resolved.density_g_cm3 = density_of(species);
+        resolved.density_g_cm3 =
+            species.density_g_cm3 ? species.density_g_cm3 : index.density_g_cm3;
         require_contrast(resolved);
         add_source(std::move(index.source));
     } else {

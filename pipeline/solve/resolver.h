@@ -12,7 +12,8 @@ namespace miebrdf {
 class Resolver {
   public:
     /// @param some_nm  a wavelength at which the scene is wanted, for advice
-    Resolver(const Scene& scene, double some_nm);
+    /// @param memo     null: nothing is remembered
+    Resolver(const Scene& scene, double some_nm, NamedIndexMemo* memo = nullptr);
 
     /// @throws UsageError, InputError  as resolve() of resolved_scene.h
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it
@@ -39,7 +40,6 @@ class Resolver {
 
     static void add_once(std::vector<std::string>& lines, std::string line);
     HostAt look_up(const Host& host, const std::vector<double>& wavelength_nm);
-    std::optional<double> density_of(const Species& species);
     ResolvedSpecies species(const Species& species, const std::vector<double>& wavelength_nm,
                             const HostAt& host);
     /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself

@@ -6,6 +6,7 @@
 
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/optics_memo.h"
+#include "pipeline/solve/resolved_scene.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -179,4 +180,25 @@ TEST_CASE("several threads may use one memo", "[pipeline][memo]") {
     }
     for (std::thread& thread : threads) thread.join();
     CHECK(wrong == std::vector<int>(4, 0));
+}
+
+TEST_CASE("names that a run has looked up are the same from its memo", "[pipeline][memo]") {
+    NamedIndexMemo memo;
+    Scene scene =
+        scene_of("SiO2,radius=1,mass=20% + TiO2,radius=0.1,mass=1% in H2O", {"Au,radius=0.1@1"});
+    const auto alone = resolve(scene, kWavelengths);
+    for (int round = 0; round < 2; ++round) {
+        const auto resolved = resolve(scene, kWavelengths, &memo);
+        REQUIRE(resolved.media.size() == alone.media.size());
+        for (std::size_t m = 0; m < alone.media.size(); ++m)
+            CHECK(resolved.media[m].key == alone.media[m].key);
+        CHECK(resolved.media[0].species[1].density_g_cm3 ==
+              alone.media[0].species[1].density_g_cm3);
+        CHECK(resolved.sources == alone.sources);
+    }
+    // Other wavelengths and a floor of k are other look-ups.
+    scene.particles.k_floor = 0.01;
+    CHECK(resolve(scene, kWavelengths, &memo).media[0].key ==
+          resolve(scene, kWavelengths).media[0].key);
+    CHECK(resolve(scene, {500}, &memo).media[1].key == resolve(scene, {500}).media[1].key);
 }
