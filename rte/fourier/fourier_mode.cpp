@@ -20,16 +20,6 @@ void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     }
 }
 
-// The nodes integrate the product of any two degrees exactly: the projection would change nothing.
-bool points_suffice(const ZenithGrid& grid, int degrees) {
-    if (degrees == 1 || grid.panels.empty()) return true;
-    const GridPanel& panel = grid.panels.front();
-    if (grid.panels.size() > 1 || panel.beyond > 0.0 || panel.map == GridPanel::Map::circular)
-        return false;
-    const Eigen::Index power = panel.map == GridPanel::Map::squared ? 3 : 1;  // of t in mu
-    return 2 * (degrees - 1) * power + power - 1 <= 2 * panel.count - 1;
-}
-
 // The lowest two of order 0 are polynomials that any grid holds, and energy depends on their last
 // digits.
 void legendre_functions_at_nodes(int fourier_order, int degrees, const ZenithGrid& grid,

@@ -13,10 +13,13 @@
 namespace miebrdf::rte {
 namespace {
 
-// Degrees with (2l+1) chi_l = x below this are dropped. Light scattered once has all of them; what
-// they do to the rest is about 0.002 x or 0.005 x^2, whichever is more (docs/numerics.md).
-double negligible_moment(double tolerance) {
-    return std::min(0.05 * std::sqrt(tolerance), 20.0 * tolerance);
+// Degrees with (2l+1) chi_l = x below this are dropped. Where light scattered once has all of them,
+// what they do to the rest is about 0.002 x or 0.005 x^2, whichever is more (docs/numerics.md).
+// Where it has no others, as below a rough boundary, the sum of all that are dropped shows.
+double negligible_moment(const Stack& stack, const SolverOptions& options) {
+    const bool is_rough = stack.boundary && stack.boundary->is_rough();
+    if (is_rough || !options.single_scattering_correction) return 0.01 * options.tolerance;
+    return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 
 // chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
@@ -73,12 +76,12 @@ bool converges_slowly(const Stack& stack, int streams) {
 }
 
 // Degrees up to the last one that shows, in any medium.
-std::size_t moments_that_show(const Stack& stack, double tolerance) {
+std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) {
     constexpr std::size_t least = 4;
     std::size_t count = most_moments(stack);
+    const double negligible = negligible_moment(stack, options);
     const auto shows = [&](std::size_t l) {
-        return (2.0 * double(l) + 1.0) * largest_moment(stack, int(l)) >
-               negligible_moment(tolerance);
+        return (2.0 * double(l) + 1.0) * largest_moment(stack, int(l)) > negligible;
     };
     while (count > least && !shows(count - 1)) --count;
     return count;
@@ -229,8 +232,8 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
     const auto carried = std::size_t(moments_per_node(streams) * streams);
-    choice.moments = int(std::min(
-        {carried, most_usable_moments(stack), moments_that_show(stack, options.tolerance)}));
+    choice.moments =
+        int(std::min({carried, most_usable_moments(stack), moments_that_show(stack, options)}));
     return choice;
 }
 

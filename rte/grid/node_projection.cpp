@@ -33,6 +33,15 @@ Eigen::RowVectorXd cardinal_functions(const math::Quadrature& nodes, double t) {
 
 }  // namespace
 
+bool points_suffice(const ZenithGrid& grid, int degrees) {
+    if (degrees == 1 || grid.panels.empty()) return true;
+    const GridPanel& panel = grid.panels.front();
+    if (grid.panels.size() > 1 || panel.beyond > 0.0 || panel.map == GridPanel::Map::circular)
+        return false;
+    const Eigen::Index power = panel.map == GridPanel::Map::squared ? 3 : 1;  // of t in mu
+    return 2 * (degrees - 1) * power + power - 1 <= 2 * panel.count - 1;
+}
+
 NodeProjection project_on_nodes(const ZenithGrid& grid, int degrees) {
     NodeProjection projection{grid.panels, degrees, {}, {}, {}};
     Eigen::Index samples_in_all = 0;

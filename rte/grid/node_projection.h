@@ -26,6 +26,10 @@ struct NodeProjection {
     }
 };
 
+/// Whether the nodes integrate the product of any two degrees exactly: the projection would change
+/// nothing.
+bool points_suffice(const ZenithGrid& grid, int degrees);
+
 /// @param degrees  the highest Legendre degree is below it
 NodeProjection project_on_nodes(const ZenithGrid& grid, int degrees);
 

@@ -25,6 +25,20 @@ void fill_linear(int m, int degrees, const Eigen::VectorXd& mu, StokesTable& tab
     if (m == 0) table.T.setZero();
 }
 
+// As the nodes see them: at the zenith R and T vanish as fast as P does, or faster by whole powers
+// of 1 - mu.
+void fill_linear_at_nodes(int m, int degrees, const ZenithGrid& grid, StokesTables& tables) {
+    if (points_suffice(grid, degrees)) {
+        fill_linear(m, degrees, grid.mu, tables.nodes);
+        return;
+    }
+    const NodeProjection& projection = tables.scalar.projections.find(grid, degrees);
+    StokesTable samples;
+    fill_linear(m, degrees, projection.fine.mu, samples);
+    tables.nodes.R = projection.of_order(m) * samples.R;
+    tables.nodes.T = projection.of_order(m) * samples.T;
+}
+
 // One column of a block's functions: along which of Pi_l's columns it lies.
 struct Column {
     int degree = 0;
@@ -147,11 +161,11 @@ RequestedDirections repeated(const RequestedDirections& requested, int rows_per_
 void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
                         const RequestedDirections& requested, StokesTables& tables) {
     tables.fourier_order = fourier_order;
-    FourierMode scalar;  // orthogonal in order 0 as there: energy is conserved by the same sums
-    make_fourier_mode(fourier_order, degrees, grid, requested, scalar);
-    tables.nodes.P = scalar.at_nodes;
-    tables.requested.P = scalar.at_requested;
-    fill_linear(fourier_order, degrees, grid.mu, tables.nodes);
+    // Orthogonal in order 0 as there: energy is conserved by the same sums.
+    make_fourier_mode(fourier_order, degrees, grid, requested, tables.scalar);
+    tables.nodes.P = tables.scalar.at_nodes;
+    tables.requested.P = tables.scalar.at_requested;
+    fill_linear_at_nodes(fourier_order, degrees, grid, tables);
     fill_linear(fourier_order, degrees, requested.mu, tables.requested);
 }
 

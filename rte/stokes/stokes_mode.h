@@ -30,6 +30,7 @@ struct StokesTable {
 struct StokesTables {
     int fourier_order = 0;
     StokesTable nodes, requested;
+    FourierMode scalar;  ///< P and the projections, used again by the next order
 };
 void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
                         const RequestedDirections& requested, StokesTables& tables);

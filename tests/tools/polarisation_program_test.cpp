@@ -44,10 +44,10 @@ TEST_CASE("outputs say what was done about polarisation", "[program][polarisatio
         const auto at = out.find("# polarisation: ");
         return at == std::string::npos ? std::string() : out.substr(at, out.find('\n', at) - at);
     };
-    CHECK(said("--base hg:0.9,0.5").empty());
-    CHECK_THAT(said("--base rayleigh:0.9"), Catch::Contains("3 components"));
+    CHECK(said("--base hg:0.9,0.5 --stokes auto").empty());
+    CHECK_THAT(said("--base rayleigh:0.9 --stokes auto"), Catch::Contains("3 components"));
     CHECK(said("--base rayleigh:0.9 --stokes 1").empty());
-    CHECK_THAT(said("--base index:1.5,0.01,radius=20"), Catch::Contains("left out"));
+    CHECK_THAT(said("--base index:1.5,0.01,radius=20 --stokes auto"), Catch::Contains("left out"));
 }
 
 TEST_CASE("what does not go with polarisation is refused with the reason",

@@ -100,7 +100,8 @@ void compare_with_base(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("--version tells the processor path, which the variable chooses", "[program][paths]") {
+TEST_CASE("the option --version tells the processor path, which the variable chooses",
+          "[program][paths]") {
     const auto paths = program::processor_paths();
     REQUIRE(!paths.empty());
     const std::string line = "processor path: ";

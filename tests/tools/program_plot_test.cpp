@@ -44,8 +44,13 @@ TEST_CASE("every kind of plot comes out as SVG that names the command", "[progra
     CHECK(svg.find("</svg>") != std::string::npos);
     CHECK(svg.find("<desc>miebrdf plot " + kind) != std::string::npos);
     CHECK((svg.find("<polyline") != std::string::npos || svg.find("<image") != std::string::npos));
-    CHECK(svg.find("nan") == std::string::npos);
-    CHECK(svg.find("inf") == std::string::npos);
+    // Images are letters without meaning.
+    std::string drawing = svg;
+    for (auto image = drawing.find("base64,"); image != std::string::npos;
+         image = drawing.find("base64,"))
+        drawing.erase(image, drawing.find('"', image) - image);
+    CHECK(drawing.find("nan") == std::string::npos);
+    CHECK(drawing.find("inf") == std::string::npos);
 }
 
 TEST_CASE("without a file the SVG goes to standard output", "[program][plot]") {

@@ -398,7 +398,7 @@ TEST_CASE("without comments a table is its header and rows", "[program]") {
     CHECK(run.out.find('#') == std::string::npos);
 }
 
-TEST_CASE("--color is --colour", "[program]") {
+TEST_CASE("the option --color is --colour", "[program]") {
     const std::string scene = "albedo --base hg:0.9,0.5 --wavelengths 400:700:20 ";
     const auto row = [](const support::ProgramRun& run) {
         return run.out.substr(run.out.find("\nquantity,"));
