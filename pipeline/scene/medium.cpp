@@ -71,8 +71,13 @@ std::vector<double> read_parameters(const std::string& text, const std::string& 
     }
     const std::size_t in_order = kind.parameters.size() - by_key.size();
     std::vector<double> parameters;
-    for (const std::string& part : parts)
+    for (const std::string& part : parts) {
+        if (part.find('=') != std::string::npos) {
+            throw UsageError(
+                fmt::format("medium '{}': write {}, e.g. {}", text, kind.form, kind.example));
+        }
         parameters.push_back(parse_number(part, fmt::format("medium '{}'", text)));
+    }
     while (parameters.size() < in_order && kind.parameters[parameters.size()].by_default)
         parameters.push_back(*kind.parameters[parameters.size()].by_default);
     if (parameters.size() != in_order) {

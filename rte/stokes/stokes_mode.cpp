@@ -134,6 +134,7 @@ std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool h
 }
 
 ZenithGrid repeated(const ZenithGrid& grid, int rows_per_node) {
+    if (rows_per_node == 1) return grid;  // with its panels
     ZenithGrid result{Eigen::VectorXd(grid.size() * rows_per_node),
                       Eigen::VectorXd(grid.size() * rows_per_node)};
     for (Eigen::Index p = 0; p < result.size(); ++p) {

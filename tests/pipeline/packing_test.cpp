@@ -1,4 +1,6 @@
 // Crowded spheres: the structure factor and what it does to single scattering.
+#include <algorithm>
+
 #include <miebrdf/brdf.h>
 
 #include <cmath>
@@ -58,5 +60,8 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
     // The note of independent scattering says the same.
     scene.particles.packing = Packing::independent;
     const auto notes = solve(scene, {550}).albedo({1.0}).notes;
-    REQUIRE(notes.size() == (c.volume > 0.05 ? 1 : 0));
+    const auto said = std::count_if(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find("independent") != std::string::npos;
+    });
+    REQUIRE(said == (c.volume > 0.05 ? 1 : 0));
 }
