@@ -167,8 +167,9 @@ TEST_CASE("delta-M of the whole matrix lets few nodes see a forward peak", "[rte
     const auto sharp =
         rte::reflect_polarised(stack, directions, 3, {.streams = 12, .delta_m = false});
     const double error = difference(fine, coarse);
-    CHECK(error <= 2e-3);  // 24 moments of 0.8^l
-    CHECK(error <= 0.3 * difference(fine, sharp));
+    // 48 moments of 0.8^l; projected on the nodes they need no delta-M, which must not spoil them.
+    CHECK(error <= 1e-4);
+    CHECK(difference(fine, sharp) <= 1e-4);
     CHECK(fine.report.converged);
 }
 
