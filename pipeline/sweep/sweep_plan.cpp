@@ -152,10 +152,11 @@ double seconds_of_all(const Sweep& sweep, const TimedCell& cell, std::size_t wav
         const MieJobs jobs = jobs_of(one, first);
         const auto shared_by = groups_with(jobs, one, first);
         for (const auto& [hash, job] : jobs) {
-            const auto& [species, demand] = job;
-            mie += processor_seconds_of([&] {
-                       remembered_optics(control, hash,
-                                         [&] { return compute_optics(species, 0, demand); });
+            // A structured binding is captured as a variable of its own: Clang 14 asks for it.
+            mie += processor_seconds_of([&, &of = hash, &asked = job] {
+                       remembered_optics(control, of, [&] {
+                           return compute_optics(asked.first, 0, asked.second);
+                       });
                    }) /
                    shared_by.at(hash);
         }
