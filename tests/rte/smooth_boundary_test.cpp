@@ -78,9 +78,9 @@ TEST_CASE("slabs under a smooth boundary agree with the outside table", "[rte][b
     for (std::size_t row = 0; row < table.size(); ++row) {
         CAPTURE(row, table.text(row, "n"), table.text(row, "albedo"), table.text(row, "g"),
                 table.text(row, "tau"), table.text(row, "base"));
-        // What the table's own comparison of 24 and 96 nodes leaves; 8 digits are given.
+        // What 24 nodes leave of a thin film with g .9 (2.8e-6); 8 digits of the table are given.
         const bool peaked = table.number(row, "g") >= 0.875;
-        CHECK(slab_error(table, row, 24) <= (peaked ? 1e-3 : 5e-8));
+        CHECK(slab_error(table, row, 24) <= (peaked ? 5e-6 : 5e-8));
         CHECK(slab_error(table, row, 96) <= 1e-8);
     }
 }
@@ -102,7 +102,7 @@ TEST_CASE("the BRDF under a smooth boundary agrees with the outside table", "[rt
         stack.base_kind = rte::BaseKind::mirror;
         stack.mirror_index = kAluminium;
     }
-    for (const auto& [streams, bound] : {std::pair{16, 1e-4}, {24, 1e-6}, {48, 1e-8}}) {
+    for (const auto& [streams, bound] : {std::pair{16, 2e-6}, {24, 1e-8}, {48, 1e-8}}) {
         double largest = 0.0;
         for (std::size_t row = 0; row < table.size(); ++row) {
             const auto result = rte::reflect(
