@@ -5,10 +5,11 @@
 
 COSTS.csv is of `miebrdf sweep --threads 1 --costs` with `chunk = 1`. Each process takes chunks as
 run_crew (pipeline/sweep/crew.cpp) does: from its own share on, then whatever is left. The first
-scene that a process computes of a group costs the group's Mie theory too, which is the measured cost
-of the group's first scene less the median of its others. A chunk takes four operations of the
-shared file system (claim, create, rename, look); these are done one after the other, as many per
-second as the last argument says (default 10000).
+scene that a process computes of a group costs the group's Mie theory too, unless another one has
+stored it by then; that is the measured cost of the group's first scene less the median of its
+others. A chunk takes four operations of the shared file system (claim, create, rename, look), Mie
+theory two more; these are done one after the other, as many per second as the last argument says
+(default 10000).
 """
 import csv
 import heapq
@@ -31,6 +32,7 @@ def makespan(chunks, mie, group_of, processes, per_second):
     place = [number * count // processes for number in range(processes)]
     free = [(0.0, number) for number in range(processes)]
     files, end, spent, mie_spent = 0.0, 0.0, 0.0, 0.0
+    stored = {}  # when the Mie theory of a group is there for all
     left = count
     while left:
         now, number = heapq.heappop(free)
@@ -44,8 +46,11 @@ def makespan(chunks, mie, group_of, processes, per_second):
         cost = chunks[chunk]
         if group not in known[number]:
             known[number].add(group)
-            cost += mie[group]
-            mie_spent += mie[group]
+            files = max(files, now) + 2.0 / per_second
+            if now < stored.get(group, float("inf")):
+                cost += mie[group]
+                mie_spent += mie[group]
+                stored[group] = min(stored.get(group, float("inf")), now + mie[group])
         spent += cost
         files = max(files, now) + 4.0 / per_second
         done = max(now + cost, files)

@@ -104,13 +104,16 @@ MediumOptics remembered_optics(const Control& control, const std::string& hash,
     if (control.memo != nullptr) {
         if (const auto known = control.memo->find(hash)) return *known;
     }
+    OpticsStore* shared = control.memo != nullptr ? control.memo->shared() : nullptr;
+    auto numbers = shared != nullptr ? shared->find(hash) : std::nullopt;
+    if (!numbers && control.cache != nullptr) numbers = control.cache->find(hash);
     MediumOptics optics;
-    const auto numbers = control.cache != nullptr ? control.cache->find(hash) : std::nullopt;
     if (numbers) {
         optics = unpacked_optics(*numbers);
     } else {
         optics = compute();
         if (control.cache != nullptr) control.cache->store(hash, packed(optics));
+        if (shared != nullptr) shared->store(hash, packed(optics));
     }
     if (control.memo != nullptr) control.memo->keep(hash, optics);
     return optics;

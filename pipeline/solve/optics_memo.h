@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,27 +22,40 @@ namespace miebrdf {
 std::vector<double> packed(const MediumOptics& optics);
 MediumOptics unpacked_optics(const std::vector<double>& numbers);
 
+/// Packed optics that outlive a run, or that several processes share. Thread-safe.
+class OpticsStore {
+  public:
+    virtual ~OpticsStore() = default;
+    /// Empty if they are not there. @param hash  optics_hash
+    virtual std::optional<std::vector<double>> find(const std::string& hash) = 0;
+    virtual void store(const std::string& hash, const std::vector<double>& numbers) = 0;
+};
+
 /// Optics that several scenes of one run have in common, up to a limit of memory. Thread-safe.
 class OpticsMemo {
   public:
-    explicit OpticsMemo(std::size_t limit_bytes) : free_bytes_(limit_bytes) {}
+    /// @param shared  with other processes; null: none
+    explicit OpticsMemo(std::size_t limit_bytes, std::shared_ptr<OpticsStore> shared = {})
+        : free_bytes_(limit_bytes), shared_(std::move(shared)) {}
 
     std::shared_ptr<const MediumOptics> find(const std::string& hash);
     void keep(const std::string& hash, const MediumOptics& optics);
     int found() const;               ///< how often something was there
     std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
     NamedIndexMemo& names() { return names_; }  ///< n and k: small, so not counted
+    OpticsStore* shared() const { return shared_.get(); }
 
   private:
     mutable std::mutex mutex_;
     std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
     std::size_t free_bytes_;
+    std::shared_ptr<OpticsStore> shared_;
     int found_ = 0;
     NamedIndexMemo names_;
 };
 
-/// Optics from where they are known, from an earlier scene of the run or from the cache; else
-/// computed and kept in both.
+/// Optics from where they are known: from an earlier scene of the run, from other processes, or
+/// from the cache; else computed and kept in all of them.
 /// @param hash  optics_hash
 MediumOptics remembered_optics(const Control& control, const std::string& hash,
                                const std::function<MediumOptics()>& compute);

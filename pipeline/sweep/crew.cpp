@@ -49,7 +49,7 @@ std::optional<Crew> crew_of_environment(const Variables& variable) {
 
 RunReport run_crew(const Sweep& sweep, const Layout& layout, const Parts& parts, const Crew& crew,
                    const std::function<bool()>& is_complete, const Control& control) {
-    ChunkWorker worker(sweep, layout, parts, control);
+    ChunkWorker worker(sweep, layout, parts, Company::with_others, control);
     RunReport report;
     const std::size_t count = parts.chunks().size();
     // Chunks that follow each other share Mie theory: each process goes on from where it began.

@@ -216,6 +216,7 @@ void Parts::remove() const {
         if (entry.path().filename().string().rfind(kName, 0) == 0)
             fs::remove(entry.path(), ignored);
     }
+    fs::remove_all(optics_folder(), ignored);
     fs::remove(folder_, ignored);
 }
 

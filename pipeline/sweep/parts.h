@@ -62,11 +62,15 @@ class Parts {
     /// @throws InputError  when it cannot be written; what is there stays
     void write(const Chunk& chunk, const std::vector<SceneResult>& results) const;
 
+    /// Where processes that work on the sweep together share single scattering.
+    std::filesystem::path optics_folder() const { return folder_ / "optics"; }
+
     /// Where a table is written before it appears beside the folder; remove() takes what a killed
     /// process leaves of it.
     std::filesystem::path unfinished_table(const std::filesystem::path& table) const;
 
-    /// Removes the files of this folder that parts have names of, then the folder if it is empty.
+    /// Removes the files of this folder that parts have names of and shared single scattering, then
+    /// the folder if it is empty.
     void remove() const;
 
   private:

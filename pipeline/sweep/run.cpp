@@ -67,14 +67,16 @@ std::vector<SceneResult> compute_chunk(const Sweep& sweep, const Layout& layout,
 }
 
 ChunkWorker::ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& parts,
-                         Control control)
+                         Company company, Control control)
     : sweep_(sweep), layout_(layout), parts_(parts), control_(std::move(control)) {
     control_.cache = nullptr;
+    if (company == Company::with_others)
+        folder_ = std::make_shared<OpticsFolder>(parts.optics_folder());
 }
 
 void ChunkWorker::compute(const Chunk& chunk, RunReport& report) {
     if (control_.memo == nullptr || control_.memo->free_bytes() < kSharedBytes / 2)
-        control_.memo = make_optics_memo(kSharedBytes);
+        control_.memo = std::make_shared<OpticsMemo>(kSharedBytes, folder_);
     const std::clock_t start = std::clock();
     parts_.write(chunk, compute_chunk(sweep_, layout_, chunk, control_));
     report.costs.push_back({chunk, double(std::clock() - start) / CLOCKS_PER_SEC});
@@ -107,7 +109,8 @@ RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts
             missing.push_back(chunk);
         }
     }
-    ChunkWorker worker(sweep, layout, parts, control);
+    ChunkWorker worker(sweep, layout, parts, share.of > 1 ? Company::with_others : Company::alone,
+                       control);
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (control.is_cancelled && control.is_cancelled()) throw Cancelled();
         worker.compute(missing[i], report);

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "pipeline/sweep/optics_folder.h"
 #include "pipeline/sweep/parts.h"
 #include "pipeline/sweep/table_writer.h"
 
@@ -47,11 +49,15 @@ std::vector<SceneResult> solve_scenes(const Sweep& sweep, const Layout& layout,
 std::vector<SceneResult> compute_chunk(const Sweep& sweep, const Layout& layout, const Chunk& chunk,
                                        const Control& control);
 
+/// Whether other processes work on the same sweep, and want to know its single scattering.
+enum class Company { alone, with_others };
+
 /// Computes chunks one after the other and stores them; they share a memo of single scattering.
 class ChunkWorker {
   public:
     /// @param control  without a cache: parts remember
-    ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& parts, Control control);
+    ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& parts, Company company,
+                Control control);
 
     /// @throws Cancelled; InputError  when the part cannot be written
     void compute(const Chunk& chunk, RunReport& report);
@@ -63,6 +69,7 @@ class ChunkWorker {
     const Sweep& sweep_;
     const Layout& layout_;
     const Parts& parts_;
+    std::shared_ptr<OpticsFolder> folder_;
     Control control_;
 };
 

@@ -68,7 +68,8 @@ bool has_transmittance(const ScaledStack& stack, const SolverOptions& options, b
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
                     StackMemory& memory, const std::function<SurfaceWeights(double mu)>& surface) {
-    ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    ScaledStack scaled =
+        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
     scaled.transmits = has_transmittance(scaled, options, bool(surface));
     const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
     const ZenithGrid& grid = grids.top();
@@ -189,8 +190,7 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
     require_cosines(mu_in, "mu_in");
     const RequestedDirections requested = collect(mu_in, {});
     StackMemory own;
-    const bool transmits =
-        has_transmittance(scale_stack(stack, 1, options.delta_m), options, bool(surface));
+    const bool transmits = has_transmittance(scale_stack(stack, 1, false), options, bool(surface));
     const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
     Attempt attempt = solve_with_estimate(
         stack, options, values_wanted, 1, [&](const Discretisation& discretisation) {

@@ -58,7 +58,7 @@ bool ScaledStack::has_mirrors() const {
                        [this](const ScaledMedium& medium) { return medium.index != top_index; });
 }
 
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted) {
     ScaledStack scaled;
     scaled.moments = moments;
     scaled.base = stack.base_kind;
@@ -67,7 +67,7 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
         ScaledOptics medium = scale_optics(optics, moments, delta_m);
         const double scaled_depth = bounded_depth(optical_depth * medium.depth_factor);
         ForwardPeak narrow;
-        if (medium.truncated > 0.0) {
+        if (medium.truncated > 0.0 && wanted == NarrowPart::split) {
             narrow = split_forward_peak(optics.chi, medium.first_cutoff);
         }
         scaled.media.push_back({optics, std::move(medium), scaled_depth, std::move(narrow), index});

@@ -40,10 +40,15 @@ struct ScaledStack {
     bool has_mirrors() const;
 };
 
+enum class NarrowPart { split, ignored };
+
 /// delta-M for every medium; layers without depth are left out, and so is everything below a coat
 /// of infinite depth.
 /// @param moments  as of scale_optics
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
+/// @param narrow   ignored: ScaledMedium::narrow is left empty, for those who want no light
+///        scattered once
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m,
+                        NarrowPart narrow = NarrowPart::split);
 
 /// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
 class StackGrids {

@@ -166,7 +166,8 @@ PolarisedAlbedoTable polarised_albedo(const Stack& asked_stack, const std::vecto
     const std::size_t count = mu_in.size();
     Attempt attempt = solve_with_estimate(
         stack, options, 2 * count + 1, 2 * count + 1, [&](const Discretisation& discretisation) {
-            const ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+            const ScaledStack scaled =
+                scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
             const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
             StokesSolver solver(scaled, grid, requested, 3, options, memory);
             const StokesOrder& order = solver.solve_albedos();

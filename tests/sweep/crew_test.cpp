@@ -1,4 +1,5 @@
 // Processes that share a sweep: who takes what, and what becomes of those that die.
+#include <filesystem>
 #include <map>
 
 #include <miebrdf/error.h>
@@ -103,4 +104,63 @@ TEST_CASE("a process that comes when the table is complete computes nothing", "[
               work.sweep, work.layout, work.parts, {"now", 1, 2}, [] { return true; }, Control())
               .computed_scenes == 0);
     CHECK_THROWS_AS(work.run({"now", 0, 2}), InputError);
+}
+
+TEST_CASE("shared single scattering: written whole, read back to the bit, never in the way",
+          "[sweep]") {
+    const support::TemporaryFolder folder;
+    const std::string hash(64, 'a');
+    const std::vector<double> numbers = {0.1, -1e-300, 3.0};
+    sweep::OpticsFolder shared(folder / "optics", 64);
+    CHECK_FALSE(shared.find(hash));
+    shared.store(hash, numbers);
+    CHECK(shared.find(hash) == numbers);
+    shared.store(std::string(64, 'b'), std::vector<double>(6, 1.0));  // 24 + 48 bytes: too many
+    CHECK_FALSE(shared.find(std::string(64, 'b')));
+    const auto file = std::filesystem::path(folder / "optics") / "aa" / hash;
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) - 8);
+    CHECK_FALSE(shared.find(hash));
+    sweep::OpticsFolder nowhere(folder / "removed/optics");
+    nowhere.store(hash, numbers);
+    CHECK_FALSE(nowhere.find(hash));
+    CHECK_FALSE(std::filesystem::exists(folder / "removed"));
+}
+
+TEST_CASE("a share finds the single scattering that another one has computed", "[sweep]") {
+    const support::TemporaryFolder folder;
+    const auto toml = folder.write("s.toml", R"(outputs = ["spherical_albedo"]
+chunk = 1
+[scene]
+base = "index:1.5,0.01,radius=0.5"
+coat = "hg:0.5,0@{depth}"
+tolerance = 1e-2
+[axes]
+depth = [0.1, 0.2, 0.3]
+wavelength_nm = 550
+)");
+    const sweep::Sweep job = sweep::read_sweep_file(toml);
+    const sweep::Layout layout = sweep::layout_of(job);
+    const sweep::Parts alone(job, layout, folder / "alone.parts");
+    const sweep::Parts parts(job, layout, folder / "shared.parts");
+    sweep::run_share(job, layout, alone, {1, 1}, Control());
+    CHECK_FALSE(std::filesystem::exists(alone.optics_folder()));
+    sweep::run_share(job, layout, parts, {1, 3}, Control());
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(parts.optics_folder()))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    REQUIRE(files.size() == 1);
+    const auto albedo = [&](const sweep::Parts& of, std::size_t chunk) {
+        return of.read(of.chunks()[chunk])->at(0).values.at(0);
+    };
+    sweep::run_share(job, layout, parts, {2, 3}, Control());
+    CHECK(albedo(parts, 1) == albedo(alone, 1));
+    // Other numbers in the file are what the next share computes with.
+    sweep::OpticsFolder shared(parts.optics_folder());
+    auto numbers = *shared.find(files[0].filename().string());
+    numbers[0] = numbers[1] = 0.5;  // single-scattering albedo and what it lacks to 1
+    shared.store(files[0].filename().string(), numbers);
+    sweep::run_share(job, layout, parts, {3, 3}, Control());
+    CHECK(albedo(parts, 2) < 0.5 * albedo(alone, 2));
+    parts.remove();
+    CHECK_FALSE(std::filesystem::exists(parts.folder()));
 }
