@@ -24,6 +24,33 @@ constexpr double kCoarseShare = 0.3;  // of the tolerance, while sizes do not re
 // Noise of single points gives most to the lowest moments: more of them are not looked at.
 constexpr int kMomentsToJudge = 400;
 
+// Ripple at one angle has a few frequencies in size. Where both families together are in step with
+// one of them, each errs by the same and their difference says nothing; that of panels beside it
+// does.
+constexpr std::size_t kNeighbours = 3;
+
+// Largest noise of each panel and its neighbours to both sides.
+// @param panels  ascending
+std::vector<double> noise_around(const std::vector<const PhasePanel*>& panels) {
+    std::vector<double> noise;
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        double largest = 0;
+        const std::size_t end = std::min(panels.size(), i + kNeighbours + 1);
+        for (std::size_t j = i - std::min(i, kNeighbours); j < end; ++j)
+            largest = std::max(largest, panels[j]->noise());
+        noise.push_back(largest);
+    }
+    return noise;
+}
+
+std::vector<const PhasePanel*> ascending(const std::vector<PhasePanel>& panels) {
+    std::vector<const PhasePanel*> order;
+    for (const PhasePanel& panel : panels) order.push_back(&panel);
+    std::sort(order.begin(), order.end(),
+              [](const PhasePanel* a, const PhasePanel* b) { return a->lower() < b->lower(); });
+    return order;
+}
+
 // Computes everything when it is made.
 class PhaseTabulation {
   public:
@@ -38,8 +65,9 @@ class PhaseTabulation {
     PhaseTable table_of(int family) const;
     std::vector<PhasePanel> take_next();
     void add_level(std::vector<PhasePanel> panels);
-    bool needs_more_sizes(const PhasePanel& panel) const;
-    void sort_in(PhasePanel panel);
+    /// @param noise  of the panel and those beside it
+    bool needs_more_sizes(const PhasePanel& panel, double noise) const;
+    void sort_in(PhasePanel panel, double noise);
 
     SizeFamilies sizes_;
     PhaseTabulationOptions options_;
@@ -106,19 +134,28 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
         }
         panel.add_level(of_panel, sizes_, options_);
         first += PhaseTable::kPanelNodes;
-        sort_in(std::move(panel));
+    }
+    const std::vector<const PhasePanel*> order = ascending(panels);
+    const std::vector<double> noise = noise_around(order);
+    std::vector<PhasePanel> sorted;
+    for (const PhasePanel* panel : order) sorted.push_back(*panel);
+    for (std::size_t p = 0; p < sorted.size(); ++p) {
+        const int level = sorted[p].level();
+        const bool tells = level > 0 && sizes_.resolves(level);
+        const double judged = tells ? sorted[p].noise() : noise[p];
+        sort_in(std::move(sorted[p]), judged);
     }
 }
 
-bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel) const {
+bool PhaseTabulation::needs_more_sizes(const PhasePanel& panel, double noise) const {
     if (panel.level() >= sizes_.last_level()) return false;
     double believed = sizes_.resolves(panel.level()) ? 1.0 : kCoarseShare;
     if (options_.by_rays && panel.is_backward()) believed = kBackwardShare;
-    return panel.noise() > believed * options_.size_tolerance ||
+    return noise > believed * options_.size_tolerance ||
            panel.moment_noise(options_.first_moment) > believed * options_.moment_tolerance;
 }
 
-void PhaseTabulation::sort_in(PhasePanel panel) {
+void PhaseTabulation::sort_in(PhasePanel panel, double noise) {
     // Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
     const bool narrow = panel.upper() - panel.lower() <= 0.501 * narrowest_;
     // Noise alone shows as a tail of 0.8 of itself.
@@ -128,7 +165,7 @@ void PhaseTabulation::sort_in(PhasePanel panel) {
         active_.emplace_back(panel.lower(), middle, panel.generation() + 1);
         active_.emplace_back(middle, panel.upper(), panel.generation() + 1);
     } else {
-        (needs_more_sizes(panel) ? active_ : done_).push_back(std::move(panel));
+        (needs_more_sizes(panel, noise) ? active_ : done_).push_back(std::move(panel));
     }
 }
 
@@ -153,14 +190,12 @@ double PhaseTabulation::moment_error() const {
 PhaseTable PhaseTabulation::table() const { return table_of(kBothFamilies); }
 
 PhaseTable PhaseTabulation::table_of(int family) const {
-    std::vector<const PhasePanel*> panels;
-    for (const PhasePanel& panel : done_) panels.push_back(&panel);
-    std::sort(panels.begin(), panels.end(),
-              [](const PhasePanel* a, const PhasePanel* b) { return a->lower() < b->lower(); });
+    const std::vector<const PhasePanel*> panels = ascending(done_);
     std::vector<double> edges = {0};
     constexpr Eigen::Index last = PhaseTable::kPanelNodes - 1;
     Eigen::MatrixXd values(last + 1, static_cast<Eigen::Index>(panels.size()));
-    // Of three neighbours, the noisiest: in narrow panels all nodes may agree by chance.
+    // Of neighbours, the noisiest: in narrow panels all nodes may agree by chance.
+    const std::vector<double> around = noise_around(panels);
     std::vector<double> noise;
     double interpolation_error = 0, size_error = 0;
     for (std::size_t p = 0; p < panels.size(); ++p) {
@@ -175,8 +210,10 @@ PhaseTable PhaseTabulation::table_of(int family) const {
         }
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
-        noise.push_back(std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
-                                  panels[std::min(p + 1, panels.size() - 1)]->noise()}));
+        noise.push_back(panels[p]->level() == 0
+                            ? around[p]
+                            : std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
+                                        panels[std::min(p + 1, panels.size() - 1)]->noise()}));
     }
     return make_phase_table({.edges = std::move(edges),
                              .coefficients = {},

@@ -200,3 +200,35 @@ TEST_CASE("the phase table errs no more than it says at random angles", "[mie][p
     // The tolerance is for the rms over eight nodes, the error for the worst of them.
     if (c.index.imag() == 0.1) CHECK(table.size_error() <= std::sqrt(8) * request.phase_tolerance);
 }
+
+TEST_CASE("a phase table states the noise of panels whose families agree by chance",
+          "[mie][honesty]") {
+    // Three of its panels erred by eight times what their own families differed.
+    mie::EnsembleRequest request;
+    request.sizes.kind = mie::SizeDistributionKind::gamma;
+    request.sizes.effective_radius_um = 1.035;
+    request.sizes.effective_variance = 0.15;
+    request.refractive_index = {2.0181, 0.06552};
+    request.with_phase_table = true;
+    request.tolerance = 2e-3;
+    request.phase_tolerance = 3e-2;
+    request.phase_floor = 0.5;
+    const auto table = *mie::average_over_sizes(request).phase_table;
+    request.tolerance = 1e-5;
+    request.phase_tolerance = 2e-4;
+    request.phase_floor = 0.0;
+    const auto truth = *mie::average_over_sizes(request).phase_table;
+    const auto& edges = table.parts().edges;
+    for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
+        double squares = 0, noise = 0;
+        constexpr int count = 16;
+        for (int i = 0; i < count; ++i) {
+            const double theta = edges[p] + (edges[p + 1] - edges[p]) * (i + 0.5) / count;
+            squares += std::pow(table(std::cos(theta)) - truth(std::cos(theta)), 2) / count;
+            noise = std::max(noise, table.noise(std::cos(theta)));
+        }
+        CAPTURE(p, edges[p] * 180 / pi, noise);
+        // Three standard deviations, and what the interpolation and the finer table leave.
+        CHECK(std::sqrt(squares) <= 3 * noise + 1e-3 * table(std::cos(edges[p])));
+    }
+}
