@@ -1,11 +1,47 @@
-// The refracting boundary on top of a scene: from words, and back.
+// The refracting boundary or the opaque surface on top of a scene: from words, and back.
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
 #include "pipeline/scene/number_list.h"
+#include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
+
+namespace {
+
+rte::MicrofacetDistribution slopes_named(const std::string& name, const std::string& where) {
+    if (name == "beckmann") return rte::MicrofacetDistribution::beckmann;
+    if (name == "ggx") return rte::MicrofacetDistribution::ggx;
+    throw UsageError(
+        fmt::format("{}: unknown distribution '{}'; allowed: beckmann, ggx", where, name));
+}
+
+constexpr const char* name_of(rte::MicrofacetDistribution distribution) {
+    return distribution == rte::MicrofacetDistribution::ggx ? "ggx" : "beckmann";
+}
+
+}  // namespace
+
+std::optional<rte::SurfaceOptions> rough_surface(const std::string& text) {
+    const auto parts = split_list(text);
+    if (parts.empty() || parts.size() > 2 || parts.front().empty()) {
+        throw UsageError(fmt::format(
+            "roughness '{}': allowed: ALPHA; ALPHA,beckmann; ALPHA,ggx; 0 for no surface", text));
+    }
+    rte::SurfaceOptions surface{.beckmann_alpha = parse_number(parts[0], "roughness")};
+    const double alpha = surface.beckmann_alpha;
+    if (!(alpha >= 0.0 && alpha <= 2.0)) throw UsageError("roughness", alpha, "0 (no lobe) to 2");
+    if (parts.size() == 2)
+        surface.distribution = slopes_named(parts[1], "roughness '" + text + "'");
+    if (alpha == 0.0) return std::nullopt;
+    return surface;
+}
+
+std::string describe(const rte::SurfaceOptions& surface) {
+    const bool is_usual = surface.distribution == rte::MicrofacetDistribution::beckmann;
+    return fmt::format("{}{}", surface.beckmann_alpha, is_usual ? "" : ",ggx");
+}
 
 rte::Boundary boundary(const std::string& text) {
     if (text == "smooth") return {};
@@ -20,21 +56,13 @@ rte::Boundary boundary(const std::string& text) {
     if (boundary.roughness == 0.0) throw UsageError("boundary", 0.0, "rough:0.02 to 1, or smooth");
     rte::validate(boundary);
     if (parts.size() == 1) return boundary;
-    if (parts[1] != "beckmann" && parts[1] != "ggx") {
-        throw UsageError(
-            fmt::format("boundary '{}': unknown distribution '{}'; allowed: beckmann, "
-                        "ggx",
-                        text, parts[1]));
-    }
-    boundary.distribution = parts[1] == "ggx" ? rte::MicrofacetDistribution::ggx
-                                              : rte::MicrofacetDistribution::beckmann;
+    boundary.distribution = slopes_named(parts[1], "boundary '" + text + "'");
     return boundary;
 }
 
 std::string describe(const rte::Boundary& boundary) {
     if (!boundary.is_rough()) return "smooth";
-    const bool is_ggx = boundary.distribution == rte::MicrofacetDistribution::ggx;
-    return fmt::format("rough:{},{}", boundary.roughness, is_ggx ? "ggx" : "beckmann");
+    return fmt::format("rough:{},{}", boundary.roughness, name_of(boundary.distribution));
 }
 
 }  // namespace miebrdf

@@ -71,8 +71,9 @@ std::string top_text(const Scene& scene) {
                    : "smooth boundary";
     }
     if (scene.surface) {
-        text += fmt::format("{}roughness {:g}", text.empty() ? "" : ", ",
-                            scene.surface->beckmann_alpha);
+        const bool is_ggx = scene.surface->distribution == rte::MicrofacetDistribution::ggx;
+        text += fmt::format("{}roughness {:g}{}", text.empty() ? "" : ", ",
+                            scene.surface->beckmann_alpha, is_ggx ? " (GGX)" : "");
     }
     return text;
 }

@@ -3,6 +3,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
+#include "pipeline/scene/scene_parts.h"
 #include "pipeline/scene/word_setters.h"
 
 namespace miebrdf {
@@ -43,10 +44,9 @@ void set_boundary(const SceneWord&, WordValues values, Request& request) {
 }
 
 void set_roughness(const SceneWord& word, WordValues values, Request& request) {
-    const double alpha = finite_number(one_value(word, values), word.name);
-    if (!(alpha >= 0.0 && alpha <= 2.0)) throw UsageError(word.field, alpha, "0 (no lobe) to 2");
-    request.scene.surface.reset();
-    if (alpha > 0.0) request.scene.surface = rte::SurfaceOptions{.beckmann_alpha = alpha};
+    const std::string text = comma_separated(values);
+    if (text.empty()) one_value(word, values);  // which refuses none
+    request.scene.surface = rough_surface(text);
 }
 
 void set_surface_index(const SceneWord& word, WordValues values, Request& request) {
@@ -130,8 +130,8 @@ std::vector<SceneWord> surface_words() {
          .set = set_boundary},
         {.name = "roughness",
          .placeholder = "ALPHA",
-         .help = "opaque rough surface on top (the paper's), with this Beckmann slope parameter; "
-                 "0: no surface",
+         .help = "opaque rough surface on top (the paper's): slope parameter of Beckmann's "
+                 "distribution, or ALPHA,ggx; 0: no surface",
          .group = group,
          .default_text = "0",
          .field = "roughness",

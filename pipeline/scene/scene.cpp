@@ -55,7 +55,7 @@ std::string describe(const Scene& scene) {
     for (const Layer& layer : scene.layers)
         text = fmt::format("{} ({}) on {}", describe(layer.medium), depth_text(layer.depth), text);
     if (scene.boundary) text += ", boundary " + describe(*scene.boundary);
-    if (scene.surface) text += fmt::format(", surface roughness {}", scene.surface->beckmann_alpha);
+    if (scene.surface) text += ", surface roughness " + describe(*scene.surface);
     return text;
 }
 

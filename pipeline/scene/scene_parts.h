@@ -1,7 +1,10 @@
-// The checks of the parts of a scene, for those that check the whole.
+// Parts of a scene: checks of them for those that check the whole, and the opaque lobe from words.
 #pragma once
 
 #include <miebrdf/scene.h>
+
+#include <optional>
+#include <string>
 
 namespace miebrdf {
 
@@ -13,5 +16,11 @@ void validate(const Medium& medium);
 void validate(const Host& host);
 void validate(const Depth& depth);
 void validate(const Substrate& substrate);
+
+/// The paper's opaque lobe: reads `ALPHA`, `ALPHA,beckmann` or `ALPHA,ggx`; empty for 0.
+/// @throws UsageError
+std::optional<rte::SurfaceOptions> rough_surface(const std::string& text);
+/// In the notation of rough_surface().
+std::string describe(const rte::SurfaceOptions& surface);
 
 }  // namespace miebrdf

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/scene/scene_parts.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/scenes.h"
@@ -153,5 +154,25 @@ TEST_CASE("Saunderson's correction holds for a base of Kubelka and Munk's kind",
         const double expected =
             r_ext_normal + (1.0 - r_ext_normal) * (1.0 - r_int) * R / (1.0 - r_int * R);
         CHECK(std::abs(measured - expected) <= 1e-8);
+    }
+}
+
+TEST_CASE("the opaque lobe takes either distribution of slopes", "[pipeline][surface]") {
+    CHECK_FALSE(rough_surface("0"));
+    CHECK(rough_surface("0.3")->distribution == rte::MicrofacetDistribution::beckmann);
+    CHECK(rough_surface("0.3,ggx")->distribution == rte::MicrofacetDistribution::ggx);
+    for (const char* text : {"0.3", "0.25,ggx"}) CHECK(describe(*rough_surface(text)) == text);
+    for (const char* text : {"", ",ggx", "0.3,phong", "0.3,ggx,1", "-0.1", "2.1", "nan"})
+        CHECK_THROWS_AS(rough_surface(text), UsageError);
+    // At normal incidence and return D G / (4 mu mu') is 1 / (4 pi alpha^2), whatever the slopes.
+    for (const char* text : {"0.3", "0.3,ggx"}) {
+        Scene scene;
+        scene.base = medium("isotropic:0");
+        scene.surface = rough_surface(text);
+        scene.surface_index = {1.5, 0.0};
+        const auto values = solve(scene, {550}).evaluate({{1.0}, {1.0}, {0.0}});
+        const double fresnel = 0.04;  // ((n - 1) / (n + 1))^2
+        const double expected = fresnel / (4 * std::numbers::pi * 0.09);
+        CHECK(std::abs(values.slices[0].surface[0] - expected) <= 1e-12 * expected);
     }
 }
