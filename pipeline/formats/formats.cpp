@@ -16,6 +16,7 @@
     FORMAT(npz)                 \
     FORMAT(exr)                 \
     FORMAT(pbrt)                \
+    FORMAT(pbsdf)               \
     FORMAT(rgl)                 \
     FORMAT(merl)                \
     FORMAT(ssdd)                \

@@ -47,7 +47,7 @@ std::vector<SceneWord> method_words() {
              .help = "components of light: 1 (intensity), 3 (I, Q, U), 4 (with V); auto: 3 where "
                      "polarisation shows in the intensity, else 1",
              .group = group,
-             .default_text = "1",
+             .default_text = kStokes[0].name,
              .field = "stokes",
              .set = set_solver_name<kStokes, &rte::SolverOptions::stokes>},
             {.name = "streams",

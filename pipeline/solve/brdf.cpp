@@ -199,12 +199,10 @@ BrdfTable Brdf::table(const TableOptions& options) const {
     if (options.part == BrdfPart::surface && !state_->resolved.surface) {
         throw UsageError("component 'surface' needs a surface; give a roughness, e.g. 0.3");
     }
-    if (state_->solver.stokes > 1) {
-        throw UsageError("stokes", state_->solver.stokes,
-                         "1 or auto: tables for any direction are of unpolarised light");
-    }
-    return BrdfTable(make_table(state_->resolved, describe(state_->scene), state_->solver, options,
-                                state_->control));
+    SolverOptions solver = state_->solver;
+    if (solver.stokes == 0 && options.whole_matrix) solver.stokes = 4;
+    return BrdfTable(
+        make_table(state_->resolved, describe(state_->scene), solver, options, state_->control));
 }
 
 ResultReport Brdf::report() const {

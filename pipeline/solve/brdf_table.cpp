@@ -1,4 +1,5 @@
 // BrdfTable: a scene solved at all its wavelengths for many directions.
+#include <fmt/format.h>
 #include <miebrdf/version.h>
 
 #include <algorithm>
@@ -72,14 +73,19 @@ std::vector<WavelengthTable> solve_wavelengths(const BrdfTable::State& state,
     const ResolvedScene& scene = state.scene;
     const std::size_t count = scene.wavelength_nm.size();
     std::vector<SceneOptics> optics(count);
+    std::vector<LightChoice> light(count);
     if (state.part != BrdfPart::surface) {
         const auto demand = demand_of(state.solver, scene.particles.tolerance, PhaseDemand::whole);
-        optics = visible_optics(scene, probe_directions(), state.solver.tolerance,
-                                all_wavelengths(scene), demand, control);
+        const LayerRequest request{scene, probe_directions(), state.solver};
+        const std::vector<std::size_t> all = all_wavelengths(scene);
+        const double hiding = state.solver.tolerance;
+        light = choose_light(request, all, hiding, demand, control);
+        optics = optics_in(light, request, all, hiding, demand, control);
     }
     std::vector<std::optional<WavelengthTable>> solved(count);
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
-        solved[w].emplace(scene, w, optics[w], state.solver, state.part);
+        solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
+                          state.components > 1);
     });
     std::vector<WavelengthTable> tables;
     for (auto& table : solved) tables.push_back(std::move(*table));
@@ -111,6 +117,7 @@ std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,
     state->scene = scene;
     state->solver = solver;
     state->part = options.part;
+    state->components = options.part == BrdfPart::surface ? 1 : std::max(1, solver.stokes);
     state->channels = channel_names(scene.wavelength_nm);
     state->tables = solve_wavelengths(*state, control);
     state->report.tolerance = solver.tolerance;
@@ -123,6 +130,7 @@ std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,
                          title,
                          name_of(options.part),
                          state->report.summary(),
+                         fmt::format("{}", fmt::join(state->report.polarisation(), "; ")),
                          scene.sources};
     state->sharp = make_sharp_parts(*state, control);
     return state;
@@ -154,6 +162,45 @@ void BrdfTable::evaluate(std::span<const Direction> directions, std::span<double
         for (std::size_t w = 0; w < stride; ++w)
             smooth.add(state_->tables[w].smooth(), values.data() + first * stride + w, stride,
                        scratch);
+    }
+}
+
+int BrdfTable::components() const { return state_->components; }
+
+void BrdfTable::evaluate_mueller(std::span<const Direction> directions,
+                                 std::span<double> values) const {
+    if (state_->components == 1) {
+        evaluate(directions, values);
+        return;
+    }
+    const std::size_t channels = state_->tables.size();
+    const auto elements = static_cast<std::size_t>(state_->components * state_->components);
+    EvaluationScratch scratch;
+    std::vector<double> once, of_channel;
+    for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
+        count = count_sharing_cosines(directions.subspan(first));
+        const auto some = directions.subspan(first, count);
+        set_cosines(some, scratch);
+        std::size_t channel = 0;
+        for (const SharpPart& part : state_->sharp) {
+            const std::size_t wavelengths = part.wavelengths();
+            once.resize(count * wavelengths);
+            part.evaluate(some, once, scratch);
+            for (std::size_t w = 0; w < wavelengths; ++w, ++channel) {
+                of_channel.clear();
+                for (std::size_t d = 0; d < count; ++d)
+                    of_channel.push_back(once[d * wavelengths + w]);
+                double* const target = values.data() + (first * channels + channel) * elements;
+                const WavelengthTable& table = state_->tables[channel];
+                if (table.mueller() != nullptr) {
+                    table.mueller()->evaluate(table.stack(), some, of_channel, target,
+                                              channels * elements);
+                } else {  // black
+                    for (std::size_t d = 0; d < count; ++d)
+                        std::fill_n(target + d * channels * elements, elements, 0.0);
+                }
+            }
+        }
     }
 }
 

@@ -78,6 +78,29 @@ std::string ResultReport::shortfall() const {
     return fmt::format("{}", fmt::join(shortfalls(), "\n"));
 }
 
+std::vector<std::string> ResultReport::polarisation() const {
+    std::size_t polarised = 0;
+    int components = 1;
+    double left_out = 0.0;
+    for (const WavelengthReport& at : wavelengths) {
+        polarised += at.stokes > 1 ? 1 : 0;
+        components = std::max(components, at.stokes);
+        left_out = std::max(left_out, at.polarisation_left_out);
+    }
+    std::vector<std::string> lines;
+    if (polarised > 0) {
+        lines.push_back(fmt::format("{} components of light at {} of {} wavelengths", components,
+                                    polarised, wavelengths.size()));
+    }
+    if (left_out > 0.0) {
+        lines.push_back(
+            fmt::format("left out: relative changes of the values are below {:.1g} (bound; stokes "
+                        "3 has it computed)",
+                        left_out));
+    }
+    return lines;
+}
+
 std::string ResultReport::summary() const {
     const WavelengthReport& least = worst();
     const std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",

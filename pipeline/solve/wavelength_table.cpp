@@ -13,6 +13,7 @@
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
+#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 namespace {
@@ -91,9 +92,16 @@ const Directions& probe_directions() {
 
 WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
                                  const SceneOptics& optics, const SolverOptions& solver,
-                                 BrdfPart part) {
+                                 BrdfPart part, const LightChoice& light, bool whole_matrix) {
     report_.converged = report_.solver.converged = true;
-    if (part != BrdfPart::surface) solve(optics, solver);
+    if (part == BrdfPart::surface) {
+        // Of the layers nothing is wanted.
+    } else if (light.components > 1) {
+        solve_polarised(optics, solver, light.components, whole_matrix);
+    } else {
+        solve(optics, solver);
+        report_.polarisation_left_out = light.left_out;
+    }
     report_.wavelength_nm = scene.wavelength_nm[w];
     if (scene.surface && part != BrdfPart::subsurface) {
         lobe_.emplace(scene.surface_index[w], *scene.surface);
@@ -144,6 +152,25 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
     smooth_ = tabulate(multiple, samples);
     report_.solver.fourier_orders = multiple.fourier_orders;
     report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
+    judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
+}
+
+void WavelengthTable::solve_polarised(const SceneOptics& optics, const SolverOptions& solver,
+                                      int components, bool whole_matrix) {
+    const rte::Stack& stack = optics.stack;
+    report_.stokes = components;
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return;  // black
+    SolverOptions options = solver;
+    options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
+    report_.solver = rte::reflect_polarised(stack, probe_directions(), components, options).report;
+    options.streams = report_.solver.streams;
+    rte::TabulatedStokes table =
+        rte::tabulate_polarised(stack, SmoothPart::nodes(), components, report_.solver, options);
+    smooth_ = smooth_element(table, components, 0, 0);
+    if (whole_matrix) mueller_.emplace(table, components, options.single_scattering_correction);
+    report_.solver.fourier_orders = static_cast<int>(table.orders.size());
+    report_.solver.converged = report_.solver.converged && table.converged && table.physical;
+    stack_ = std::move(table.stack);
     judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
 }
 

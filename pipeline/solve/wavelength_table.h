@@ -9,6 +9,8 @@
 
 #include <miebrdf/surface.h>
 #include "pipeline/solve/first_order.h"
+#include "pipeline/solve/mueller_part.h"
+#include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/smooth_part.h"
 #include "rte/stack/stack_solver.h"
@@ -27,8 +29,11 @@ class WavelengthTable {
   public:
     /// @param optics  the visible layers; not looked at for BrdfPart::surface
     /// @param w       index of the wavelength
+    /// @param light   its components: of several, the BRDF is element 11 of the Mueller matrix
+    /// @param whole_matrix  the other elements are wanted too
     WavelengthTable(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
-                    const SolverOptions& solver, BrdfPart part);
+                    const SolverOptions& solver, BrdfPart part, const LightChoice& light,
+                    bool whole_matrix);
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
@@ -47,12 +52,17 @@ class WavelengthTable {
     bool has_surface() const { return lobe_.has_value(); }
 
     const WavelengthReport& report() const { return report_; }
+    /// Null: only the BRDF is known.
+    const MuellerPart* mueller() const { return mueller_ ? &*mueller_ : nullptr; }
 
   private:
     void solve(const SceneOptics& optics, const SolverOptions& solver);
+    void solve_polarised(const SceneOptics& optics, const SolverOptions& solver, int components,
+                         bool whole_matrix);
 
     rte::ScaledStack stack_;
     SmoothPart smooth_;
+    std::optional<MuellerPart> mueller_;
     std::optional<rte::SurfaceLobe> lobe_;
     std::vector<double> lobe_scale_;              ///< of a rough boundary, at the nodes
     std::vector<double> factor_in_, factor_out_;  ///< of the surface, at the nodes
@@ -121,6 +131,7 @@ struct BrdfTable::State {
     Provenance provenance;
     std::vector<WavelengthTable> tables;
     std::vector<SharpPart> sharp;  ///< of the tables in their order, some at a time
+    int components = 1;            ///< of the Mueller matrices that are known; 1: none
     ResultReport report;
 };
 

@@ -30,7 +30,20 @@ void add_colours(LayoutBuilder& builder, const Sweep& sweep) {
         builder.add(name, std::string("CIE 1976 ") + name + of, "1", axes);
 }
 
+int components_of(const Sweep& sweep) { return request_of(sweep, 0).solver.stokes == 4 ? 4 : 3; }
+
+/// Planes and signs: docs/polarisation.md.
+std::string mueller_title(int row, int column) {
+    return std::string("Mueller matrix of the BRDF, ") + "IQUV"[row] + " outgoing of " +
+           "IQUV"[column] +
+           " incident; Q = parallel minus perpendicular to the meridian plane of each ray";
+}
+
 }  // namespace
+
+std::string mueller_name(int row, int column) {
+    return "m" + std::to_string(row + 1) + std::to_string(column + 1);
+}
 
 const Variable* Layout::find(const std::string& name) const {
     for (const Variable& variable : variables) {
@@ -65,6 +78,16 @@ Layout layout_of(const Sweep& sweep) {
                 break;
             case Output::colour:
                 add_colours(builder, sweep);
+                break;
+            case Output::mueller: {
+                const int components = components_of(sweep);
+                for (int row = 0; row < components; ++row) {
+                    for (int column = 0; column < components; ++column) {
+                        builder.add(mueller_name(row, column), mueller_title(row, column), "sr-1",
+                                    {w, in, out, &sweep.azimuth});
+                    }
+                }
+            }
         }
     }
     return builder.finished();

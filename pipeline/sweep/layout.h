@@ -26,6 +26,9 @@ struct Layout {
     const Variable* find(const std::string& name) const;
 };
 
+/// "m12": row 0, column 1.
+std::string mueller_name(int row, int column);
+
 /// @param sweep  must outlive the layout
 Layout layout_of(const Sweep& sweep);
 

@@ -49,6 +49,25 @@ void add_brdf(const Brdf& brdf, const Directions& directions, Record& record) {
     record.add(values);
 }
 
+/// Elements that this scene does not have stay not-a-number.
+void add_mueller(const Brdf& brdf, const Directions& directions, const Layout& layout,
+                 Record& record) {
+    const MuellerValues values = brdf.mueller(directions);
+    const auto elements = static_cast<std::size_t>(values.components * values.components);
+    for (std::size_t w = 0; w < values.mueller.size(); ++w) {
+        for (std::size_t e = 0; e < elements; ++e) {
+            const int row = int(e) / values.components, column = int(e) % values.components;
+            const std::string name = mueller_name(row, column);
+            if (layout.find(name) == nullptr) continue;
+            std::vector<double> of_element;
+            for (std::size_t i = e; i < values.mueller[w].size(); i += elements)
+                of_element.push_back(values.mueller[w][i]);
+            record.set(name.c_str(), w * of_element.size(), of_element);
+        }
+    }
+    record.add(values);
+}
+
 void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& record) {
     const Colorimeter colorimeter(
         [&] {
@@ -106,7 +125,8 @@ SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t sc
         const Request request = request_of(sweep, scene);
         const Brdf brdf = solve(request.scene, sweep.wavelength.numbers, request.solver, control);
         if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep.directions(), record);
-        if (sweep.outputs != std::vector{Output::brdf}) add_albedos(sweep, brdf, record);
+        if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
+        if (sweep.wants_albedos()) add_albedos(sweep, brdf, record);
         return result;
     } catch (const Cancelled&) {
         throw;

@@ -134,6 +134,12 @@ bool Sweep::wants(Output output) const {
     return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
 }
 
+bool Sweep::wants_albedos() const {
+    return std::any_of(outputs.begin(), outputs.end(), [](Output output) {
+        return output != Output::brdf && output != Output::mueller;
+    });
+}
+
 Directions Sweep::directions() const {
     return {cosines_of(incidence), cosines_of(reflection), azimuth.numbers};
 }
@@ -152,6 +158,8 @@ const char* name_of(Output output) {
             return "spherical_transmittance";
         case Output::colour:
             return "colour";
+        case Output::mueller:
+            return "mueller";
     }
     return "";
 }

@@ -44,6 +44,7 @@ enum class Output {
     plane_transmittance,
     spherical_transmittance,
     colour,
+    mueller,  ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
 };
 
 /// A word of the scene; texts in its values may have {NAME} for the value of an axis.
@@ -72,6 +73,9 @@ struct Sweep {
     /// Scenes with the same place along the optical dimensions: they share Mie theory.
     std::size_t scenes_per_group() const;
     bool wants(Output output) const;
+    bool wants_matrices_or_brdf() const { return wants(Output::brdf) || wants(Output::mueller); }
+    /// Anything that Fourier order 0 has.
+    bool wants_albedos() const;
     Directions directions() const;
 };
 

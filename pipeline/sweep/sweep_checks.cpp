@@ -23,7 +23,8 @@ constexpr std::array kOutputs = {Output::brdf,
                                  Output::spherical_albedo,
                                  Output::plane_transmittance,
                                  Output::spherical_transmittance,
-                                 Output::colour};
+                                 Output::colour,
+                                 Output::mueller};
 
 /// Names of variables that a table has besides its axes.
 const std::set<std::string> kReserved = {"brdf",
@@ -43,6 +44,12 @@ const std::set<std::string> kReserved = {"brdf",
                                          "L_star",
                                          "a_star",
                                          "b_star"};
+
+/// Elements of Mueller matrices: m11 to m44.
+bool is_mueller_name(const std::string& name) {
+    const auto is_place = [](char digit) { return digit >= '1' && digit <= '4'; };
+    return name.size() == 3 && name[0] == 'm' && is_place(name[1]) && is_place(name[2]);
+}
 
 void require(const Axis& axis, const std::string& allowed, bool (*is_allowed)(double)) {
     if (axis.is_text())
@@ -81,7 +88,7 @@ void require_name(const std::string& name) {
                                      [](unsigned char c) { return std::isalnum(c) || c == '_'; });
     if (!is_word)
         throw UsageError(fmt::format("axis '{}': letters, digits and _ make a name", name));
-    if (kReserved.contains(name))
+    if (kReserved.contains(name) || is_mueller_name(name))
         throw UsageError(fmt::format("axis '{}': tables have a variable of this name", name));
 }
 
@@ -137,10 +144,10 @@ void require_outputs(const Sweep& sweep) {
         throw UsageError(
             "a sweep needs wavelengths; write wavelength_nm = \"400:700:10\" in [axes]");
     for (const Output output : sweep.outputs) {
-        const bool is_brdf = output == Output::brdf;
-        if (is_brdf || output == Output::plane_albedo || output == Output::plane_transmittance)
+        const bool has_azimuth = output == Output::brdf || output == Output::mueller;
+        if (has_azimuth || output == Output::plane_albedo || output == Output::plane_transmittance)
             require_axis(sweep.incidence, "mu_in or theta_in_deg", output);
-        if (!is_brdf) continue;
+        if (!has_azimuth) continue;
         require_axis(sweep.reflection, "mu_out or theta_out_deg", output);
         require_axis(sweep.azimuth, "azimuth_deg", output);
     }
@@ -148,16 +155,16 @@ void require_outputs(const Sweep& sweep) {
         throw UsageError(
             "the output colour needs eight or more ascending wavelengths from 430 nm or "
             "less to 650 nm or more");
-    const bool uses_incidence = sweep.wants(Output::brdf) || sweep.wants(Output::plane_albedo) ||
-                                sweep.wants(Output::plane_transmittance) ||
-                                sweep.wants(Output::colour);
+    const bool uses_incidence =
+        sweep.wants_matrices_or_brdf() || sweep.wants(Output::plane_albedo) ||
+        sweep.wants(Output::plane_transmittance) || sweep.wants(Output::colour);
     const auto refuse_unused = [](const Axis& axis, bool is_used) {
         if (axis.size() > 0 && !is_used)
             throw UsageError(fmt::format("axis '{}' is not used by these outputs", axis.name));
     };
     refuse_unused(sweep.incidence, uses_incidence);
-    refuse_unused(sweep.reflection, sweep.wants(Output::brdf));
-    refuse_unused(sweep.azimuth, sweep.wants(Output::brdf));
+    refuse_unused(sweep.reflection, sweep.wants_matrices_or_brdf());
+    refuse_unused(sweep.azimuth, sweep.wants_matrices_or_brdf());
 }
 
 }  // namespace

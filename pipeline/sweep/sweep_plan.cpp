@@ -56,8 +56,7 @@ Sweep at_wavelength(const Sweep& sweep, std::size_t w) {
     one.wavelength.numbers = {sweep.wavelength.numbers[w]};
     one.wavelength.words = {sweep.wavelength.words[w]};
     std::erase(one.outputs, Output::colour);
-    if (one.outputs.empty() ||
-        (one.outputs == std::vector{Output::brdf} && sweep.wants(Output::colour)))
+    if (one.outputs.empty() || (!one.wants_albedos() && sweep.wants(Output::colour)))
         one.outputs.push_back(Output::spherical_albedo);
     std::sort(one.outputs.begin(), one.outputs.end());
     return one;
@@ -113,8 +112,8 @@ MieJobs jobs_of(const Sweep& one, std::size_t scene) {
             if (depth.reference) add_jobs(*depth.reference, extinction, jobs);
         }
     };
-    if (one.wants(Output::brdf)) add(LayerQuantity::reflection);
-    if (one.outputs != std::vector{Output::brdf}) add(albedo_quantity(resolved));
+    if (one.wants_matrices_or_brdf()) add(LayerQuantity::reflection);
+    if (one.wants_albedos()) add(albedo_quantity(resolved));
     return jobs;
 }
 

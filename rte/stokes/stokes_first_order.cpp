@@ -77,6 +77,31 @@ Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in
     return turn(x_out, -y_out) * F * turn(x_in, y_in);
 }
 
+std::vector<Optics> media_of_first_order(const std::vector<ScaledMedium>& media, bool exact) {
+    std::vector<Optics> optics;
+    for (const ScaledMedium& medium : media)
+        optics.push_back(exact ? medium.exact : as_seen(medium));
+    return optics;
+}
+
+Eigen::Matrix4d scattered_once(const std::vector<ScaledMedium>& media,
+                               const std::vector<Optics>& optics, double mu_in, double mu_out,
+                               double azimuth_deg) {
+    std::vector<double> weights(media.size());
+    first_order_weights(media, mu_in, mu_out, weights);
+    const double cosine =
+        cos_scattering_angle(mu_in, mu_out, std::cos(azimuth_deg * (std::numbers::pi / 180.0)));
+    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+    for (std::size_t k = 0; k < media.size(); ++k) {
+        if (weights[k] == 0.0) continue;
+        const double strength =
+            weights[k] * optics[k].single_scattering_albedo / media[k].scaled.depth_factor;
+        sum += strength *
+               turned_to_meridians(exact_matrix(optics[k], cosine), mu_in, mu_out, azimuth_deg);
+    }
+    return sum;
+}
+
 StokesFirstOrder::StokesFirstOrder(const Directions& directions, int components,
                                    const SolverOptions& options)
     : directions_(directions), components_(components), options_(options) {}
@@ -110,13 +135,10 @@ void StokesFirstOrder::add_to(std::vector<double>& reflection,
                               const std::vector<ScaledMedium>& media) {
     const bool exact = options_.single_scattering_correction;
     std::vector<double> approximate;
+    const std::vector<Optics> optics = media_of_first_order(media, exact);
     if (exact && exact_.empty()) {
-        std::vector<Optics> optics;
-        for (const ScaledMedium& medium : media) optics.push_back(medium.exact);
         exact_ = turned(optics);
     } else if (!exact) {
-        std::vector<Optics> optics;
-        for (const ScaledMedium& medium : media) optics.push_back(as_seen(medium));
         approximate = turned(optics);
     }
     const std::vector<double>& matrices = exact ? exact_ : approximate;
@@ -128,10 +150,8 @@ void StokesFirstOrder::add_to(std::vector<double>& reflection,
         first_order_weights(media, directions_.mu_in[pair / directions_.mu_out.size()],
                             directions_.mu_out[pair % directions_.mu_out.size()], weights);
         for (std::size_t k = 0; k < media.size(); ++k) {
-            const ScaledOptics& scaled = media[k].scaled;
-            const double albedo = exact ? media[k].exact.single_scattering_albedo
-                                        : scaled.albedo * scaled.depth_factor;
-            const double scale = weights[k] * albedo / scaled.depth_factor;
+            const double scale =
+                weights[k] * optics[k].single_scattering_albedo / media[k].scaled.depth_factor;
             const double* matrix = matrices.data() + (k * pairs + pair) * block;
             for (std::size_t v = 0; v < block; ++v)
                 first_order[pair * block + v] += scale * matrix[v];

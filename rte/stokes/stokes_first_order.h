@@ -15,6 +15,16 @@ namespace miebrdf::rte {
 Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                     double azimuth_deg);
 
+/// The media whose scattering matrices are those of light scattered once: the media themselves
+/// (exact, TMS), or what the discrete equations see of them.
+std::vector<Optics> media_of_first_order(const std::vector<ScaledMedium>& media, bool exact);
+
+/// Light scattered once at one pair of directions, 4 x 4, without what NarrowFeatures corrects.
+/// @param optics  media_of_first_order(media, exact)
+Eigen::Matrix4d scattered_once(const std::vector<ScaledMedium>& media,
+                               const std::vector<Optics>& optics, double mu_in, double mu_out,
+                               double azimuth_deg);
+
 /// Adds what is scattered once to Mueller matrices, as FirstOrderSum does to numbers: exact
 /// matrices (TMS), evaluated at the first call and kept (8 c^2 bytes for each medium and
 /// direction), or those of the discrete equations.

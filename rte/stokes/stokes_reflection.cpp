@@ -35,20 +35,13 @@ void require_polarisable(const Stack& stack, const SolverOptions& options) {
     }
 }
 
-// As many moments as the longest list of coefficients has, so that whatever chooses by the number
-// of moments sees them all; lists that were cut short are left as they are.
+// Lists that were cut short are left as they are.
 void pad_moments(Optics& optics) {
     if (!optics.polarisation || optics.has_more_moments) return;
     const Polarisation& p = *optics.polarisation;
     optics.chi.resize(std::max({optics.chi.size(), p.a2.size(), p.a3.size(), p.a4.size(),
                                 p.b1.size(), p.b2.size()}),
                       0.0);
-}
-
-Stack with_all_moments(Stack stack) {
-    if (stack.base_kind == BaseKind::half_space) pad_moments(stack.base);
-    for (Coat& coat : stack.coats) pad_moments(coat.optics);
-    return stack;
 }
 
 struct Request {
@@ -118,6 +111,12 @@ std::vector<double> half_of(const std::vector<double>& both, std::size_t count, 
 }
 
 }  // namespace
+
+Stack with_all_moments(Stack stack) {
+    if (stack.base_kind == BaseKind::half_space) pad_moments(stack.base);
+    for (Coat& coat : stack.coats) pad_moments(coat.optics);
+    return stack;
+}
 
 MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& directions,
                                int components, const SolverOptions& options) {

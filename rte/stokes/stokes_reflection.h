@@ -50,6 +50,10 @@ MuellerTable reflect_polarised(const Stack& stack, const Directions& directions,
 PolarisedAlbedoTable polarised_albedo(const Stack& stack, const std::vector<double>& mu_in,
                                       const SolverOptions& options = {});
 
+/// The stack with as many moments as the longest list of its media's coefficients, so that whatever
+/// chooses by the number of moments sees them all.
+Stack with_all_moments(Stack stack);
+
 /// Largest |b1| / a1 over all angles: how strongly single scattering polarises unpolarised light.
 /// Light scattered again feels no more, so that the scalar solver's R11 is off by about this times
 /// the degree of polarisation of the light inside. 0 without polarisation.

@@ -40,10 +40,9 @@ void add_order(int m, std::span<const double> azimuth_deg,
         for (Eigen::Index o = 0; o < multiple.rows(); o += c) {
             for (int element = 0; element < c * c; ++element) {
                 const int row = element / c, column = element % c;
-                const bool is_diagonal = (row < 2) == (column < 2);
-                const double sign = is_diagonal || row > column ? 1.0 : -1.0;
-                const double value = sign * multiple(o + row, i + column);
-                for (const double factor : is_diagonal ? factors.cosine : factors.sine)
+                const StokesHarmonic harmonic = stokes_harmonic(row, column);
+                const double value = harmonic.sign * multiple(o + row, i + column);
+                for (const double factor : harmonic.is_sine ? factors.sine : factors.cosine)
                     *next++ += value * factor;
             }
         }
@@ -64,11 +63,17 @@ void note(const StokesOrder& order, int fourier_order, const RequestedDirections
 
 }  // namespace
 
+StokesHarmonic stokes_harmonic(int row, int column) {
+    const bool is_diagonal = (row < 2) == (column < 2);
+    return {!is_diagonal, is_diagonal || row > column ? 1.0 : -1.0};
+}
+
 StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,
-                                   StokesMemory& memory, const FourierOrders& coarser_orders) {
+                                   StokesMemory& memory, const FourierOrders& coarser_orders,
+                                   KeptOrders kept) {
     const int c = components;
     StokesScattering sum;
     sum.reflection.assign(
@@ -104,7 +109,11 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& g
         const auto asked = multiple->topLeftCorner(asked_out, asked_in);
         add_order(m, azimuth_deg, asked, c, sum.reflection);
         ended = tail.ends_with(sizes.next(largest_elements(asked, c)));
-        if (keep) sum.by_fourier_order.push_back(*multiple);
+        if (kept == KeptOrders::asked_for) {
+            sum.by_fourier_order.push_back(asked);
+        } else if (keep) {
+            sum.by_fourier_order.push_back(*multiple);
+        }
     }
     sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());

@@ -9,6 +9,14 @@
 
 namespace miebrdf::rte {
 
+/// Element (row, column) of R at an azimuth is the sum over m of (m = 0 ? 1 : 2) times that of R^m
+/// (StokesOrder::multiple) times `sign` and cos(m azimuth), or sin(m azimuth) where `is_sine`.
+struct StokesHarmonic {
+    bool is_sine = false;
+    double sign = 1.0;
+};
+StokesHarmonic stokes_harmonic(int row, int column);
+
 /// R^0 + 2 sum over m of R^m without the first order of scattering: its diagonal blocks (I, Q) and
 /// (U, V) times cos(m azimuth), the lower left one times sin(m azimuth), the upper right one times
 /// -sin(m azimuth). Ends, and takes over orders of a coarser solution, as sum_fourier_orders does.
@@ -26,10 +34,17 @@ struct StokesScattering {
     FourierOrders by_fourier_order;  ///< StokesOrder::multiple; as of MultipleScattering
 };
 
+/// Which orders the sum keeps in by_fourier_order.
+enum class KeptOrders {
+    for_finer,  ///< those that a finer solution may take over, probes included
+    asked_for,  ///< all of them, at the directions asked for: what a table is made of
+};
+
 StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,
-                                   StokesMemory& memory, const FourierOrders& coarser);
+                                   StokesMemory& memory, const FourierOrders& coarser,
+                                   KeptOrders kept = KeptOrders::for_finer);
 
 }  // namespace miebrdf::rte

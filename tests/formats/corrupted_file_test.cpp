@@ -33,6 +33,9 @@ bool survives(const std::string& content) {
         std::vector<double> values(file->channels().size());
         for (const double mu : {0.01, 0.5, 1.0}) {
             file->evaluate({mu, 0.6, 40.0}, values);
+            const auto size = static_cast<std::size_t>(file->components() * file->components());
+            std::vector<double> matrices(values.size() * size);
+            file->evaluate_mueller({mu, 0.6, 40.0}, matrices);
             file->sample(mu, 0.3, 0.6);
         }
     } catch (const InputError&) {
@@ -44,7 +47,7 @@ bool survives(const std::string& content) {
 
 TEST_CASE("every truncation of every format is refused or harmless", "[formats][corrupted]") {
     const std::string format =
-        GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm", "radiance");
+        GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd", "astm", "radiance");
     const std::string content = small_file(format);
     CAPTURE(format, content.size());
     const std::size_t step = std::max<std::size_t>(1, content.size() / 400);
@@ -55,7 +58,7 @@ TEST_CASE("every truncation of every format is refused or harmless", "[formats][
 
 TEST_CASE("bytes turned over at random are refused or harmless", "[formats][corrupted]") {
     const std::string format =
-        GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "ssdd", "astm", "radiance");
+        GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd", "astm", "radiance");
     const std::string content = small_file(format);
     std::mt19937 engine(5);
     for (int round = 0; round < 300; ++round) {

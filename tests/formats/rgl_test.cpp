@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "pipeline/formats/rgl/half_vector_table.h"
+#include "pipeline/formats/common/tensor_reader.h"
 #include "pipeline/formats/rgl/tables.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"

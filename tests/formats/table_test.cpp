@@ -4,11 +4,15 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
 
 #include "pipeline/formats/table/npz.h"
 #include "pipeline/io/atomic_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/child_process.h"
+#include "tests/support/polarising_material.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
 #include "tests/support/written_file.h"
@@ -189,4 +193,69 @@ TEST_CASE("exr: an attribute that claims more than the file has is refused befor
                       Catch::Contains("header ends early"));
     CHECK_THROWS_WITH(read_brdf_file("\x76\x2f\x31\x01\x02\x10\0\0"s, "test"),
                       Catch::Contains("one flat part"));
+}
+
+TEST_CASE("tables hold Mueller matrices where they are known", "[formats][table][polarisation]") {
+    const int components = GENERATE(3, 4);
+    const support::PolarisingMaterial source({500, 600}, components, 0.5);
+    const ExportOptions options{.directions = grid()};
+    const auto size = static_cast<std::size_t>(components);
+    const std::vector<std::size_t> shape = {2, 3, 4, 4, size, size};
+    const auto arrays = read_npz_arrays(support::written_file("npz", source, options));
+    REQUIRE(arrays.at("mueller").shape == shape);
+    const auto json = nlohmann::json::parse(support::written_file("json", source, options));
+    const std::string meta = json["metadata"]["mueller"].get<std::string>();
+    CHECK_THAT(meta, Catch::Contains(components == 4 ? "(I, Q, U, V)" : "(I, Q, U)") &&
+                         Catch::Contains("meridian"));
+    const Direction direction{grid().mu_in[1], grid().mu_out[2], grid().azimuth_deg[1]};
+    const Eigen::Matrix4d expected = source.matrix(direction, 1);
+    const std::size_t place = ((1 * 3 + 1) * 4 + 2) * 4 + 1;
+    for (std::size_t row = 0; row < size; ++row) {
+        for (std::size_t column = 0; column < size; ++column) {
+            const double value = expected(Eigen::Index(row), Eigen::Index(column));
+            CHECK(arrays.at("mueller").values[(place * size + row) * size + column] == value);
+            CHECK(json["mueller"][1][1][2][1][row][column] == value);
+        }
+    }
+    // The files are tables of the BRDF all the same.
+    for (const char* format : {"csv", "json", "npz", "exr"}) {
+        CAPTURE(format);
+        const auto file = read_brdf_file(support::written_file(format, source, options), "test");
+        std::vector<double> found(2);
+        file->evaluate(direction, found);
+        CHECK(found[1] == Approx(expected(0, 0)).epsilon(1e-7));  // exr has 32 bits
+    }
+}
+
+TEST_CASE("csv has the columns of a Mueller matrix by the names of brdf --stokes",
+          "[formats][table][polarisation]") {
+    const support::PolarisingMaterial source({550}, 3, 0.5);
+    const Direction direction{0.5, 0.3, 45};
+    const std::string csv =
+        support::written_file("csv", source, {.directions = {{0.5}, {0.3}, {45}}});
+    const std::size_t header = csv.find("wavelength_nm,");
+    const std::size_t row = csv.find('\n', header) + 1;
+    CHECK(csv.substr(header, row - 1 - header) ==
+          "wavelength_nm,mu_in,mu_out,azimuth_deg,m11,m12,m13,m21,m22,m23,m31,m32,m33,dolp,"
+          "aolp_deg");
+    const Eigen::Matrix4d M = source.matrix(direction, 0);
+    const double angle = std::atan2(M(2, 0), M(1, 0)) * 90 / std::numbers::pi;
+    const std::string text = csv.substr(row);
+    std::vector<double> numbers;
+    std::stringstream words(text);
+    for (std::string word; std::getline(words, word, ',');) numbers.push_back(std::stod(word));
+    REQUIRE(numbers.size() == 15);
+    CHECK(numbers[4] == M(0, 0));
+    CHECK(numbers[5] == M(0, 1));
+    CHECK(numbers[10] == M(2, 0));
+    CHECK(numbers[13] == Approx(std::hypot(M(1, 0), M(2, 0)) / M(0, 0)).epsilon(1e-14));
+    CHECK(numbers[14] == Approx(angle < 0 ? angle + 180 : angle).epsilon(1e-12));
+}
+
+TEST_CASE("exr has a channel for each element of a Mueller matrix",
+          "[formats][table][polarisation]") {
+    const support::PolarisingMaterial source({550}, 3, 0.5);
+    const std::string exr = support::written_file("exr", source, {.directions = grid()});
+    for (const char* channel : {"T.550,000000nm", "M12.550,000000nm", "M33.550,000000nm"})
+        CHECK(exr.find(channel) != exr.npos);
 }

@@ -10,27 +10,13 @@
 #include "rte/math/wigner.h"
 #include "rte/stokes/stokes_reflection.h"
 #include "tests/support/reference_table.h"
+#include "tools/bench/siewert_problem.h"
 
 namespace miebrdf::support {
 
 /// Problem IIA of Siewert 2000: a strong b2.
 inline rte::Optics siewert_optics(bool with_b2) {
-    const ReferenceTable table("rte/stokes_siewert_2000.csv");
-    rte::Optics optics;
-    optics.single_scattering_albedo = 0.973527;
-    optics.one_minus_albedo = 1 - 0.973527;
-    optics.chi.clear();
-    rte::Polarisation p;
-    for (std::size_t l = 0; l < table.size(); ++l) {
-        optics.chi.push_back(table.number(l, "a1") / (2.0 * double(l) + 1.0));
-        p.a2.push_back(table.number(l, "a2"));
-        p.a3.push_back(table.number(l, "a3"));
-        p.a4.push_back(table.number(l, "a4"));
-        p.b1.push_back(table.number(l, "b1"));
-        if (with_b2) p.b2.push_back(table.number(l, "b2"));
-    }
-    optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
-    return optics;
+    return bench::siewert_optics(ReferenceTable("rte/stokes_siewert_2000.csv"), with_b2);
 }
 
 /// Henyey-Greenstein's peak, polarised as Rayleigh's light by half: a1 = a2 = P, b1 = -P/2 (1 -

@@ -1,4 +1,5 @@
 // Sweeps and look-ups as their users type them.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -71,6 +72,37 @@ TEST_CASE("CSV has a row for each scene, wavelength and direction", "[sweep][pro
     REQUIRE(expected.size() == 36);
     CHECK(csv.text(0, "converged") == "1");
     CHECK(csv.text(0, "brdf") == expected.text(0, "brdf"));  // to the last bit
+}
+
+TEST_CASE("tables of sweeps hold Mueller matrices", "[sweep][program][polarisation]") {
+    const support::TemporaryFolder folder;
+    const std::string four = GENERATE(as<std::string>(), "", "stokes = 4\n");
+    const std::string text = R"(outputs = ["brdf", "mueller"]
+[scene]
+base = "rayleigh:{albedo}"
+)" + four + R"([axes]
+albedo = [0.5, 0.9]
+mu_in = [0.8]
+mu_out = [0.5, 1]
+azimuth_deg = [0, 90]
+wavelength_nm = [500]
+)";
+    const std::string table = folder / "t.csv";
+    REQUIRE(run_program("sweep " + folder.write("s.toml", text) + " -o " + table).exit_code == 0);
+    const support::CsvOutput csv(bytes_of(table));
+    REQUIRE(csv.size() == 8);
+    const auto alone = run_program(
+        "brdf --base rayleigh:0.5 --wavelengths 500 --mu-in 0.8 "
+        "--mu-out 0.5,1 --azimuth 0,90 --no-cache --stokes " +
+        std::string(four.empty() ? "3" : "4"));
+    const support::CsvOutput expected(alone.out);
+    for (const std::string& column : expected.columns()) {
+        if (column[0] != 'm' || column.starts_with("mu")) continue;
+        CAPTURE(column);
+        for (std::size_t row = 0; row < 4; ++row)
+            CHECK(csv.text(row, column) == expected.text(row, column));
+    }
+    CHECK(std::abs(csv.number(0, "brdf") - csv.number(0, "m11")) <= 2e-3 * csv.number(0, "m11"));
 }
 
 TEST_CASE("look-ups find nodes and what lies between", "[sweep][program]") {

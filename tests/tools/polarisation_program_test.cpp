@@ -3,22 +3,16 @@
 #include <filesystem>
 
 #include "tests/support/catch.h"
-#include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
+using support::csv_of;
 using Columns = std::vector<std::string>;
 
 namespace {
 
 const std::string kDirections = " --wavelengths 550 --mu-in 0.8 --mu-out 0.5 --azimuth 90";
-
-support::CsvOutput csv_of(const std::string& arguments) {
-    const auto run = support::run_program(arguments);
-    CAPTURE(arguments, run.err);
-    REQUIRE(run.exit_code == 0);
-    return support::CsvOutput(run.out);
-}
 
 }  // namespace
 
@@ -65,7 +59,9 @@ TEST_CASE("what does not go with polarisation is refused with the reason",
         Case{
             "brdf --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --stokes 3" + kDirections,
             "unpolarised"},
-        Case{"export --base rayleigh:0.9 --stokes 3 --format merl -o /dev/null", "unpolarised"});
+        Case{"export --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --format pbsdf "
+             "--wavelengths 550 -o /dev/null",
+             "unpolarised"});
     const auto run = support::run_program(wrong.words);
     CAPTURE(wrong.words, run.err);
     CHECK(run.exit_code == 2);
@@ -82,4 +78,43 @@ TEST_CASE("polarisation is drawn", "[program][polarisation][plot]") {
         CHECK(run.exit_code == 0);
         CHECK(std::filesystem::file_size(file) > 2000);
     }
+}
+
+TEST_CASE("auto is the default", "[program][polarisation]") {
+    const std::string words = "brdf --base rayleigh:0.9 --no-comments" + kDirections;
+    const std::string out = support::run_program(words).out;
+    CHECK(out == support::run_program(words + " --stokes auto").out);
+    CHECK(out != support::run_program(words + " --stokes 1").out);
+}
+
+TEST_CASE("exports hold what brdf --stokes prints", "[program][polarisation][export]") {
+    const support::TemporaryFolder folder;
+    const std::string scene = " --base rayleigh:0.9 --stokes 3" + kDirections;
+    const std::string file = folder / "gas.csv";
+    const auto run = support::run_program("export --format csv" + scene + " -o " + file);
+    CAPTURE(run.err);
+    REQUIRE(run.exit_code == 0);
+    const support::CsvOutput written(support::read_file(file));
+    const auto printed = csv_of("brdf" + scene);
+    REQUIRE(written.columns() == printed.columns());
+    const double scale = printed.number(0, "m11");
+    for (const std::string& column : printed.columns()) {
+        if (column[0] != 'm' || column.starts_with("mu")) continue;
+        CAPTURE(column);
+        CHECK(std::abs(written.number(0, column) - printed.number(0, column)) <= 2e-3 * scale);
+    }
+}
+
+TEST_CASE("pbsdf files are written, read back and checked", "[program][polarisation][export]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "gas.pbsdf";
+    const std::string scene = " --base rayleigh:0.9 --wavelengths 500,600";
+    const auto run =
+        support::run_program("export --format pbsdf --resolution 16" + scene + " -o " + file);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 0);
+    CHECK_THAT(run.err, Catch::Contains("read back"));
+    const auto check = support::run_program("check " + file + scene);
+    CAPTURE(check.out, check.err);
+    CHECK(check.exit_code == 0);
 }

@@ -5,23 +5,13 @@
 #include <sstream>
 
 #include "tests/support/catch.h"
-#include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
+using support::csv_of;
 using Columns = std::vector<std::string>;
-
-namespace {
-
-support::CsvOutput csv_of(const std::string& arguments) {
-    const auto run = support::run_program(arguments);
-    CAPTURE(arguments, run.err);
-    REQUIRE(run.exit_code == 0);
-    return support::CsvOutput(run.out);
-}
-
-}  // namespace
 
 TEST_CASE("columns are those that scripts depend on", "[program]") {
     CHECK(csv_of("sphere --index 1.5,0 --size-parameter 1").columns() ==

@@ -80,6 +80,7 @@ void print_table(const char* title, const Request& request, const fs::path& fold
     malloc_trim(0);  // else children begin with free memory that no count shows
     for (const Format& format : all_formats()) {
         if (format.files.empty()) continue;  // no BRDF
+        if (format.whole_matrix) continue;   // of 5 wavelengths at most, and polarised
         std::fflush(stdout);
         const pid_t child = fork();
         if (child == 0) {

@@ -2,11 +2,9 @@
 // components on the same media.
 #include <fmt/format.h>
 
-#include <memory>
-#include <utility>
-
 #include "rte/stack/layered_reflection.h"
 #include "rte/stokes/stokes_reflection.h"
+#include "tools/bench/siewert_problem.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"
 
@@ -58,28 +56,10 @@ BenchCase half_space_case() {
     return c;
 }
 
-rte::Optics siewert_optics() {
-    const ReferenceData table("rte/stokes_siewert_2000.csv");
-    rte::Optics optics;
-    optics.single_scattering_albedo = 0.973527;
-    optics.one_minus_albedo = 1.0 - 0.973527;
-    optics.chi.clear();
-    rte::Polarisation p;
-    for (std::size_t l = 0; l < table.size(); ++l) {
-        optics.chi.push_back(table.number(l, "a1") / (2.0 * double(l) + 1.0));
-        p.a2.push_back(table.number(l, "a2"));
-        p.a3.push_back(table.number(l, "a3"));
-        p.a4.push_back(table.number(l, "a4"));
-        p.b1.push_back(table.number(l, "b1"));
-        p.b2.push_back(table.number(l, "b2"));
-    }
-    optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
-    return optics;
-}
-
 /// A layer whose b2 couples V to U: four components take other equations there.
 BenchCase layer_case() {
-    rte::Stack stack{.coats = {{siewert_optics(), 1.0}}};
+    rte::Stack stack{
+        .coats = {{siewert_optics(ReferenceData("rte/stokes_siewert_2000.csv"), true), 1.0}}};
     stack.base_kind = rte::BaseKind::none;
     const double mu_in = 0.6;
     const rte::Directions one{{mu_in}, {0.5}, {90.0}};

@@ -174,7 +174,9 @@ int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell
     std::string command = shell.command_line();
     if (brdf.scene().surface && arguments.coupling_by_default())
         command += " --coupling reciprocal";  // files say what they hold
-    const BrdfTable table = brdf.table({parse_brdf_part(arguments.component()), command});
+    const BrdfTable table = brdf.table({.part = parse_brdf_part(arguments.component()),
+                                        .command_line = command,
+                                        .whole_matrix = arguments.format().whole_matrix});
     std::vector<ExportedFile> files;
     try {
         files = export_brdf(table, arguments.format(), output, options, shell.control());

@@ -50,31 +50,6 @@ void add_depths(Table& table, const ResultReport& result, const Scene& scene) {
     }
 }
 
-/// What of polarisation was computed and what was left out.
-void add_polarisation(Table& table, const ResultReport& result) {
-    std::size_t polarised = 0;
-    int components = 1;
-    double left_out = 0.0;
-    for (const WavelengthReport& at : result.wavelengths) {
-        polarised += at.stokes > 1 ? 1 : 0;
-        components = std::max(components, at.stokes);
-        left_out = std::max(left_out, at.polarisation_left_out);
-    }
-    if (polarised > 0) {
-        table.facts.emplace_back("polarisation",
-                                 fmt::format("{} components of light at {} of {} wavelengths",
-                                             components, polarised, result.wavelengths.size()));
-    }
-    if (left_out > 0.0) {
-        table.facts.emplace_back(
-            "polarisation",
-            fmt::format(
-                "left out: relative changes of the values are below {:.1g} (bound; stokes 3 "
-                "has it computed)",
-                left_out));
-    }
-}
-
 }  // namespace
 
 void add_facts(Table& table, const ResultReport& result, const Scene& scene,
@@ -99,7 +74,8 @@ void add_facts(Table& table, const ResultReport& result, const Scene& scene,
                                              noise.largest, noisiest.wavelength_nm, noise.mu_in,
                                              noise.mu_out, noise.azimuth_deg));
     }
-    add_polarisation(table, result);
+    for (const std::string& line : result.polarisation())
+        table.facts.emplace_back("polarisation", line);
     table.facts.emplace_back("method", result.wavelengths.front().solver.method);
     for (const std::string& line : result.shortfalls())
         table.facts.emplace_back("not converged", line);

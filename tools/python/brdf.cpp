@@ -25,6 +25,8 @@ py::dict facts_of(const WavelengthReport& report) {
     facts["mie_error_estimate"] = report.mie_error_estimate;
     facts["phase_noise"] = report.phase_noise.largest;
     facts["optical_depths"] = report.optical_depths;
+    facts["stokes"] = report.stokes;
+    facts["polarisation_left_out"] = report.polarisation_left_out;
     facts["streams"] = report.solver.streams;
     facts["moments"] = report.solver.moments;
     facts["fourier_orders"] = report.solver.fourier_orders;
@@ -43,6 +45,7 @@ py::dict facts_of(const ResultReport& report) {
     facts["error_estimate"] = report.error_estimate();
     facts["sources"] = report.sources;
     facts["notes"] = report.notes;
+    facts["polarisation"] = report.polarisation();
     facts["shortfall"] = report.shortfall();
     facts["summary"] = report.summary();
     facts["wavelengths"] = wavelengths;
@@ -92,6 +95,23 @@ class SolvedScene {
         return py::make_tuple(array_of(std::move(all), shape), facts);
     }
 
+    /// @returns  as evaluate, the shape with (row, column) behind
+    py::tuple mueller(const Numbers& mu_in, const Numbers& mu_out, const Numbers& azimuth_deg,
+                      const CallOptions& options) const {
+        LongCall call(options);
+        const MuellerValues values = call.run([&] {
+            return brdf(call.control()).mueller({mu_in, mu_out, azimuth_deg});
+        });
+        const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
+        const auto components = static_cast<py::ssize_t>(values.components);
+        Numbers all;
+        for (const Numbers& one : values.mueller) all.insert(all.end(), one.begin(), one.end());
+        return py::make_tuple(
+            array_of(std::move(all), {length(wavelength_nm_), length(mu_in), length(mu_out),
+                                      length(azimuth_deg), components, components}),
+            facts_of(values));
+    }
+
     py::tuple albedo(const Numbers& mu_in, const CallOptions& options) const {
         LongCall call(options);
         const AlbedoValues values = call.run([&] { return brdf(call.control()).albedo(mu_in); });
@@ -135,10 +155,13 @@ class SolvedScene {
         return list;
     }
 
-    SolvedTable table(const std::string& part, const CallOptions& options) const {
+    SolvedTable table(const std::string& part, const CallOptions& options,
+                      bool whole_matrix) const {
         LongCall call(options);
-        return SolvedTable(
-            call.run([&] { return brdf(call.control()).table({.part = parse_brdf_part(part)}); }));
+        return SolvedTable(call.run([&] {
+            return brdf(call.control())
+                .table({.part = parse_brdf_part(part), .whole_matrix = whole_matrix});
+        }));
     }
 
     py::tuple plan(const Numbers& mu_in, const Numbers& mu_out, const Numbers& azimuth_deg) const {
@@ -189,6 +212,7 @@ void bind_solver_options(py::module_& module) {
         .def_readwrite("tolerance", &SolverOptions::tolerance)
         .def_readwrite("grid", &SolverOptions::grid)
         .def_readwrite("streams", &SolverOptions::streams)
+        .def_readwrite("stokes", &SolverOptions::stokes)
         .def_readwrite("half_space_method", &SolverOptions::half_space_method)
         .def_readwrite("coat_method", &SolverOptions::coat_method)
         .def_readwrite("coat_substeps", &SolverOptions::coat_substeps)
@@ -206,9 +230,12 @@ void bind_brdf(py::module_& module) {
              py::arg("solver"))
         .def("evaluate", &SolvedScene::evaluate, py::arg("mu_in"), py::arg("mu_out"),
              py::arg("azimuth_deg"), py::arg("part"), py::arg("options"))
+        .def("mueller", &SolvedScene::mueller, py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"), py::arg("options"))
         .def("albedo", &SolvedScene::albedo, py::arg("mu_in"), py::arg("options"))
         .def("layers", &SolvedScene::layers, py::arg("options"))
-        .def("table", &SolvedScene::table, py::arg("part"), py::arg("options"))
+        .def("table", &SolvedScene::table, py::arg("part"), py::arg("options"),
+             py::arg("whole_matrix") = false)
         .def("plan", &SolvedScene::plan, py::arg("mu_in"), py::arg("mu_out"),
              py::arg("azimuth_deg"));
     py::class_<SolvedTable>(module, "SolvedTable")

@@ -32,6 +32,7 @@ py::list formats() {
         facts["brdf"] =
             format.content == FormatContent::table || format.content == FormatContent::sampled;
         facts["options"] = options_of(format);
+        facts["whole_matrix"] = format.whole_matrix;
         list.append(facts);
     }
     return list;

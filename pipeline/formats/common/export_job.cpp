@@ -79,6 +79,14 @@ nlohmann::ordered_json metadata(const BrdfSource& source, const Conventions& con
     } else {
         json["wavelength_nm"] = source.wavelength_nm();
     }
+    if (source.components() > 1) {
+        json["mueller"] = fmt::format(
+            "row = outgoing, column = incident component of ({}), Q = parallel minus "
+            "perpendicular to the meridian plane of each ray (ray and normal); signs: "
+            "docs/polarisation.md",
+            source.components() == 4 ? "I, Q, U, V" : "I, Q, U");
+    }
+    if (!origin.polarisation.empty()) json["polarisation"] = origin.polarisation;
     if (!conventions.colour.empty()) json["colour"] = conventions.colour;
     if (!origin.accuracy.empty()) json["accuracy"] = origin.accuracy;
     json["sources"] = origin.sources;

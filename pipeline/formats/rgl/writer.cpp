@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "pipeline/formats/common/byte_writer.h"
 #include "pipeline/formats/common/export_job.h"
+#include "pipeline/formats/common/tensor_writer.h"
 #include "pipeline/formats/rgl/half_vector_table.h"
 
 namespace miebrdf {
@@ -17,70 +17,6 @@ namespace miebrdf {
 FormatReader rgl_reader();  // reader.cpp
 
 namespace {
-
-// The "tensor_file" container: named arrays in one binary file.
-
-/// An array of 32-bit floats, last dimension fastest, or a text.
-struct TensorField {
-    std::string name;
-    std::vector<std::uint64_t> shape;
-    std::vector<float> values;
-    std::string bytes;  ///< instead of values: unsigned 8-bit
-};
-
-constexpr std::uint8_t kUnsigned8 = 1, kFloat32 = 10;  // the container's type numbers
-
-std::uint64_t data_size(const TensorField& field) {
-    return field.values.empty() ? field.bytes.size() : field.values.size() * sizeof(float);
-}
-
-std::uint64_t header_size(const std::vector<TensorField>& fields) {
-    std::uint64_t size = 12 + 2 + 4;  // magic, version, number of fields
-    for (const TensorField& field : fields)
-        size += 2 + field.name.size() + 2 + 1 + 8 + 8 * field.shape.size();
-    return size;
-}
-
-std::uint64_t aligned(std::uint64_t offset) { return (offset + 7) / 8 * 8; }
-
-TensorField float_field(std::string name, std::vector<std::uint64_t> shape,
-                        std::vector<float> values) {
-    return {std::move(name), std::move(shape), std::move(values), {}};
-}
-
-TensorField byte_field(std::string name, std::string bytes) {
-    return {std::move(name), {bytes.size()}, {}, std::move(bytes)};
-}
-
-/// Header, then the data of each field at a multiple of 8 bytes. Little-endian.
-void write_tensor_file(const std::vector<TensorField>& fields, std::ostream& out) {
-    ByteWriter bytes(out);
-    bytes.put_text({"tensor_file\0", 12});
-    bytes.put(std::uint8_t{1});
-    bytes.put(std::uint8_t{0});
-    bytes.put(static_cast<std::uint32_t>(fields.size()));
-    std::uint64_t offset = header_size(fields);
-    for (const TensorField& field : fields) {
-        offset = aligned(offset);
-        bytes.put(static_cast<std::uint16_t>(field.name.size()));
-        bytes.put_text(field.name);
-        bytes.put(static_cast<std::uint16_t>(field.shape.size()));
-        bytes.put(field.values.empty() ? kUnsigned8 : kFloat32);
-        bytes.put(offset);
-        for (const std::uint64_t extent : field.shape) bytes.put(extent);
-        offset += data_size(field);
-    }
-    offset = header_size(fields);
-    for (const TensorField& field : fields) {
-        bytes.put_zeros(aligned(offset) - offset);
-        if (field.values.empty()) {
-            bytes.put_text(field.bytes);
-        } else {
-            bytes.put_all(field.values);
-        }
-        offset = aligned(offset) + data_size(field);
-    }
-}
 
 constexpr double kHalfPi = std::numbers::pi / 2;
 /// The last incident angle is stored as 90 degrees but computed here: at 90 itself nothing arrives.

@@ -47,13 +47,26 @@ std::string channel_name(double wavelength_nm) {
     return "T." + number + "nm";
 }
 
+/// Ours: a plane for each element of the Mueller matrix but the first.
+std::string mueller_channel_name(const std::string& element, double wavelength_nm) {
+    return "M" + element.substr(1) + channel_name(wavelength_nm).substr(1);
+}
+
+/// Channels of each wavelength besides T.
+std::vector<std::string> mueller_elements(const BrdfSource& source) {
+    std::vector<std::string> names = mueller_names(source.components());
+    names.erase(names.begin());
+    return names;
+}
+
 /// Enough rows of pixels to keep all threads busy, few enough to take little memory.
 std::size_t incidences_at_a_time(const rte::Directions& grid) {
     constexpr std::size_t kPixels = 1 << 14;
     return std::max<std::size_t>(1, kPixels / (grid.mu_out.size() * grid.azimuth_deg.size()));
 }
 
-/// One plane of pixels for each wavelength, then for R, G and B.
+/// One plane of pixels for each wavelength, for R, G and B, and for each wavelength those of
+/// mueller_elements.
 std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview,
                              const rte::Directions& part, const Control& control) {
     const std::vector<double> table = tabulate(source, part, control);
@@ -70,12 +83,23 @@ std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview
             plane[p] = static_cast<float>(std::numbers::pi * sum);
         }
     }
+    const std::vector<double> matrices = tabulate_mueller(source, part, control);
+    const auto elements = static_cast<std::size_t>(source.components() * source.components());
+    for (std::size_t w = 0; w < wavelengths; ++w) {
+        for (std::size_t e = 1; e < elements; ++e) {
+            for (std::size_t p = 0; p < pixels; ++p) {
+                planes.push_back(static_cast<float>(std::numbers::pi *
+                                                    matrices[(w * pixels + p) * elements + e]));
+            }
+        }
+    }
     return planes;
 }
 
 /// The lines of some incidences, `first` of them written already.
 void write_rows(const std::vector<float>& planes, const rte::Directions& part, std::size_t first,
-                const std::vector<double>& wavelength_nm, Imf::OutputFile& file) {
+                const BrdfSource& source, Imf::OutputFile& file) {
+    const std::vector<double>& wavelength_nm = source.wavelength_nm();
     const std::size_t width = part.azimuth_deg.size(), pixels = size_of(part);
     const std::size_t before = first * part.mu_out.size() * width;  // pixels of the lines written
     Imf::FrameBuffer buffer;
@@ -86,7 +110,12 @@ void write_rows(const std::vector<float>& planes, const rte::Directions& part, s
         buffer.insert(name, Imf::Slice(Imf::FLOAT, origin, sizeof(float), sizeof(float) * width));
     };
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w) add(channel_name(wavelength_nm[w]), w);
-    for (std::size_t c = 0; c < 3; ++c) add(std::string(1, "RGB"[c]), wavelength_nm.size() + c);
+    std::size_t plane = wavelength_nm.size();
+    for (const char* colour : {"R", "G", "B"}) add(colour, plane++);
+    for (const double wavelength : wavelength_nm) {
+        for (const std::string& element : mueller_elements(source))
+            add(mueller_channel_name(element, wavelength), plane++);
+    }
     file.setFrameBuffer(buffer);
     file.writePixels(static_cast<int>(part.mu_in.size() * part.mu_out.size()));
 }
@@ -120,6 +149,12 @@ void write_exr(const ExportJob& job, std::ostream& out) {
         header.channels().insert(channel_name(wavelength), Imf::Channel(Imf::FLOAT));
     for (const char* colour : {"R", "G", "B"})
         header.channels().insert(colour, Imf::Channel(Imf::FLOAT));
+    for (const double wavelength : source.wavelength_nm()) {
+        for (const std::string& element : mueller_elements(source)) {
+            header.channels().insert(mueller_channel_name(element, wavelength),
+                                     Imf::Channel(Imf::FLOAT));
+        }
+    }
     StreamAdapter adapter(out);
     Imf::OutputFile file(adapter, header, 0);  // no threads of its own
     const std::size_t block = incidences_at_a_time(grid);
@@ -128,8 +163,7 @@ void write_exr(const ExportJob& job, std::ostream& out) {
         part.mu_in.assign(grid.mu_in.begin() + static_cast<std::ptrdiff_t>(first),
                           grid.mu_in.begin() + static_cast<std::ptrdiff_t>(
                                                    std::min(first + block, grid.mu_in.size())));
-        write_rows(planes_of(source, preview, part, job.control), part, first,
-                   source.wavelength_nm(), file);
+        write_rows(planes_of(source, preview, part, job.control), part, first, source, file);
     }
 }
 

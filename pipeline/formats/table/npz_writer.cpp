@@ -200,8 +200,8 @@ void NpzArchive::add_to(zip_t* archive, const Member& member) {
 
 namespace {
 
-/// Arrays wavelength_nm, mu_in, mu_out, azimuth_deg, brdf[wavelength, mu_in, mu_out, azimuth] and
-/// meta (JSON as bytes).
+/// Arrays wavelength_nm, mu_in, mu_out, azimuth_deg, brdf[wavelength, mu_in, mu_out, azimuth],
+/// where it is known mueller[..., row, column], and meta (JSON as bytes).
 void write_npz(const ExportJob& job, std::ostream& out) {
     const std::vector<double>& wavelength_nm = job.spectral.wavelength_nm();
     const rte::Directions grid = table_directions(job.options);
@@ -213,6 +213,12 @@ void write_npz(const ExportJob& job, std::ostream& out) {
     archive.add(
         "brdf", tabulate(job.spectral, grid, job.control),
         {wavelength_nm.size(), grid.mu_in.size(), grid.mu_out.size(), grid.azimuth_deg.size()});
+    if (const int components = job.spectral.components(); components > 1) {
+        const auto c = static_cast<std::size_t>(components);
+        archive.add("mueller", tabulate_mueller(job.spectral, grid, job.control),
+                    {wavelength_nm.size(), grid.mu_in.size(), grid.mu_out.size(),
+                     grid.azimuth_deg.size(), c, c});
+    }
     archive.add_bytes("meta", metadata(job.spectral, {.format = "npz",
                                                       .cosine_included = false,
                                                       .azimuth_zero = "mirror side",

@@ -1,5 +1,8 @@
 #include "pipeline/formats/table/tabulate.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -45,12 +48,16 @@ std::size_t size_of(const rte::Directions& directions) {
     return directions.mu_in.size() * directions.mu_out.size() * directions.azimuth_deg.size();
 }
 
-std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& grid,
-                             const Control& control) {
-    const std::size_t channels = source.channels().size();
+namespace {
+
+/// [channel][mu_in][mu_out][azimuth][number] of `numbers` for each direction and channel.
+template <typename Evaluate>
+std::vector<double> tabulate_numbers(std::size_t channels, std::size_t numbers,
+                                     const rte::Directions& grid, const Control& control,
+                                     const Evaluate& evaluate) {
     const std::size_t rows = grid.mu_out.size() * grid.azimuth_deg.size();
     const std::size_t size = size_of(grid);
-    std::vector<double> table(channels * size);
+    std::vector<double> table(channels * size * numbers);
     run_parallel("table", grid.mu_in.size(), control, [&](std::size_t i) {
         std::vector<Direction> directions;
         directions.reserve(rows);
@@ -59,15 +66,45 @@ std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& gr
                 directions.push_back({grid.mu_in[i], mu_out, azimuth});
             }
         }
-        std::vector<double> values(rows * channels);
-        source.evaluate(directions, values);
+        std::vector<double> values(rows * channels * numbers);
+        evaluate(directions, values);
         for (std::size_t r = 0; r < rows; ++r) {
             for (std::size_t c = 0; c < channels; ++c) {
-                table[c * size + i * rows + r] = values[r * channels + c];
+                std::copy_n(&values[(r * channels + c) * numbers], numbers,
+                            &table[(c * size + i * rows + r) * numbers]);
             }
         }
     });
     return table;
+}
+
+}  // namespace
+
+std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& grid,
+                             const Control& control) {
+    return tabulate_numbers(source.channels().size(), 1, grid, control,
+                            [&](std::span<const Direction> directions, std::span<double> values) {
+                                source.evaluate(directions, values);
+                            });
+}
+
+std::vector<double> tabulate_mueller(const BrdfSource& source, const rte::Directions& grid,
+                                     const Control& control) {
+    if (source.components() == 1) return {};
+    const auto elements = static_cast<std::size_t>(source.components() * source.components());
+    return tabulate_numbers(source.channels().size(), elements, grid, control,
+                            [&](std::span<const Direction> directions, std::span<double> values) {
+                                source.evaluate_mueller(directions, values);
+                            });
+}
+
+std::vector<std::string> mueller_names(int components) {
+    std::vector<std::string> names;
+    for (int row = 1; row <= components; ++row) {
+        for (int column = 1; column <= components; ++column)
+            names.push_back(fmt::format("m{}{}", row, column));
+    }
+    return names;
 }
 
 Format table_format(const char* name, const char* readers, const char* ending,

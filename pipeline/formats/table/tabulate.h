@@ -25,6 +25,14 @@ std::size_t size_of(const rte::Directions& directions);
 std::vector<double> tabulate(const BrdfSource& source, const rte::Directions& directions,
                              const Control& control);
 
+/// Mueller matrices in the same order, [...][row][column] with the components of the source; empty
+/// where only its BRDF is known. @throws Cancelled
+std::vector<double> tabulate_mueller(const BrdfSource& source, const rte::Directions& directions,
+                                     const Control& control);
+
+/// m11, m12, ..., row by row.
+std::vector<std::string> mueller_names(int components);
+
 /// What all plain tables are to the list of formats.
 Format table_format(const char* name, const char* readers, const char* ending,
                     void (*write)(const ExportJob& job, std::ostream& out),

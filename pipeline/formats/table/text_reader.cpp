@@ -12,6 +12,8 @@ namespace miebrdf {
 namespace {
 
 constexpr std::string_view kHeader = "wavelength_nm,mu_in,mu_out,azimuth_deg,brdf";
+/// Of a Mueller matrix, of which element 11 is the BRDF: more columns follow.
+constexpr std::string_view kMuellerHeader = "wavelength_nm,mu_in,mu_out,azimuth_deg,m11,m12";
 /// A parsed JSON number takes 16 bytes and can be written in two: larger files take too much
 /// memory.
 constexpr std::size_t kLargestJson = std::size_t{512} << 20;
@@ -53,7 +55,9 @@ std::unique_ptr<BrdfFile> read_json_rows(const nlohmann::json& json) {
     std::array<std::size_t, 5> places{};
     const char* const names[] = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "brdf"};
     for (std::size_t k = 0; k < places.size(); ++k) {
-        const auto found = std::find(columns.begin(), columns.end(), names[k]);
+        auto found = std::find(columns.begin(), columns.end(), names[k]);
+        if (found == columns.end() && k == 4)  // of a Mueller matrix
+            found = std::find(columns.begin(), columns.end(), "m11");
         if (found == columns.end()) {
             throw InputError(
                 fmt::format("json: no column '{}'; a table of a BRDF has {}", names[k], kHeader));
@@ -76,23 +80,27 @@ std::unique_ptr<BrdfFile> read_json_rows(const nlohmann::json& json) {
 }
 
 Recognised recognise_csv(std::string_view content) {
-    const bool found = content.substr(0, 65536).find(kHeader) != content.npos;
+    const std::string_view start = content.substr(0, 65536);
+    const bool found =
+        start.find(kHeader) != start.npos || start.find(kMuellerHeader) != start.npos;
     return found ? Recognised::by_structure : Recognised::no;
 }
 
 std::unique_ptr<BrdfFile> read_csv(std::string content) {
     TextLines lines(content, "csv");
     GridCollector rows("csv", 1, content.size() / 64);  // a line of ours has about 60 bytes
-    bool header_seen = false;
+    std::size_t columns = 0;                            // 0: no header yet
     for (std::string_view line; lines.next(line);) {
         if (line.empty() || line[0] == '#') continue;
-        if (!header_seen) {
-            if (line != kHeader) lines.refuse(fmt::format("expected the header '{}'", kHeader));
-            header_seen = true;
+        if (columns == 0) {
+            if (line != kHeader && !line.starts_with(kMuellerHeader))
+                lines.refuse(fmt::format("expected the header '{}'", kHeader));
+            columns = 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
             continue;
         }
         const std::vector<double> row = lines.numbers(line, ",");
-        if (row.size() != 5) lines.refuse(fmt::format("{} fields; expected 5", row.size()));
+        if (row.size() != columns)
+            lines.refuse(fmt::format("{} fields; expected {}", row.size(), columns));
         rows.add(row[0], row[1], row[2], row[3], {&row[4], 1});
     }
     return make_grid_file(std::move(rows).table(Elevation::cosine));

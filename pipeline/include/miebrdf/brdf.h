@@ -88,6 +88,9 @@ struct ResultReport {
     /// What missed the tolerance and where, one line for each wavelength; empty when converged.
     std::vector<std::string> shortfalls() const;
     std::string shortfall() const;  ///< the lines joined
+    /// "3 components of light at 2 of 3 wavelengths", and what leaving polarisation out may change;
+    /// empty where it does not matter.
+    std::vector<std::string> polarisation() const;
     /// One sentence: the estimate, and when the tolerance is missed, where and how widely.
     std::string summary() const;
 };
@@ -196,12 +199,16 @@ struct LayerOptics {
 struct TableOptions {
     BrdfPart part = BrdfPart::total;
     std::string command_line = {};  ///< for Provenance
+    /// With SolverOptions::stokes = 0 (auto): 4 components instead of what the intensity needs, for
+    /// BrdfTable::evaluate_mueller. With 3 and 4 the whole matrix is there anyway, with 1 never.
+    bool whole_matrix = false;
 };
 
 /// A solved BRDF for those who evaluate millions of directions (exports, renderers): light
 /// scattered more than once is smooth and interpolated between 49 x 49 cosines; what has sharp
 /// features, the first order of scattering and the surface lobe, is evaluated at every direction.
-/// Made by Brdf::table; copies share their data.
+/// Made by Brdf::table; copies share their data. Where light has several components, the BRDF is
+/// that of unpolarised light, element 11 of the Mueller matrix.
 class BrdfTable : public BrdfSource {
   public:
     const std::vector<std::string>& channels() const override;
@@ -209,6 +216,9 @@ class BrdfTable : public BrdfSource {
     const Provenance& provenance() const override;
     void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
     std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const override;
+    int components() const override;
+    void evaluate_mueller(std::span<const Direction> directions,
+                          std::span<double> values) const override;
 
     /// How well the scene was solved, at directions of all kinds; not the interpolation.
     const ResultReport& report() const;
@@ -255,7 +265,9 @@ class Brdf {
     std::vector<LayerOptics> layers() const;
 
     /// For those who evaluate millions of directions.
-    /// @throws UsageError  for the surface's part of a scene without one; Cancelled
+    /// @throws UsageError  for the surface's part of a scene without one, and for components of
+    /// light
+    ///         that it cannot be computed of (as mueller); Cancelled
     BrdfTable table(const TableOptions& options = {}) const;
 
     /// How well the scene is solved at directions of all kinds, steep and grazing.

@@ -22,11 +22,12 @@ struct Direction {
 
 /// What every export says about where its numbers come from.
 struct Provenance {
-    std::string version = {};               ///< "miebrdf 0.1.0"
-    std::string command_line = {};          ///< as typed; may be empty
-    std::string title = {};                 ///< the scene in one line
-    std::string component = "total";        ///< total, subsurface or surface
-    std::string accuracy = {};              ///< of the values, in words; may be empty
+    std::string version = {};         ///< "miebrdf 0.1.0"
+    std::string command_line = {};    ///< as typed; may be empty
+    std::string title = {};           ///< the scene in one line
+    std::string component = "total";  ///< total, subsurface or surface
+    std::string accuracy = {};        ///< of the values, in words; may be empty
+    std::string polarisation = {};    ///< what was computed or left out; empty: it does not matter
     std::vector<std::string> sources = {};  ///< of the refractive indices, one line for each
 };
 
@@ -58,6 +59,18 @@ class BrdfSource {
     /// (mu_in, mu_out) may be evaluated faster.
     virtual void evaluate(std::span<const Direction> directions,
                           std::span<double> values) const = 0;
+
+    /// Components of light that its Mueller matrix is known for: 3 (I, Q, U), 4 (with V); 1: the
+    /// BRDF is all that is known.
+    virtual int components() const { return 1; }
+
+    /// Mueller matrices, 1/sr without the cosine, with the planes and signs of
+    /// docs/polarisation.md: values[((d * channels().size() + c) * components() + row) *
+    /// components() + column], row = outgoing, column = incident component; element 11 is the BRDF.
+    virtual void evaluate_mueller(std::span<const Direction> directions,
+                                  std::span<double> values) const {
+        evaluate(directions, values);
+    }
 
     /// Sums over channels: of many channels a source may know them without evaluating each.
     /// The result must not outlive the source.

@@ -28,7 +28,7 @@ struct SolverOptions {
     /// Components of light: 1 (the intensity I alone), 3 (I, Q, U) or 4 (with V); 0: 3 where
     /// polarisation shows in the intensity (docs/polarisation.md), else 1. Brdf looks at it, the
     /// solvers of rte do not.
-    int stokes = 1;
+    int stokes = 0;
 };
 
 /// Every combination of the three lists is wanted.

@@ -146,6 +146,7 @@ def labelled(
     wavelengths_nm: Sequence[float] | float | None,
     axes: Axes | None,
     attributes: dict[str, Any],
+    stokes: int = 0,
 ) -> Any:
     """A DataArray on the same memory, where these are wanted; else the values themselves.
 
@@ -153,6 +154,8 @@ def labelled(
     ----------
     wavelengths_nm
         A list: the first axis. A number: a coordinate without an axis.
+    stokes
+        Components of Mueller matrices, the last two axes ``outgoing`` and ``incident``; 0: none.
     """
     if not use_xarray():
         return values
@@ -186,4 +189,7 @@ def labelled(
                 [axes.names[axis] for axis in own],
                 array.reshape([axes.shape[axis] for axis in own]),
             )
+    for axis in ("outgoing", "incident") if stokes else ():
+        dims.append(axis)
+        coords[axis] = ([axis], list("IQUV")[:stokes], {"long_name": f"Stokes component, {axis}"})
     return xarray.DataArray(values, dims=dims, coords=coords, name=name, attrs=attributes)

@@ -19,9 +19,10 @@ from ._directions import (
     axes_of,
     cosine,
     exact_brdf,
+    exact_mueller,
     solver_options,
 )
-from ._files import format_of
+from ._files import format_of, needs_whole_matrix
 from ._options import Call
 from .errors import UsageError
 
@@ -125,6 +126,26 @@ class Brdf(Albedos):
             self._solved, self.wavelengths_nm, self._single, axes, part, self._call
         )
 
+    def mueller(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+    ) -> Any:
+        """The Mueller matrix of the BRDF at these directions, exactly, as `Scene.mueller`.
+
+        Of (I, Q, U), or with ``stokes=4`` in `Scene.solve` of (I, Q, U, V); solved with
+        ``stokes=1`` or "auto", it is that of three components all the same.
+        """
+        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
+        components = 4 if str(self._method.get("stokes")) == "4" else 3
+        return exact_mueller(
+            self._solved, self.wavelengths_nm, self._single, axes, components, self._call
+        )
+
     @property
     def report(self) -> Report:
         """How well the scene is solved, at directions of all kinds."""
@@ -213,9 +234,10 @@ class Brdf(Albedos):
             numbers(name, values).reshape(-1).tolist()
             for name, values in (("mu_in", mu_in), ("mu_out", mu_out), ("azimuth_deg", azimuth_deg))
         ]
+        whole_matrix = needs_whole_matrix(format)
         with Call(*self._call) as options:
             return _core.export_table(
-                self._table(part),
+                self._solved.table(part, options, True) if whole_matrix else self._table(part),
                 path,
                 format,
                 resolution,

@@ -242,6 +242,7 @@ class SolverOptions:
     tolerance: float
     grid: Grid
     streams: int
+    stokes: int
     half_space_method: HalfSpaceMethod
     coat_method: CoatMethod
     coat_substeps: int
@@ -260,11 +261,20 @@ class SolvedScene:
         part: str,
         options: CallOptions,
     ) -> tuple[_Floats, dict[str, Any]]: ...
+    def mueller(
+        self,
+        mu_in: Sequence[float],
+        mu_out: Sequence[float],
+        azimuth_deg: Sequence[float],
+        options: CallOptions,
+    ) -> tuple[_Floats, dict[str, Any]]: ...
     def albedo(
         self, mu_in: Sequence[float], options: CallOptions
     ) -> tuple[dict[str, Any], dict[str, Any]]: ...
     def layers(self, options: CallOptions) -> list[dict[str, Any]]: ...
-    def table(self, part: str, options: CallOptions) -> SolvedTable: ...
+    def table(
+        self, part: str, options: CallOptions, whole_matrix: bool = False
+    ) -> SolvedTable: ...
     def plan(
         self,
         mu_in: Sequence[float],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -42,9 +42,13 @@ class Report:
         What missed the tolerance and where; empty when converged.
     summary : str
         One sentence.
+    polarisation : list of str
+        How many components of light were computed, or what leaving polarisation out may change;
+        empty where it does not matter.
     wavelengths : list of dict
         Of each wavelength: error_estimate, mie_error_estimate, phase_noise, optical_depths,
-        streams, moments, fourier_orders, iterations, method, converged.
+        stokes (components of light), polarisation_left_out, streams, moments, fourier_orders,
+        iterations, method, converged.
     """
 
     tolerance: float
@@ -52,6 +56,7 @@ class Report:
     error_estimate: float
     sources: list[str]
     notes: list[str]
+    polarisation: list[str]
     shortfall: str
     summary: str
     wavelengths: list[dict[str, Any]]
@@ -132,6 +137,8 @@ def solver_options(method: Mapping[str, Any]) -> _core.SolverOptions:
     }
     options = _core.SolverOptions()
     for name, value in method.items():
+        if name == "stokes":
+            value = _stokes(value)
         if not hasattr(options, name):
             allowed = [known for known in dir(options) if not known.startswith("_")]
             raise UsageError(f"unknown option '{name}'; allowed: {', '.join(allowed)}")
@@ -144,56 +151,61 @@ def solver_options(method: Mapping[str, Any]) -> _core.SolverOptions:
     return options
 
 
-def evaluate_exactly(
-    solved: _core.SolvedScene, axes: Axes, part: str, options: _core.CallOptions
-) -> tuple[Floats, Report]:
-    """Values of shape (wavelengths, *axes.shape)."""
+def _stokes(value: Any) -> int:
+    allowed = {"auto": 0, "1": 1, "3": 3, "4": 4}
+    if isinstance(value, bool) or str(value) not in allowed:
+        raise UsageError(f"stokes: {value!r} is out of range; allowed: 'auto', 1, 3, 4")
+    return allowed[str(value)]
+
+
+#: Values at all combinations of mu_in, mu_out and azimuth_deg, and facts for a Report: of shape
+#: (wavelengths, mu_in, mu_out, azimuth_deg, ...).
+Solve = Callable[[list[float], list[float], list[float]], tuple[Floats, dict[str, Any]]]
+
+
+def evaluate_exactly(solve: Solve, axes: Axes) -> tuple[Floats, Report]:
+    """Values of shape (wavelengths, *axes.shape, ...)."""
     dimensions = len(axes.shape)
     lists = list(axes.given.values())
     own = [varying_axes(array, dimensions) for array in lists]
     if sum(len(each) for each in own) == len(set().union(*own)):
         # Every axis belongs to one of the three: all combinations, as the solver has them.
         flat = [array.reshape(-1).tolist() for array in lists]
-        values, facts = solved.evaluate(flat[0], flat[1], flat[2], part, options)
+        values, facts = solve(flat[0], flat[1], flat[2])
+        inner = values.shape[4:]
         shape = [axes.shape[axis] for each in own for axis in each]
         order = [axis for each in own for axis in each]
-        values = values.reshape([values.shape[0], *shape])
-        values = values.transpose([0, *(1 + np.argsort(order))]) if order else values
-        return values.reshape([values.shape[0], *axes.shape]), Report(**facts)
-    return _evaluate_scattered(solved, axes, part, options)
+        values = values.reshape([values.shape[0], *shape, *inner])
+        behind = 1 + len(order) + np.arange(len(inner))
+        if order:
+            values = values.transpose([0, *(1 + np.argsort(order)), *behind])
+        return values.reshape([values.shape[0], *axes.shape, *inner]), Report(**facts)
+    return _evaluate_scattered(solve, axes)
 
 
-def _evaluate_scattered(
-    solved: _core.SolvedScene, axes: Axes, part: str, options: _core.CallOptions
-) -> tuple[Floats, Report]:
+def _evaluate_scattered(solve: Solve, axes: Axes) -> tuple[Floats, Report]:
     """Directions that are no combinations of lists."""
     flat = [array.reshape(-1) for array in axes.arrays]
     unique, places = zip(*(np.unique(array, return_inverse=True) for array in flat))
     count = flat[0].size
     if unique[0].size * unique[1].size * unique[2].size <= max(4 * count, _SPARE_COMBINATIONS):
-        values, facts = solved.evaluate(
-            unique[0].tolist(), unique[1].tolist(), unique[2].tolist(), part, options
-        )
+        values, facts = solve(unique[0].tolist(), unique[1].tolist(), unique[2].tolist())
         chosen = values[:, places[0], places[1], places[2]]
-        return chosen.reshape([values.shape[0], *axes.shape]), Report(**facts)
+        return chosen.reshape([values.shape[0], *axes.shape, *values.shape[4:]]), Report(**facts)
     # One solution for each pair of cosines.
     pair = places[0] * unique[1].size + places[1]
     result: Floats = np.empty((0, count))
     reports = []
     for each in np.unique(pair):
         where = np.flatnonzero(pair == each)
-        values, facts = solved.evaluate(
-            [float(flat[0][where[0]])],
-            [float(flat[1][where[0]])],
-            flat[2][where].tolist(),
-            part,
-            options,
+        values, facts = solve(
+            [float(flat[0][where[0]])], [float(flat[1][where[0]])], flat[2][where].tolist()
         )
         if result.shape[0] == 0:
-            result = np.empty((values.shape[0], count))
+            result = np.empty((values.shape[0], count, *values.shape[4:]))
         result[:, where] = values[:, 0, 0, :]
         reports.append(Report(**facts))
-    return result.reshape([result.shape[0], *axes.shape]), _worst(reports)
+    return result.reshape([result.shape[0], *axes.shape, *result.shape[2:]]), _worst(reports)
 
 
 BRDF_ATTRIBUTES = {"units": "1/sr", "long_name": "BRDF, without the cosine"}
@@ -206,11 +218,12 @@ def at_wavelengths(
     axes: Axes,
     attributes: dict[str, Any],
     name: str = "brdf",
+    stokes: int = 0,
 ) -> Any:
     """A result of values of shape (wavelengths, *axes.shape); `single`: without the first axis."""
     if single:
-        return labelled(values[0], name, wavelengths[0], axes, attributes)
-    return labelled(values, name, wavelengths, axes, attributes)
+        return labelled(values[0], name, wavelengths[0], axes, attributes, stokes)
+    return labelled(values, name, wavelengths, axes, attributes, stokes)
 
 
 def exact_brdf(
@@ -223,10 +236,44 @@ def exact_brdf(
 ) -> Any:
     """`Brdf.exact`."""
     with Call(*call) as options:
-        values, report = evaluate_exactly(solved, axes, part, options)
+        values, report = evaluate_exactly(
+            lambda mu_in, mu_out, azimuth: solved.evaluate(mu_in, mu_out, azimuth, part, options),
+            axes,
+        )
     report.warn()
     attributes = {**BRDF_ATTRIBUTES, "part": part, **report.attributes()}
     return at_wavelengths(values, wavelengths, single, axes, attributes)
+
+
+MUELLER_ATTRIBUTES = {
+    "units": "1/sr",
+    "long_name": "Mueller matrix of the BRDF, without the cosine",
+    "planes": "Q = parallel minus perpendicular to the meridian plane of each ray (ray and normal)",
+}
+
+
+def exact_mueller(
+    solved: _core.SolvedScene,
+    wavelengths: list[float],
+    single: bool,
+    axes: Axes,
+    components: int,
+    call: tuple[Any, ...],
+) -> Any:
+    """`Brdf.mueller`."""
+    if not wavelengths or 0 in axes.shape:
+        values: Floats = np.empty((len(wavelengths), *axes.shape, components, components))
+        facts: dict[str, Any] = {}
+    else:
+        with Call(*call) as options:
+            values, report = evaluate_exactly(
+                lambda mu_in, mu_out, azimuth: solved.mueller(mu_in, mu_out, azimuth, options),
+                axes,
+            )
+        report.warn()
+        facts = report.attributes()
+    attributes = {**MUELLER_ATTRIBUTES, **facts}
+    return at_wavelengths(values, wavelengths, single, axes, attributes, "mueller", components)
 
 
 def direct_brdf(

@@ -55,10 +55,15 @@ def check(path: str | Path) -> FileCheck:
 def formats() -> list[dict[str, Any]]:
     """Formats of `Brdf.export`: name, readers (programs), holds, endings, options."""
     return [
-        {key: value for key, value in each.items() if key != "brdf"}
+        {key: value for key, value in each.items() if key not in ("brdf", "whole_matrix")}
         for each in _core.formats()
         if each["brdf"]
     ]
+
+def needs_whole_matrix(format: str) -> bool:
+    """Whether a format of `Brdf.export` holds Mueller matrices."""
+    return any(each["name"] == format and each["whole_matrix"] for each in _core.formats())
+
 
 def format_of(path: Path) -> str:
     """The format of `Brdf.export` that the ending of a file says."""

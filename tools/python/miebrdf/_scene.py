@@ -197,6 +197,48 @@ class Scene:
             method,
         )
 
+    def mueller(
+        self,
+        wavelengths_nm: ArrayLike,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+        cache: bool | None = None,
+        **method: Any,
+    ) -> Any:
+        """The Mueller matrix of the BRDF at these directions: light with its polarisation.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+            In vacuum.
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg, threads, progress, cache
+            As in `brdf`.
+        **method
+            As in `solve`; ``stokes=4``: with V (default: I, Q and U).
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            1/sr, without the cosine, of shape (wavelengths, *broadcast directions, outgoing,
+            incident): what it makes of the Stokes vector (I, Q, U[, V]) of the incident light, Q =
+            parallel minus perpendicular to the meridian plane of each ray.
+
+        Raises
+        ------
+        UsageError
+            Also for scenes that polarised light cannot be computed of, with the reason.
+        """
+        call = (threads, progress, cache)
+        solved = Brdf(self, wavelengths_nm, method, call, with_table=False)
+        return solved.mueller(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
+                              theta_out_deg=theta_out_deg)  # fmt: skip
+
     def solve(
         self,
         wavelengths_nm: ArrayLike,
@@ -221,10 +263,10 @@ class Scene:
         table : bool
             False: the table is made when it is first asked for, which albedos and layers never do.
         **method
-            streams (2 to 256; 0: by the tolerance), grid (auto, gauss, mapped-gauss, paper),
-            half_space_method (auto, fixed-point, doubling), coat_method (auto, first-order,
-            first-order-patched, exponential), coat_substeps, delta_m,
-            single_scattering_correction.
+            stokes ("auto", 1, 3, 4: components of light), streams (2 to 256; 0: by the
+            tolerance), grid (auto, gauss, mapped-gauss, paper), half_space_method (auto,
+            fixed-point, doubling), coat_method (auto, first-order, first-order-patched,
+            exponential), coat_substeps, delta_m, single_scattering_correction.
 
         Returns
         -------

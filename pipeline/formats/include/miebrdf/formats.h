@@ -111,6 +111,7 @@ struct Format {
     Fineness resolution = {};
     bool takes_directions = false;
     bool takes_colours = false;
+    bool whole_matrix = false;  ///< holds Mueller matrices: TableOptions::whole_matrix
     std::vector<FormatOption> extra = {};
 
     AcceptedErrors accepted = {};  ///< by default
@@ -276,6 +277,13 @@ class BrdfFile {
     /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
     /// holds none.
     virtual void evaluate(const Direction& direction, std::span<double> values) const = 0;
+
+    /// Of the Mueller matrices that it holds: 3 or 4; 1: none.
+    virtual int components() const { return 1; }
+    /// Mueller matrices as BrdfSource::evaluate_mueller has them, of one direction.
+    virtual void evaluate_mueller(const Direction& direction, std::span<double> values) const {
+        evaluate(direction, values);
+    }
 
     /// Of tables over lists of directions.
     virtual std::optional<ListedDirections> listed() const { return {}; }
