@@ -58,8 +58,8 @@ in_root miebrdf --version >"$work/version"
 grep -q 'x86-64' "$work/version" || { echo "--version names no processor path"; exit 1; }
 values=""
 for path in x86-64 x86-64-v3 x86-64-v4; do
-    if one=$(in_root env MIEBRDF_PROCESSOR_PATH=$path miebrdf albedo --base TiO2,radius=0.2 \
-                 --wavelengths 550 --no-comments --quiet 2>"$work/path.err"); then
+    if one=$(in_root env MIEBRDF_PROCESSOR_PATH=$path miebrdf albedo --base Fe2O3,radius=0.2 \
+                 --wavelengths 550 --mu-in 0.5 --no-comments --quiet 2>"$work/path.err"); then
         echo "$path: $(echo "$one" | tail -n 1)"
         values="$values $(echo "$one" | tail -n 1 | sed 's/.*,//')"
     elif grep -q 'cannot run' "$work/path.err"; then
@@ -68,9 +68,9 @@ for path in x86-64 x86-64-v3 x86-64-v4; do
         cat "$work/path.err"; exit 1
     fi
 done
-# Roundings differ from path to path, results do not.
-echo "$values" | awk '{ for (i = 2; i <= NF; ++i) if (!(($i - $1) ^ 2 <= 1e-16)) exit 1 }' ||
-    { echo "paths differ by more than rounding:$values"; exit 1; }
+# A hundredth of the tolerance, as docs/dependencies.md promises.
+echo "$values" | awk '{ for (i = 2; i <= NF; ++i) if (!(($i - $1) ^ 2 <= 1e-10)) exit 1 }' ||
+    { echo "paths differ by more than 1e-5:$values"; exit 1; }
 
 echo "== Python"
 in_root python3 -c "
