@@ -135,8 +135,8 @@ class TileRenderer {
 
 SpectralPicture render_picture(const RenderScene& scene, const Camera& camera,
                                const RenderOptions& options, const Control& control) {
-    require("width", options.width, 1, 16384);
-    require("height", options.height, 1, 16384);
+    require("width", options.width, 1, kLongestSide);
+    require("height", options.height, 1, kLongestSide);
     require("samples", options.samples, 1, 1 << 24);
     require("bounces", options.bounces, 1, 1000);
     require_spectra(scene);

@@ -46,9 +46,12 @@ struct RenderScene {
     Lighting lighting;
 };
 
+/// Of a picture, in pixels: their numbers must fit the samples' sequence.
+inline constexpr int kLongestSide = 16384;
+
 struct RenderOptions {
-    int width = 512;
-    int height = 512;
+    int width = 512;                   ///< in [1, kLongestSide]
+    int height = 512;                  ///< likewise
     int samples = 64;                  ///< paths for each pixel; powers of two are spread best
     int bounces = 4;                   ///< most reflections of a path; 1: direct light only
     bool environment_visible = false;  ///< behind the object; else nothing is there

@@ -47,11 +47,51 @@ in_root miebrdf --version
 in_root miebrdf albedo --base TiO2,radius=0.2 --wavelengths 550 --mu-in 0.5 --quiet
 in_root test -s /usr/share/man/man1/miebrdf.1 -a -s /usr/share/bash-completion/completions/miebrdf
 
+echo "== the arithmetic of each processor"
+for path in x86-64-v3 x86-64-v4; do
+    for name in math mie rte; do
+        in_root sh -c "ls /usr/lib/*/glibc-hwcaps/$path/libmiebrdf_$name.so.*" >/dev/null ||
+            { echo "not packaged: libmiebrdf_$name for $path"; exit 1; }
+    done
+done
+in_root miebrdf --version >"$work/version"
+grep -q 'x86-64' "$work/version" || { echo "--version names no processor path"; exit 1; }
+values=""
+for path in x86-64 x86-64-v3 x86-64-v4; do
+    if one=$(in_root env MIEBRDF_PROCESSOR_PATH=$path miebrdf albedo --base Fe2O3,radius=0.2 \
+                 --wavelengths 550 --mu-in 0.5 --no-comments --quiet 2>"$work/path.err"); then
+        echo "$path: $(echo "$one" | tail -n 1)"
+        values="$values $(echo "$one" | tail -n 1 | sed 's/.*,//')"
+    elif grep -q 'cannot run' "$work/path.err"; then
+        echo "$path: not on this processor"
+    else
+        cat "$work/path.err"; exit 1
+    fi
+done
+# A hundredth of the tolerance, as docs/dependencies.md promises.
+echo "$values" | awk '{ for (i = 2; i <= NF; ++i) if (!(($i - $1) ^ 2 <= 1e-10)) exit 1 }' ||
+    { echo "paths differ by more than 1e-5:$values"; exit 1; }
+
 echo "== Python"
 in_root python3 -c "
 import miebrdf, numpy
 b = miebrdf.Scene(base='TiO2,radius=0.2', coats=[miebrdf.coat('Au', depth=0.5, radius_um=0.03)]).solve([450, 550, 650])
 print(miebrdf.__file__, b(0.5, numpy.array([0.3, 0.9]))[1])"
+
+echo "== a plot in Python"
+in_root sh -c 'apt-get -qq install -y --no-install-recommends python3-matplotlib' \
+    >"$work/matplotlib.log" 2>&1 || { tail -n 20 "$work/matplotlib.log"; exit 1; }
+in_root env MPLBACKEND=Agg python3 -c "
+import miebrdf, numpy
+from matplotlib import image, pyplot
+b = miebrdf.Scene(base='TiO2,radius=0.2', coats=[miebrdf.coat('Au', depth=0.5, radius_um=0.03)]).solve([450, 550, 650])
+b.plot_lobe()
+pyplot.savefig('/root/lobe.png', dpi=150)
+seen = image.imread('/root/lobe.png')[:, :, :3]
+coloured = numpy.ptp(seen, axis=2) > 0.3
+assert coloured.sum() > 500, 'three coloured curves should be in the picture'
+print('lobe.png:', seen.shape[1], 'x', seen.shape[0], 'pixels,', coloured.sum(), 'of them in curves')"
+cp "$root/root/lobe.png" "$work/lobe.png"
 
 echo "== a program of one's own"
 in_root sh -c 'apt-get -qq install -y --no-install-recommends g++ pkg-config' >"$work/compiler.log" 2>&1

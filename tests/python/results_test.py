@@ -198,6 +198,50 @@ def test_colours():
         miebrdf.colour.xyz([1, 1], [450, 550])
 
 
+def test_white_is_white_under_every_light():
+    nm = np.arange(400, 701, 10)
+    white = np.ones(nm.size)
+    for light in ("d65", "d50", "a", "e", "d65,10", "d50,10", "a,10", "e,10"):
+        np.testing.assert_allclose(
+            miebrdf.colour.lab(white, nm, illuminant=light), [100, 0, 0], atol=1e-6, err_msg=light
+        )
+    reddish = np.linspace(0.2, 0.8, nm.size)
+    lab, lch = miebrdf.colour.lab(reddish, nm), miebrdf.colour.lch(reddish, nm)
+    np.testing.assert_allclose(lch[1], np.hypot(lab[1], lab[2]))
+    np.testing.assert_allclose(lch[2], np.rad2deg(np.arctan2(lab[2], lab[1])))
+    # A straight spectrum is the same from every other wavelength.
+    assert miebrdf.colour.colour_error(reddish, nm) < 1e-9
+    with pytest.raises(miebrdf.UsageError, match="'f2'; allowed: d65, d50"):
+        miebrdf.colour.lab(white, nm, illuminant="f2")
+
+
+def test_colour_differences():
+    # The first and the last pair of Sharma, Wu & Dalal, Color Res. Appl. 30, 21 (2005), table 1.
+    first = [[50, 2.6772, -79.7751], [2.0776, 0.0795, -1.1350]]
+    second = [[50, 0, -82.7485], [0.9033, -0.0636, -0.5514]]
+    np.testing.assert_allclose(
+        miebrdf.colour.delta_e_2000(first, second), [2.0425, 0.9082], atol=5e-5
+    )
+    np.testing.assert_allclose(miebrdf.colour.delta_e_76([50, 0, 0], [[50, 3, 4], [51, 0, 0]]), [5, 1])
+    assert miebrdf.colour.delta_e_2000(np.zeros((4, 1, 3)), np.zeros((5, 3))).shape == (4, 5)
+    with pytest.raises(miebrdf.UsageError, match="last axis"):
+        miebrdf.colour.delta_e_2000([1, 2], [1, 2, 3])
+    with pytest.raises(miebrdf.UsageError, match="broadcast"):
+        miebrdf.colour.delta_e_76(np.ones((2, 3)), np.ones((5, 3)))
+
+
+def test_values_do_not_depend_on_their_neighbours():
+    b = miebrdf.Scene("hg:0.9,0.5").solve([500, 600])
+    draw = np.random.default_rng(3)
+    n = 5000  # more than are ordered together
+    mu_in, mu_out = draw.uniform(0.02, 1, n), draw.uniform(0.02, 1, n)
+    azimuth = draw.uniform(0, 360, n)
+    together = np.asarray(b(mu_in, mu_out, azimuth))
+    for i in (*range(0, n, 97), n - 1):
+        one = np.asarray(b(mu_in[i], mu_out[i], azimuth[i]))
+        np.testing.assert_array_equal(together[:, i], one)
+
+
 def test_materials(tmp_path):
     own = miebrdf.Materials(tmp_path / "own.sqlite")
     nm, n, k = [400, 500, 600, 700], [1.6, 1.58, 1.57, 1.56], [0.1, 0.05, 0.02, 0.01]

@@ -117,6 +117,26 @@ def test_albedo(program, words, scene):
         np.testing.assert_array_equal(through.reshape(-1), table["plane_transmittance"])
 
 
+@pytest.mark.parametrize("light", ["d65", "d50", "a,10", "e"])
+def test_colours(program, light):
+    table = program("albedo", "--no-cache", "--base", "hg:0.95,0.5", "--coat", "AlGaAs7@0.1",
+                    "--effective-radius", "0.2", *CRUDE, "--wavelengths", "400:700:20",
+                    "--colour", light, "--mu-in", "0.6")  # fmt: skip
+    nm = np.arange(400, 701, 20)
+    scene = Scene("hg:0.95,0.5", coats="AlGaAs7@0.1", effective_radius_um=0.2)
+    albedo = scene.solve(nm, tolerance=1e-2).albedo(0.6)
+    of_beam = 0  # the first row; the second is that of diffuse light
+    for name, values in (
+        ("x y z", miebrdf.colour.xyz(albedo, nm, illuminant=light)),
+        ("lab_l lab_a lab_b", miebrdf.colour.lab(albedo, nm, illuminant=light)),
+        ("srgb_red srgb_green srgb_blue", miebrdf.colour.srgb(albedo, nm, illuminant=light)),
+    ):
+        shown = [table[column][of_beam] for column in name.split()]
+        np.testing.assert_allclose(values, shown, atol=6e-7, err_msg=name)  # six decimals
+    error = miebrdf.colour.colour_error(albedo, nm, illuminant=light)
+    np.testing.assert_allclose(error, table["colour_error"][of_beam], atol=6e-7)
+
+
 def test_layers(program):
     words = ["--substrate", "black", "--host-index", "1.5",
              "--coat", "TiO2,radius=0.13,volume=5%@40um"]  # fmt: skip

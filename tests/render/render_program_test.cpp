@@ -100,6 +100,28 @@ TEST_CASE("render lights by a sun, a sky and a map of light", "[render][program]
     }
 }
 
+TEST_CASE("one number is the side of a square picture, and sizes that cannot be are refused",
+          "[render][program][errors]") {
+    const support::TemporaryFolder folder;
+    const auto run_with = [&](const std::string& size) {
+        return support::run_program(
+            "render --base=isotropic:0.5 --wavelengths=550 --samples=1 -o " + (folder / "a.png") +
+            " --exr " + (folder / "a.exr") + " --size=" + size);
+    };
+    const auto square = run_with("20");
+    CAPTURE(square.err);
+    REQUIRE(square.exit_code == 0);
+    const render::Image picture = render::read_exr(folder / "a.exr");
+    CHECK(picture.width == 20);
+    CHECK(picture.height == 20);
+
+    const auto wrong = GENERATE(as<std::string>(), "0", "20,0", "20.5", "20,10,5", "20000");
+    const auto refused = run_with(wrong);
+    CAPTURE(wrong, refused.err);
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("size") && Catch::Contains(wrong));
+}
+
 TEST_CASE("render refuses bad input with file, reason and exit code", "[render][program][errors]") {
     const support::TemporaryFolder folder;
     const std::string base = "--base=isotropic:0.5", png = folder / "a.png";

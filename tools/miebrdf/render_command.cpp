@@ -194,7 +194,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     }
     check_picture_paths(shell.common().output, arguments.exr);
     const std::vector<double> wavelength_nm = arguments.scene.parse().wavelength_nm;
-    const auto [width, height] = parse_pair(arguments.size, "size");
+    const auto [width, height] = parse_size(arguments.size);
     const auto [elevation, azimuth] = parse_pair(arguments.camera, "camera");
     const auto requests = material_requests(arguments, wavelength_nm);
     render::RayScene object = parse_object(arguments.object);
@@ -202,10 +202,11 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     render::Lighting lighting =
         parse_lights(arguments.lights, arguments.light_spectrum, object.bounds(), wavelength_nm);
     const render::Camera camera(object.bounds(), render::direction_from_angles(elevation, azimuth),
-                                arguments.field_of_view_deg, arguments.zoom, width / height);
+                                arguments.field_of_view_deg, arguments.zoom,
+                                static_cast<double>(width) / height);
     render::RenderOptions options = arguments.options;
-    options.width = int(width);
-    options.height = int(height);
+    options.width = width;
+    options.height = height;
     options.environment_visible = arguments.background == "environment";
 
     Stopwatch watch;

@@ -66,8 +66,8 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
         ->capture_default_str();
     group->add_option("--zoom", a.zoom, "1: the object's bounding sphere touches the edges")
         ->capture_default_str();
-    group->add_option("--size", a.size, "size of the picture in pixels")
-        ->type_name("WIDTH,HEIGHT")
+    group->add_option("--size", a.size, "size of the picture in pixels; one number: a square")
+        ->type_name("WIDTH[,HEIGHT]")
         ->capture_default_str();
     group->add_option("--samples", a.options.samples, "paths for each pixel")
         ->capture_default_str();

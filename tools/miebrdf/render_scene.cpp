@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <miebrdf/error.h>
 #include "pipeline/render/lighting.h"
 #include "pipeline/render/mesh.h"
 #include "pipeline/render/obj_file.h"
+#include "pipeline/render/renderer.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::program {
@@ -167,6 +169,24 @@ std::pair<double, double> parse_pair(const std::string& text, const std::string&
     if (parts.size() != 2)
         throw UsageError(fmt::format("{}: '{}'; wanted: two numbers A,B", what, text));
     return {parse_number(parts[0], what), parse_number(parts[1], what)};
+}
+
+std::pair<int, int> parse_size(const std::string& text) {
+    const auto refuse = [&] {
+        throw UsageError(
+            fmt::format("size: '{}'; allowed: WIDTH,HEIGHT, or one number for a square "
+                        "picture, each a whole number of pixels in [1, {}]",
+                        text, render::kLongestSide));
+    };
+    const auto parts = split_list(text);
+    if (parts.empty() || parts.size() > 2) refuse();
+    const auto pixels = [&](const std::string& part) {
+        const double number = parse_number(part, "size");
+        if (!(number >= 1.0 && number <= render::kLongestSide) || number != std::floor(number))
+            refuse();
+        return static_cast<int>(number);
+    };
+    return {pixels(parts.front()), pixels(parts.back())};
 }
 
 }  // namespace miebrdf::program

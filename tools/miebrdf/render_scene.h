@@ -25,4 +25,8 @@ render::Lighting parse_lights(const std::vector<std::string>& texts, const std::
 /// @throws UsageError
 std::pair<double, double> parse_pair(const std::string& text, const std::string& what);
 
+/// Pixels of a picture, `WIDTH,HEIGHT` or `SIDE` of a square, each in [1, render::kLongestSide].
+/// @throws UsageError
+std::pair<int, int> parse_size(const std::string& text);
+
 }  // namespace miebrdf::program

@@ -3,7 +3,10 @@
 #include <miebrdf/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,8 +16,10 @@
 namespace miebrdf::python {
 namespace {
 
-/// Directions at a time: few enough to stay in the processor's cache.
-constexpr py::ssize_t kChunk = 512;
+/// Directions that are brought into an order together: about one for each cell of the table.
+constexpr py::ssize_t kOrdered = 2048;
+/// Directions at a time: few enough for their values to stay in the processor's cache.
+constexpr py::ssize_t kChunk = 256;
 /// Fewer directions than this are done before a thread of their own would have started.
 constexpr py::ssize_t kShortCall = 20000;
 
@@ -87,6 +92,45 @@ void run_for(py::ssize_t count, const CallOptions& options,
     });
 }
 
+/// Directions in an order in which those of near cosines follow each other: a table of many
+/// azimuthal orders is larger than the nearest caches, and neighbours share most of what they read.
+class NearOrder {
+  public:
+    /// Keeps the order of directions that share their cosines mostly: they are evaluated together.
+    void arrange(std::span<const Direction> directions) {
+        const std::size_t count = directions.size();
+        std::size_t changes = 0;
+        for (std::size_t i = 1; i < count; ++i)
+            changes += directions[i].mu_in != directions[i - 1].mu_in ||
+                       directions[i].mu_out != directions[i - 1].mu_out;
+        order.resize(count);
+        if (2 * changes < count) {
+            std::iota(order.begin(), order.end(), 0U);
+            return;
+        }
+        cell_.resize(count);
+        std::array<std::uint32_t, kCells + 1> start = {};
+        for (std::size_t i = 0; i < count; ++i) {
+            cell_[i] = step_of(directions[i].mu_in) * kSteps + step_of(directions[i].mu_out);
+            ++start[cell_[i] + 1];
+        }
+        std::partial_sum(start.begin(), start.end(), start.begin());
+        for (std::size_t i = 0; i < count; ++i)
+            order[start[cell_[i]]++] = static_cast<std::uint32_t>(i);
+    }
+
+    std::vector<std::uint32_t> order;
+
+  private:
+    static constexpr std::size_t kSteps = 32;
+    static constexpr std::size_t kCells = kSteps * kSteps;
+    static std::size_t step_of(double mu) {
+        return std::min(static_cast<std::size_t>(mu * kSteps), kSteps - 1);
+    }
+
+    std::vector<std::size_t> cell_;
+};
+
 void refuse_cancelled(const Control& control) {
     if (control.is_cancelled && control.is_cancelled()) throw Cancelled();
 }
@@ -106,22 +150,31 @@ void SolvedTable::evaluate(const NumberArray& mu_in, const NumberArray& mu_out,
     }
     double* const target = out.mutable_data();
     run_for(count * wavelengths, options, [&](const Control& control) {
-        std::vector<Direction> directions;
+        std::vector<Direction> directions, near;
         std::vector<double> values(static_cast<std::size_t>(kChunk * wavelengths));
-        for (py::ssize_t first = 0; first < count; first += kChunk) {
+        NearOrder near_order;
+        const std::vector<std::uint32_t>& order = near_order.order;
+        for (py::ssize_t first = 0; first < count; first += kOrdered) {
             refuse_cancelled(control);
-            const py::ssize_t some = std::min(kChunk, count - first);
+            const py::ssize_t some = std::min(kOrdered, count - first);
             directions.clear();
             for (py::ssize_t d = 0; d < some; ++d, walk.next()) {
                 directions.push_back({checked_cosine("mu_in", walk[0]),
                                       checked_cosine("mu_out", walk[1]), checked_azimuth(walk[2])});
             }
-            const auto used = static_cast<std::size_t>(some * wavelengths);
-            table_.evaluate(directions, std::span(values).first(used));
-            for (py::ssize_t w = 0; w < wavelengths; ++w) {
-                for (py::ssize_t d = 0; d < some; ++d)
-                    target[w * count + first + d] =
-                        values[static_cast<std::size_t>(d * wavelengths + w)];
+            near_order.arrange(directions);
+            for (std::size_t done = 0; done < order.size(); done += near.size()) {
+                const auto chunk = std::span(order).subspan(done).first(
+                    std::min<std::size_t>(kChunk, order.size() - done));
+                near.clear();
+                for (const std::uint32_t d : chunk) near.push_back(directions[d]);
+                table_.evaluate(near,
+                                std::span(values).first(near.size() * std::size_t(wavelengths)));
+                for (py::ssize_t w = 0; w < wavelengths; ++w) {
+                    double* const row = target + w * count + first;
+                    for (std::size_t d = 0; d < chunk.size(); ++d)
+                        row[chunk[d]] = values[d * std::size_t(wavelengths) + std::size_t(w)];
+                }
             }
         }
     });

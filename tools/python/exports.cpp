@@ -87,26 +87,32 @@ py::dict check(const std::string& path) {
     return facts;
 }
 
-/// Of each row of reflectances: XYZ, Lab and linear sRGB, one after the other.
+/// Of each row of reflectances: XYZ, Lab, linear sRGB, LCh and the colour's error estimate, as the
+/// program's --colour computes them.
 /// @param reflectance  rows of one number for each wavelength
+/// @param viewed       as for `viewing`
 py::array_t<double> colours(const Numbers& wavelength_nm, const NumberArray& reflectance,
-                            Illuminant illuminant) {
-    const ObserverWeights weights = observer_weights(wavelength_nm, illuminant);
+                            const std::string& viewed) {
+    const Colorimeter colorimeter(wavelength_nm, viewing(viewed));
     const auto rows = reflectance.unchecked<2>();
-    NumberArray result({rows.shape(0), py::ssize_t{9}});
+    NumberArray result({rows.shape(0), py::ssize_t{13}});
     auto target = result.mutable_unchecked<2>();
     Numbers row(static_cast<std::size_t>(rows.shape(1)));
     for (py::ssize_t r = 0; r < rows.shape(0); ++r) {
         for (std::size_t w = 0; w < row.size(); ++w) row[w] = rows(r, static_cast<py::ssize_t>(w));
-        const Xyz xyz = to_xyz(weights, row);
-        const Lab lab = to_lab(xyz, illuminant);
-        const LinearSrgb rgb = to_linear_srgb(xyz, illuminant);
+        const auto [xyz, lab, lch, rgb, error] = colorimeter(row);
         py::ssize_t column = 0;
-        for (const double value :
-             {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green, rgb.blue})
+        for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green,
+                                   rgb.blue, lch.l, lch.c, lch.h_deg, error})
             target(r, column++) = value;
     }
     return result;
+}
+
+/// A formula for the difference of two colours, of arrays that broadcast.
+template <double (*difference)(const Lab&, const Lab&)>
+double of_lab(double l1, double a1, double b1, double l2, double a2, double b2) {
+    return difference({l1, a1, b1}, {l2, a2, b2});
 }
 
 }  // namespace
@@ -126,12 +132,10 @@ void bind_exports(py::module_& module) {
                py::arg("options"));
     module.def("check", &check, py::arg("path"));
 
-    py::enum_<Illuminant>(module, "Illuminant")
-        .value("d65", Illuminant::d65)
-        .value("e", Illuminant::e)
-        .value("a", Illuminant::a);
     module.def("colours", &colours, py::arg("wavelength_nm"), py::arg("reflectance"),
-               py::arg("illuminant"));
+               py::arg("viewed"));
+    module.def("delta_e_76", py::vectorize(&of_lab<delta_e_76>));
+    module.def("delta_e_2000", py::vectorize(&of_lab<delta_e_2000>));
     module.def("covers_the_visible", &covers_the_visible, py::arg("wavelength_nm"));
 }
 

@@ -74,7 +74,7 @@ const App = (() => {
     });
     const coloured = scenes.every((scene) => scene.illuminants), two = scenes.length > 1;
     if (!coloured) view.show = 'wavelength';
-    for (const id of ['objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
+    for (const id of ['main', 'objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
     $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
     const nm = scenes[0].nm;
     view.wavelength = nm[scenes[0].near(550)];
@@ -146,7 +146,7 @@ const App = (() => {
       Controls.refresh();
       changed('point', 'lobe', 'albedo', 'marker');
     }
-    $('object-hint').textContent = 'Drag to turn; with Shift, or by its two sliders, the lamp moves. Click a place to read its directions, its value and its colour below.' +
+    $('object-hint').textContent = 'Drag to turn; with Shift, or by its two sliders, the lamp moves. Click a place to read its directions, its value and its colour.' +
       (is3d ? '' : ' (Without WebGL 2: a sphere drawn by the processor.)');
     const row = $('picture-controls');
     if (coloured) Controls.list(row, view, { key: 'show', label: 'Picture shows', choices: [['colour', 'its colour'], ['wavelength', 'one wavelength']] }, onControl);

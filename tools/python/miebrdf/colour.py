@@ -1,4 +1,8 @@
-"""From spectral reflectance to colour: the CIE 1931 observer, XYZ, Lab and sRGB."""
+"""From spectral reflectance to colour: XYZ, Lab, LCh, sRGB, and the differences between colours.
+
+The same numbers as `miebrdf albedo --colour`: illuminants D65, D50, A and E, the CIE 1931 and 1964
+observers.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +15,23 @@ from . import _core
 from ._arrays import Floats, numbers, wavelength_list
 from .errors import UsageError
 
-__all__ = ["encode_srgb", "lab", "linear_srgb", "srgb", "xyz"]
+__all__ = [
+    "colour_error",
+    "delta_e_2000",
+    "delta_e_76",
+    "encode_srgb",
+    "lab",
+    "lch",
+    "linear_srgb",
+    "srgb",
+    "xyz",
+]
 
 
 def _columns(
-    reflectance: ArrayLike, wavelengths_nm: ArrayLike | None, illuminant: str, first: int
+    reflectance: ArrayLike, wavelengths_nm: ArrayLike | None, illuminant: str, columns: slice
 ) -> Floats:
-    """Three columns of what the module computes, as the last axis."""
-    from ._media import choice
-
+    """Some of what the module computes, as the last axis."""
     if wavelengths_nm is None:
         coordinates: Any = getattr(reflectance, "coords", {})
         if "wavelength_nm" not in coordinates:
@@ -37,8 +49,8 @@ def _columns(
             "less to 650 nm or more"
         )
     rows = values.reshape(len(nm), -1).T
-    table = _core.colours(nm, rows, choice(_core.Illuminant, "illuminant", illuminant))
-    return table[:, first : first + 3].reshape([*values.shape[1:], 3])
+    table = _core.colours(nm, rows, illuminant)[:, columns]
+    return table.reshape([*values.shape[1:], table.shape[1]])
 
 
 def xyz(
@@ -53,28 +65,82 @@ def xyz(
     wavelengths_nm : array, optional
         Ascending; eight or more that cover the visible. Default: those that a DataArray carries.
     illuminant : str
-        d65, a, e.
+        "d65", "d50", "a" or "e", by the 2-degree observer or, after a comma, that of 10: "d65,10".
 
     Returns
     -------
     numpy.ndarray
         Of shape (*other axes, 3).
+
+    Raises
+    ------
+    UsageError
+        For another illuminant or observer, and wavelengths that are no colour.
     """
-    return _columns(reflectance, wavelengths_nm, illuminant, 0)
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(0, 3))
 
 
 def lab(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
     """CIE 1976 L*, a*, b*; white is (100, 0, 0). Arguments as for `xyz`."""
-    return _columns(reflectance, wavelengths_nm, illuminant, 3)
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(3, 6))
+
+
+def lch(
+    reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
+) -> Floats:
+    """Lab in polar form: L*, chroma, hue angle in degrees. Arguments as for `xyz`."""
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(9, 12))
+
+
+def colour_error(
+    reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
+) -> Floats:
+    """What the wavelengths leave, at most: dE76 to the colour from every other one of them.
+
+    Of shape (*other axes). Arguments as for `xyz`.
+    """
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(12, 13))[..., 0]
+
+
+def _difference(formula: Any, first: ArrayLike, second: ArrayLike) -> Floats:
+    colours = []
+    for name, value in (("first", first), ("second", second)):
+        array = numbers(name, value)
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise UsageError(
+                f"{name}: L*, a*, b* are needed as the last axis, not shape {array.shape}"
+            )
+        colours.append(array)
+    try:
+        one, other = np.broadcast_arrays(*colours)
+    except ValueError as error:
+        raise UsageError(f"first, second: the colours do not broadcast ({error})") from None
+    return np.asarray(formula(*np.moveaxis(one, -1, 0), *np.moveaxis(other, -1, 0)))
+
+
+def delta_e_76(first: ArrayLike, second: ArrayLike) -> Floats:
+    """CIE 1976 difference of Lab colours: the distance in Lab.
+
+    Parameters
+    ----------
+    first, second : array
+        L*, a*, b* as the last axis (`lab`); the other axes broadcast.
+    """
+    return _difference(_core.delta_e_76, first, second)
+
+
+def delta_e_2000(first: ArrayLike, second: ArrayLike) -> Floats:
+    """CIEDE2000 (ISO/CIE 11664-6) with all weights 1. Arguments as for `delta_e_76`."""
+    return _difference(_core.delta_e_2000, first, second)
 
 
 def linear_srgb(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
     """Linear light in the primaries of sRGB, not clipped. Arguments as for `xyz`."""
-    return _columns(reflectance, wavelengths_nm, illuminant, 6)
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(6, 9))
 
 
 def encode_srgb(linear: ArrayLike) -> Floats:
