@@ -126,8 +126,8 @@ Eigen::MatrixXd adding_doubling(const Order& order, double thin) {
 
 namespace {
 
-// At albedo 1 an eigenvalue is 0 and its two solutions are the same; the usual cure is a hair of
-// absorption.
+// At albedo 1 an eigenvalue is 0 and its two solutions are the same; the usual cure is a
+// little absorption.
 constexpr double kLargestAlbedo = 1 - 1e-10;
 
 // Solutions of one layer in its own depth t: with s = up + down and d = up - down,

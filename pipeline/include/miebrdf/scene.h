@@ -15,7 +15,7 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// What a species says about its own spheres; what it leaves out is that of its scene.
+/// The sizes that a species states for its own spheres; for those not set, the scene's hold.
 struct ParticleSizes {
     std::optional<double> effective_radius_um = {};  ///< > 0
     std::optional<double> effective_variance = {};   ///< > 0, up to 10; ignored for mono
