@@ -122,6 +122,7 @@ TEST_CASE("every layer scatters as its own spheres do alone", "[pipeline][sizes]
     // By the moments alone: points of the phase function are made better where they matter.
     SolverOptions options = kOptions;
     options.single_scattering_correction = false;
+    options.stokes = 1;  // of the intensity alone, as what it is compared with
     const auto together =
         compute_layers({resolve(scene, kWavelengths), support::few_directions(), options}, {});
 
