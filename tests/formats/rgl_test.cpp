@@ -3,8 +3,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "pipeline/formats/rgl/half_vector_table.h"
 #include "pipeline/formats/common/tensor_reader.h"
+#include "pipeline/formats/rgl/half_vector_table.h"
 #include "pipeline/formats/rgl/tables.h"
 #include "tests/support/catch.h"
 #include "tests/support/test_material.h"

@@ -1,8 +1,7 @@
 // Files that renderers and measurement tools read: written, read back and checked.
 //
-//     export_brdf(brdf.table(), "rgl", "paint.bsdf");              // writes paint_spec and
-//     paint_rgb const auto check = check_file("paint_spec.bsdf");    // reciprocity, albedo, least
-//     value
+//     export_brdf(brdf.table(), "rgl", "paint.bsdf");    // writes paint_spec and paint_rgb
+//     const auto check = check_file("paint_spec.bsdf");  // reciprocity, albedo, least value
 //
 // docs/formats has a page for each format.
 #pragma once
@@ -277,14 +276,11 @@ class BrdfFile {
     /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
     /// holds none.
     virtual void evaluate(const Direction& direction, std::span<double> values) const = 0;
-
-    /// Of the Mueller matrices that it holds: 3 or 4; 1: none.
+    /// Mueller matrices as of BrdfSource, of one direction; 1 component: none.
     virtual int components() const { return 1; }
-    /// Mueller matrices as BrdfSource::evaluate_mueller has them, of one direction.
     virtual void evaluate_mueller(const Direction& direction, std::span<double> values) const {
         evaluate(direction, values);
     }
-
     /// Of tables over lists of directions.
     virtual std::optional<ListedDirections> listed() const { return {}; }
 
