@@ -25,6 +25,9 @@ constexpr double kLargestChange = 0.15;
 constexpr double kCoarse = 3.0;
 constexpr double kCoarseChange = 0.03;
 
+/// What the polarisation by smooth boundaries and mirrors changes of R11 (docs/polarisation.md).
+constexpr double kFresnelChange = 0.05;
+
 /// `auto` asks for no scattering matrices of spheres beyond this: they would cost more than the
 /// rest.
 constexpr double kMostAutomaticSize = 60.0;
@@ -66,6 +69,11 @@ bool has_named_method(const SolverOptions& solver) {
            solver.coat_method != rte::CoatMethod::automatic;
 }
 
+/// Fresnel's equations polarise: a smooth boundary, or a mirror.
+bool has_fresnel(const ResolvedScene& scene) {
+    return scene.boundary || scene.substrate == Substrate::Kind::mirror;
+}
+
 double mean_square_b1(const rte::Optics& optics) {
     if (!optics.polarisation) return 0.0;
     double sum = 0.0;
@@ -76,18 +84,15 @@ double mean_square_b1(const rte::Optics& optics) {
 
 }  // namespace
 
-std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver,
-                                LayerQuantity quantity) {
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver) {
     if (scene.surface)
         return "a rough surface (roughness) lets through and reflects unpolarised light";
-    if (scene.boundary) return "a refracting boundary is computed for unpolarised light alone";
-    if (scene.substrate == Substrate::Kind::mirror)
-        return "a mirror below the layers is computed for unpolarised light alone";
+    if (scene.boundary && scene.boundary->is_rough())
+        return "a rough boundary is computed for unpolarised light alone; smooth ones polarise by "
+               "Fresnel's equations";
     if (has_named_method(solver))
         return "grid, half-space-method and coat-method must be auto: other methods are for "
                "unpolarised light alone";
-    if (quantity != LayerQuantity::reflection && scene.substrate)
-        return "what passes the layers into the substrate is computed for unpolarised light alone";
     for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
         for (const ResolvedSpecies& species : scene.media[m].species) {
             if (species.crowded)
@@ -100,14 +105,23 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
 LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     const int asked = request.solver.stokes;
     if (asked == 1) return {.reason = "one component was asked for"};
-    const std::string why = why_no_polarisation(request.scene, request.solver, request.quantity);
+    const std::string why = why_no_polarisation(request.scene, request.solver);
     if (asked > 1) {
         if (!why.empty()) throw UsageError("stokes", asked, "1 or auto for this scene: " + why);
         return {.components = asked, .reason = "asked for"};
     }
     const auto [finest, coarsest] = polarising_sizes(request.scene, w);
-    if (std::isinf(finest)) return {.reason = "no layer polarises the light that it scatters"};
-    const double bound = change_by_polarisation(finest);
+    if (std::isinf(finest) && !has_fresnel(request.scene))
+        return {.reason = "no layer polarises the light that it scatters"};
+    if (std::isinf(finest)) {
+        return {.left_out = kFresnelChange,
+                .reason = fmt::format("no layer polarises the light that it scatters; that its "
+                                      "boundary or mirror does changes values by less than {:.1g} "
+                                      "(stokes 3 has it computed)",
+                                      kFresnelChange)};
+    }
+    const double bound = change_by_polarisation(finest) +
+                         (has_fresnel(request.scene) ? kFresnelChange : 0.0);
     if (!why.empty()) return {.left_out = bound, .reason = why};
     if (bound <= request.solver.tolerance || finest >= kCoarse) {
         return {.left_out = bound,

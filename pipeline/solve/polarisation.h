@@ -24,8 +24,7 @@ struct LightChoice {
 };
 
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
-std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver,
-                                LayerQuantity quantity);
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver);
 
 /// What is known before single scattering: by what was asked for, media that do not polarise, and
 /// spheres so large that leaving polarisation out changes less than the tolerance.

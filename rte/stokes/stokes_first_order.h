@@ -15,6 +15,14 @@ namespace miebrdf::rte {
 Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                     double azimuth_deg);
 
+/// The same of light that comes down and goes on downwards. Of light scattered upside down, coming
+/// up at mu_in, both are D M D, D = diag(1, 1, -1, -1).
+Eigen::Matrix4d turned_forward(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                               double azimuth_deg);
+
+/// The medium that the discrete equations see, as one whose coefficients are all of it.
+Optics as_seen_by_equations(const ScaledMedium& medium);
+
 /// Adds what is scattered once to Mueller matrices, as FirstOrderSum does to numbers: exact
 /// matrices (TMS), evaluated at the first call and kept (8 c^2 bytes for each medium and
 /// direction), or those of the discrete equations.

@@ -64,7 +64,7 @@ void note(const StokesOrder& order, int fourier_order, const RequestedDirections
 
 }  // namespace
 
-StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
+StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& grids,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,
@@ -83,7 +83,7 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& g
     const RequestedDirections rows = repeated(requested, c);
     const auto asked_out = Eigen::Index(rows.asked_out()), asked_in = Eigen::Index(rows.asked_in());
 
-    StokesSolver solver(stack, grid, requested, components, options, memory);
+    StokesSolver solver(stack, grids, requested, components, options, memory);
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);

@@ -26,7 +26,7 @@ struct StokesScattering {
     FourierOrders by_fourier_order;  ///< StokesOrder::multiple; as of MultipleScattering
 };
 
-StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
+StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& grids,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,
