@@ -69,9 +69,12 @@ bool has_named_method(const SolverOptions& solver) {
            solver.coat_method != rte::CoatMethod::automatic;
 }
 
-/// Fresnel's equations polarise: a smooth boundary, or a mirror.
-bool has_fresnel(const ResolvedScene& scene) {
-    return scene.boundary || scene.substrate == Substrate::Kind::mirror;
+/// Light may meet two of Fresnel's surfaces without being scattered in between: what one polarises
+/// shows at the other, whatever the layers do.
+bool has_two_surfaces(const ResolvedScene& scene) {
+    return scene.boundary && (scene.substrate == Substrate::Kind::mirror ||
+                              scene.substrate == Substrate::Kind::none ||
+                              scene.media.size() > scene.first_medium() + 1);
 }
 
 double mean_square_b1(const rte::Optics& optics) {
@@ -111,17 +114,18 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
         return {.components = asked, .reason = "asked for"};
     }
     const auto [finest, coarsest] = polarising_sizes(request.scene, w);
-    if (std::isinf(finest) && !has_fresnel(request.scene))
+    // Layers that scatter unpolarised light forget what one surface did to it.
+    if (std::isinf(finest) && !has_two_surfaces(request.scene))
         return {.reason = "no layer polarises the light that it scatters"};
     if (std::isinf(finest)) {
         return {.left_out = kFresnelChange,
-                .reason = fmt::format("no layer polarises the light that it scatters; that its "
-                                      "boundary or mirror does changes values by less than {:.1g} "
+                .reason = fmt::format("no layer polarises the light that it scatters; boundary and "
+                                      "lower surface together change values by less than {:.1g} "
                                       "(stokes 3 has it computed)",
                                       kFresnelChange)};
     }
-    const double bound = change_by_polarisation(finest) +
-                         (has_fresnel(request.scene) ? kFresnelChange : 0.0);
+    const double bound =
+        change_by_polarisation(finest) + (request.scene.boundary ? kFresnelChange : 0.0);
     if (!why.empty()) return {.left_out = bound, .reason = why};
     if (bound <= request.solver.tolerance || finest >= kCoarse) {
         return {.left_out = bound,

@@ -43,8 +43,8 @@ Eigen::Matrix4d mueller_of(const FresnelMatrix& matrix);
 /// Reflection in a medium of index `here` of light that meets `beyond`: |r_p|^2, |r_s|^2 and r_p
 /// r_s* with r_p = -r_s at normal incidence, where U and V change their sign: Stokes vectors refer
 /// to the meridian plane of each ray, as everywhere. Beyond the critical angle both shares are
-/// exactly 1, and the phase is that of exp(-i omega t): tan of half of it is mu (mu_c^2 - mu^2)^(1/2)
-/// / (1 - mu^2).
+/// exactly 1, and the phase is that of exp(-i omega t): tan of half of it is mu (mu_c^2 -
+/// mu^2)^(1/2) / (1 - mu^2).
 ///
 /// @param here    real, positive
 /// @param beyond  n + ik

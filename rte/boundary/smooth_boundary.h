@@ -39,8 +39,8 @@ struct SmoothBoundary {
 /// diag(r),
 ///     X' = Gamma + (I - Gamma) X (I - Gamma X)^-1 (I - Gamma)
 /// at the nodes that both media have, total reflection at the others; all by one Cholesky
-/// decomposition of I - Gamma^(1/2) X Gamma^(1/2), or of polarised light with negative rows in Gamma
-/// by elimination. Conserves energy to rounding on any grid.
+/// decomposition of I - Gamma^(1/2) X Gamma^(1/2), or of polarised light with negative rows in
+/// Gamma by elimination. Conserves energy to rounding on any grid.
 ///
 /// @param below   with nodes and rows, in the cosines of the medium below
 /// @param parts   what of the result is needed

@@ -46,8 +46,8 @@ void coupled_mirror(double here, std::complex<double> mirror, const ZenithGrid& 
     const TwistedRows at_requested =
         reflecting(fresnel_reflections(here, mirror, cosines.mu), block);
     mirror_ground(at_nodes.diagonal, at_requested.diagonal, requested, result);
-    result.nodes = at_nodes.times(MatrixXd::Identity(at_nodes.diagonal.size(),
-                                                     at_nodes.diagonal.size()), c);
+    result.nodes =
+        at_nodes.times(MatrixXd::Identity(at_nodes.diagonal.size(), at_nodes.diagonal.size()), c);
     result.specular_twist = at_requested.twist;
 }
 
@@ -85,8 +85,9 @@ void put_boundary_on_coupled(const FresnelReflections& matrices, const StokesBlo
         for (Eigen::Index o = 0; o < result.multiple.rows(); o += c) {
             const int out = requested.out[std::size_t(o)];
             result.multiple.block(o, i, c, c) =
-                n * n * (passed.of_node(out / c, c) * below.multiple.block(o, i, c, c) * in +
-                         pairs.block(out, i, c, c));
+                n * n *
+                (passed.of_node(out / c, c) * below.multiple.block(o, i, c, c) * in +
+                 pairs.block(out, i, c, c));
         }
     }
     result.glow_at_nodes.resize(0);
@@ -103,8 +104,7 @@ void put_boundary_on_coupled(const FresnelReflections& matrices, const StokesBlo
     result.nodes.topLeftCorner(more_above, more_above) =
         trapped.times(MatrixXd::Identity(more_above, more_above), c);
     result.nodes.bottomRightCorner(common, common) =
-        enters.asDiagonal() * (X * returns).bottomRightCorner(common, common) *
-        enters.asDiagonal();
+        enters.asDiagonal() * (X * returns).bottomRightCorner(common, common) * enters.asDiagonal();
     result.nodes.diagonal().tail(common) += gamma.diagonal.tail(common);
 }
 

@@ -124,8 +124,7 @@ MatrixXd TwistedRows::times(const MatrixXd& rows, int rows_per_node) const {
 }
 
 TwistedRows TwistedRows::following(const TwistedRows& other, int rows_per_node) const {
-    TwistedRows product{diagonal.cwiseProduct(other.diagonal),
-                        VectorXd::Zero(diagonal.size())};
+    TwistedRows product{diagonal.cwiseProduct(other.diagonal), VectorXd::Zero(diagonal.size())};
     for (Eigen::Index u = rows_per_node - 2; u < diagonal.size(); u += rows_per_node) {
         for (const Eigen::Index r : {u, u + 1}) {
             product.diagonal[r] += twist[r] * other.twist[2 * u + 1 - r];

@@ -71,16 +71,16 @@ Eigen::Matrix4d scattered_once(const ScaledMedium& medium, const Optics& seen,
     };
     const Eigen::Matrix4d in_down = mueller_of(in.down), in_up = mueller_of(in.up);
     const Eigen::Matrix4d out_down = mueller_of(out.down), out_up = mueller_of(out.up);
-    const Eigen::Matrix4d back = turned_to_meridians(
-        strength_of(medium, seen, cos_scattering_angle(in.mu, out.mu, cosine)), in.mu, out.mu,
-        azimuth_deg);
-    Eigen::Matrix4d sum = (out_down * back * in_down + out_up * upside_down(back) * in_up) *
-                          (-std::expm1(-tau * (1.0 / in.mu + 1.0 / out.mu)) /
-                           (4.0 * n2 * (in.mu + out.mu)));
+    const Eigen::Matrix4d back =
+        turned_to_meridians(strength_of(medium, seen, cos_scattering_angle(in.mu, out.mu, cosine)),
+                            in.mu, out.mu, azimuth_deg);
+    Eigen::Matrix4d sum =
+        (out_down * back * in_down + out_up * upside_down(back) * in_up) *
+        (-std::expm1(-tau * (1.0 / in.mu + 1.0 / out.mu)) / (4.0 * n2 * (in.mu + out.mu)));
     if (in.up.unpolarised() <= 0.0 && out.up.unpolarised() <= 0.0) return sum;
-    const Eigen::Matrix4d on = turned_forward(
-        strength_of(medium, seen, cos_forward_angle(in.mu, out.mu, cosine)), in.mu, out.mu,
-        azimuth_deg);
+    const Eigen::Matrix4d on =
+        turned_forward(strength_of(medium, seen, cos_forward_angle(in.mu, out.mu, cosine)), in.mu,
+                       out.mu, azimuth_deg);
     sum += (out_up * on * in_down + out_down * upside_down(on) * in_up) *
            (forward_quotient(tau, in.mu, out.mu) / (4.0 * n2));
     return sum;
@@ -94,8 +94,7 @@ std::vector<PolarisedBeam> polarised_beams(const ScaledStack& stack, double mu_a
     const FresnelMatrix r = fresnel_reflection(1.0, stack.top_index, mu_air);
     FresnelMatrix down = passing(r) / (kWhole - r * returns.top);
     for (std::size_t i = beams.size(); i-- > 0;) {
-        beams[i] = {returns.mu[i], down,
-                    down * returns.step_and_below[i] * returns.attenuation[i]};
+        beams[i] = {returns.mu[i], down, down * returns.step_and_below[i] * returns.attenuation[i]};
         down = down * returns.attenuation[i];
         if (i == 0) break;
         const double below = returns.attenuation[i - 1];

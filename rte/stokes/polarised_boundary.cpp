@@ -16,7 +16,8 @@ std::vector<FresnelMatrix> total_reflections(double here, double beyond,
 }  // namespace
 
 FresnelReflections::FresnelReflections(double below, double over, const ZenithGrid& nodes,
-                                   const ZenithGrid& above, const RequestedDirections& requested)
+                                       const ZenithGrid& above,
+                                       const RequestedDirections& requested)
     : index_below(below),
       index_above(over),
       nodes_above(above.size()),

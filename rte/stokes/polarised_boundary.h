@@ -20,8 +20,8 @@ struct FresnelReflections {
     /// @param nodes      of the medium below, once each
     /// @param above      of the medium above
     /// @param requested  cosines in the medium below, once each
-    FresnelReflections(double below, double over, const ZenithGrid& nodes,
-                     const ZenithGrid& above, const RequestedDirections& requested);
+    FresnelReflections(double below, double over, const ZenithGrid& nodes, const ZenithGrid& above,
+                       const RequestedDirections& requested);
 };
 
 /// Fresnel's matrices at cosines in a medium of index `here`.

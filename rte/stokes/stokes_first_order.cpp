@@ -26,8 +26,8 @@ Eigen::Matrix4d turn(double x, double y) {
 }
 
 // F from the plane of scattering to those of which the other ray has the components (x, y).
-Eigen::Matrix4d turned_from_plane(const ScatteringMatrix& matrix, double x_in, double y_in, double x_out,
-                       double y_out) {
+Eigen::Matrix4d turned_from_plane(const ScatteringMatrix& matrix, double x_in, double y_in,
+                                  double x_out, double y_out) {
     Eigen::Matrix4d F = Eigen::Matrix4d::Zero();
     F(0, 0) = matrix.a1, F(1, 1) = matrix.a2, F(2, 2) = matrix.a3, F(3, 3) = matrix.a4;
     F(0, 1) = F(1, 0) = matrix.b1;

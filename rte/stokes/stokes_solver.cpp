@@ -127,15 +127,16 @@ void StokesSolver::solve_block(const StokesBlock& block) {
 void StokesSolver::put_on_boundary(double below, double above, const StokesBlock& block,
                                    ReflectorParts parts) {
     const FresnelReflections matrices(below, above, grid_of(below, 1), grid_of(above, 1),
-                                    requested_of(below, 1));
+                                      requested_of(below, 1));
     std::swap(memory_.below, memory_.reflector);
     if (is_coupled(block)) {
         put_boundary_on_coupled(matrices, block, requested_of(below, block.size()), parts,
                                 memory_.below, memory_.reflector);
         return;
     }
-    put_boundary_on(polarised_boundary(matrices, block), memory_.below, requested_of(below, block.size()), parts, sky_,
-                    memory_.work, memory_.reflector);
+    put_boundary_on(polarised_boundary(matrices, block), memory_.below,
+                    requested_of(below, block.size()), parts, sky_, memory_.work,
+                    memory_.reflector);
 }
 
 void StokesSolver::set_medium(const StokesBlock& block, std::size_t index) {

@@ -95,9 +95,9 @@ class StokesSolver {
     /// Boundaries or mirrors: rows along the axes of the meridian planes.
     const bool has_fresnel_;
     std::vector<MatrixStrengths> strengths_;  ///< of the media
-    bool couples_V_ = false;  ///< b2, or boundaries and mirrors
-    std::vector<Rows> rows_;  ///< by index
-    double tolerance_;        ///< of the equations of one order
+    bool couples_V_ = false;                  ///< b2, or boundaries and mirrors
+    std::vector<Rows> rows_;                  ///< by index
+    double tolerance_;                        ///< of the equations of one order
     Eigen::VectorXd sky_;
     StokesMemory& memory_;
     StokesOrder order_;

@@ -44,9 +44,12 @@ class JonesPhotons {
         const double half = std::numbers::sqrt2 / 2.0;
         const std::complex<double> i(0.0, 1.0);
         // V = -2 Im(E_theta E_phi*): E_phi = +i E_theta has V = +1.
-        const std::array<std::array<std::complex<double>, 2>, 6> states{
-            {{1.0, 0.0}, {0.0, 1.0}, {half, half}, {half, -half}, {half, half * i},
-             {half, -half * i}}};
+        const std::array<std::array<std::complex<double>, 2>, 6> states{{{1.0, 0.0},
+                                                                         {0.0, 1.0},
+                                                                         {half, half},
+                                                                         {half, -half},
+                                                                         {half, half * i},
+                                                                         {half, -half * i}}};
         std::array<Eigen::Vector4d, 6> mean, square;
         for (std::size_t s = 0; s < 6; ++s) {
             mean[s] = square[s] = Eigen::Vector4d::Zero();
@@ -119,10 +122,10 @@ class JonesPhotons {
         for (;;) {
             const std::complex<double> a = p * theta(k).cast<std::complex<double>>().dot(E);
             const std::complex<double> b = e * phi(k).cast<std::complex<double>>().dot(E);
-            signal_ += Eigen::Vector4d(std::norm(a) + std::norm(b), std::norm(a) - std::norm(b),
-                                       2.0 * (a * std::conj(b)).real(),
-                                       -2.0 * (a * std::conj(b)).imag()) *
-                       (std::numbers::pi / (scene_.index * scene_.index * k.z()));
+            signal_ +=
+                Eigen::Vector4d(std::norm(a) + std::norm(b), std::norm(a) - std::norm(b),
+                                2.0 * (a * std::conj(b)).real(), -2.0 * (a * std::conj(b)).imag()) *
+                (std::numbers::pi / (scene_.index * scene_.index * k.z()));
             if (scene_.mirror == 0.0 || E.squaredNorm() < 1e-9) return;
             E = reflected(amplitudes(1.0 / scene_.index, k.z()), E, k);
             E *= std::exp(-scene_.depth / -k.z());  // there and back
@@ -189,7 +192,8 @@ class JonesPhotons {
         record(seen * theta(out_).cast<std::complex<double>>(), scene_.depth);
         record(seen * phi(out_).cast<std::complex<double>>(), scene_.depth);
         k = ray(std::sqrt(1.0 - uniform()), 2.0 * std::numbers::pi * uniform());
-        return std::sqrt(weight) * (uniform() < 0.5 ? theta(k) : phi(k)).cast<std::complex<double>>();
+        return std::sqrt(weight) *
+               (uniform() < 0.5 ? theta(k) : phi(k)).cast<std::complex<double>>();
     }
 
     PhotonScene scene_;

@@ -50,9 +50,10 @@ void add_mirror(Table& table, const MuellerValues& values) {
     for (std::size_t w = 0; w < values.mirror_mueller.size(); ++w) {
         for (std::size_t i = 0; i < values.directions.mu_in.size(); ++i) {
             const double* m = values.mirror_mueller[w].data() + i * c * c;
-            std::string text = fmt::format("{} nm, mu_in {}: m11 = {:.6g}, m12 = {:.6g}, m33 = {:.6g}",
-                                           values.wavelengths[w].wavelength_nm,
-                                           values.directions.mu_in[i], m[0], m[1], m[2 * c + 2]);
+            std::string text =
+                fmt::format("{} nm, mu_in {}: m11 = {:.6g}, m12 = {:.6g}, m33 = {:.6g}",
+                            values.wavelengths[w].wavelength_nm, values.directions.mu_in[i], m[0],
+                            m[1], m[2 * c + 2]);
             if (c == 4) text += fmt::format(", m34 = {:.6g}", m[2 * c + 3]);
             table.facts.emplace_back("mirror_mueller",
                                      text + " into the mirror direction alone; not in the values");
