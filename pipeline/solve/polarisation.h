@@ -49,7 +49,8 @@ std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
                                    const Control& control);
 
 /// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
-/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides).
+/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides). Without
+/// boundaries.
 double change_by_polarisation(const rte::Stack& stack);
 
 /// The same of spheres, from their size parameter alone: a bound over all refractive indices.
