@@ -99,12 +99,10 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-/// Element 11 of the Mueller matrices.
-std::vector<double> intensities(const rte::MuellerTable& table) {
-    const auto elements = static_cast<std::size_t>(table.components * table.components);
+/// Element 11 of Mueller matrices, one after the other.
+std::vector<double> unpolarised_part(const std::vector<double>& matrices, std::size_t elements) {
     std::vector<double> values;
-    for (std::size_t i = 0; i < table.reflection.size(); i += elements)
-        values.push_back(table.reflection[i]);
+    for (std::size_t i = 0; i < matrices.size(); i += elements) values.push_back(matrices[i]);
     return values;
 }
 
@@ -115,12 +113,14 @@ LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optic
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
     slice.report.stokes = components;
+    const auto elements = static_cast<std::size_t>(components * components);
     if (request.quantity == LayerQuantity::reflection) {
         rte::MuellerTable table =
             rte::reflect_polarised(optics.stack, request.directions, components, solver);
-        slice.values = intensities(table);
+        slice.values = unpolarised_part(table.reflection, elements);
         slice.plane_albedo = std::move(table.plane_albedo);
         slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+        slice.mirror_reflectance = unpolarised_part(table.mirror_reflection, elements);
         slice.report.solver = table.report;
         remove_rounding(slice.plane_albedo);
     } else {
@@ -130,7 +130,9 @@ LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optic
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
         slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
-        slice.transmittance.assign(slice.values.size(), 0.0);  // of half-spaces alone
+        slice.transmittance = std::move(table.transmittance);
+        slice.transmittance.resize(slice.values.size(), 0.0);
+        slice.mirror_reflectance = unpolarised_part(table.mirror_reflection, 9);
         slice.report.solver = table.report;
     }
     judge(slice.report, optics.mie_error_estimate, optics.converged, request.solver.tolerance);

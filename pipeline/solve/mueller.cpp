@@ -21,6 +21,7 @@ namespace {
 struct MuellerSlice {
     std::vector<double> values;  ///< 1/sr
     std::vector<double> plane_albedo, polarised_plane_albedo;
+    std::vector<double> mirror;  ///< as of MuellerValues
     WavelengthReport report;
 };
 
@@ -32,8 +33,14 @@ std::string mueller_hash(const LayerRequest& request, std::size_t w) {
 }
 
 std::vector<double> packed(const MuellerSlice& slice) {
-    const auto& [values, plane_albedo, polarised, report] = slice;
-    return NumberPacker().add(values).add(plane_albedo).add(polarised).add(report).numbers();
+    const auto& [values, plane_albedo, polarised, mirror, report] = slice;
+    return NumberPacker()
+        .add(values)
+        .add(plane_albedo)
+        .add(polarised)
+        .add(mirror)
+        .add(report)
+        .numbers();
 }
 
 MuellerSlice unpacked_mueller(const std::vector<double>& numbers) {
@@ -42,6 +49,7 @@ MuellerSlice unpacked_mueller(const std::vector<double>& numbers) {
     unpacker.read(slice.values);
     unpacker.read(slice.plane_albedo);
     unpacker.read(slice.polarised_plane_albedo);
+    unpacker.read(slice.mirror);
     unpacker.read(slice.report);
     return slice;
 }
@@ -56,6 +64,7 @@ MuellerSlice mueller_slice(const LayerRequest& request, const SceneOptics& optic
     for (double& value : slice.values) value /= std::numbers::pi;
     slice.plane_albedo = std::move(table.plane_albedo);
     slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+    slice.mirror = std::move(table.mirror_reflection);
     slice.report.solver = table.report;
     slice.report.optical_depths = optics.optical_depths;
     slice.report.stokes = request.solver.stokes;
@@ -118,6 +127,7 @@ MuellerValues Brdf::mueller(const Directions& directions) const {
         values.mueller.push_back(std::move(slice.values));
         values.plane_albedo.push_back(std::move(slice.plane_albedo));
         values.polarised_plane_albedo.push_back(std::move(slice.polarised_plane_albedo));
+        if (!slice.mirror.empty()) values.mirror_mueller.push_back(std::move(slice.mirror));
     }
     return values;
 }

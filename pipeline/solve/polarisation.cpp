@@ -25,6 +25,15 @@ constexpr double kLargestChange = 0.15;
 constexpr double kCoarse = 3.0;
 constexpr double kCoarseChange = 0.03;
 
+/// A boundary of index 1.5 polarises what passes by 0.23 at the cosine 0.2 in air and by 0.10 at
+/// 0.5, on the way in and out. It changes light scattered once in proportion to b1: an estimate.
+constexpr double kBoundaryPerB1 = 0.5;
+/// Two surfaces without scattering in between, a third of the light reflected by the lower one: an
+/// estimate for cosines from 0.2.
+constexpr double kTwoSurfacesChange = 0.05;
+/// Means of b1^2 over the sphere of coarse spheres and of molecules.
+constexpr double kCoarseSquare = 0.02, kFineSquare = 0.3;
+
 /// `auto` asks for no scattering matrices of spheres beyond this: they would cost more than the
 /// rest.
 constexpr double kMostAutomaticSize = 60.0;
@@ -66,6 +75,21 @@ bool has_named_method(const SolverOptions& solver) {
            solver.coat_method != rte::CoatMethod::automatic;
 }
 
+/// Light may meet two of Fresnel's surfaces without being scattered in between: what one polarises
+/// shows at the other, whatever the layers do.
+bool has_two_surfaces(const ResolvedScene& scene) {
+    return scene.boundary && (scene.substrate == Substrate::Kind::mirror ||
+                              scene.substrate == Substrate::Kind::none ||
+                              scene.media.size() > scene.first_medium() + 1);
+}
+
+/// What a boundary does to the polarisation, beside what the layers do: it decides nothing.
+double change_by_boundary(const ResolvedScene& scene, double mean_square) {
+    if (!scene.boundary) return 0.0;
+    return kBoundaryPerB1 * std::sqrt(mean_square) +
+           (has_two_surfaces(scene) ? kTwoSurfacesChange : 0.0);
+}
+
 double mean_square_b1(const rte::Optics& optics) {
     if (!optics.polarisation) return 0.0;
     double sum = 0.0;
@@ -76,18 +100,15 @@ double mean_square_b1(const rte::Optics& optics) {
 
 }  // namespace
 
-std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver,
-                                LayerQuantity quantity) {
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver) {
     if (scene.surface)
         return "a rough surface (roughness) lets through and reflects unpolarised light";
-    if (scene.boundary) return "a refracting boundary is computed for unpolarised light alone";
-    if (scene.substrate == Substrate::Kind::mirror)
-        return "a mirror below the layers is computed for unpolarised light alone";
+    if (scene.boundary && scene.boundary->is_rough())
+        return "a rough boundary is computed for unpolarised light alone; smooth ones polarise by "
+               "Fresnel's equations";
     if (has_named_method(solver))
         return "grid, half-space-method and coat-method must be auto: other methods are for "
                "unpolarised light alone";
-    if (quantity != LayerQuantity::reflection && scene.substrate)
-        return "what passes the layers into the substrate is computed for unpolarised light alone";
     for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
         for (const ResolvedSpecies& species : scene.media[m].species) {
             if (species.crowded)
@@ -100,16 +121,27 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
 LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     const int asked = request.solver.stokes;
     if (asked == 1) return {.reason = "one component was asked for"};
-    const std::string why = why_no_polarisation(request.scene, request.solver, request.quantity);
+    const std::string why = why_no_polarisation(request.scene, request.solver);
     if (asked > 1) {
         if (!why.empty()) throw UsageError("stokes", asked, "1 or auto for this scene: " + why);
         return {.components = asked, .reason = "asked for"};
     }
     const auto [finest, coarsest] = polarising_sizes(request.scene, w);
-    if (std::isinf(finest)) return {.reason = "no layer polarises the light that it scatters"};
-    const double bound = change_by_polarisation(finest);
+    // Layers that scatter unpolarised light forget what one surface did to it.
+    if (std::isinf(finest) && !has_two_surfaces(request.scene))
+        return {.reason = "no layer polarises the light that it scatters"};
+    if (std::isinf(finest)) {
+        return {.left_out = kTwoSurfacesChange,
+                .reason = fmt::format("no layer polarises the light that it scatters; boundary and "
+                                      "lower surface together change values by less than {:.1g} "
+                                      "(stokes 3 has it computed)",
+                                      kTwoSurfacesChange)};
+    }
+    const double bound =
+        change_by_polarisation(finest) +
+        change_by_boundary(request.scene, finest >= kCoarse ? kCoarseSquare : kFineSquare);
     if (!why.empty()) return {.left_out = bound, .reason = why};
-    if (bound <= request.solver.tolerance || finest >= kCoarse) {
+    if (change_by_polarisation(finest) <= request.solver.tolerance || finest >= kCoarse) {
         return {.left_out = bound,
                 .reason = fmt::format("size parameters of {:.3g} and above: values change by less "
                                       "than {:.1g} (stokes 3 has it computed)",
@@ -128,10 +160,12 @@ LightChoice choose_light(const LayerRequest& request, const rte::Stack& stack) {
     const double change = change_by_polarisation(stack);
     const double tolerance = request.solver.tolerance;
     if (change <= tolerance) {
-        return {.left_out = change,
+        const double left_out =
+            change + change_by_boundary(request.scene, change / kChangePerPolarisation);
+        return {.left_out = left_out,
                 .reason = fmt::format("single scattering polarises so little that values change by "
                                       "less than {:.1g}",
-                                      change)};
+                                      left_out)};
     }
     return {.components = 3,
             .reason = fmt::format("without it values would change by up to {:.1g}", change)};

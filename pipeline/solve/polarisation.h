@@ -24,8 +24,7 @@ struct LightChoice {
 };
 
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
-std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver,
-                                LayerQuantity quantity);
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver);
 
 /// What is known before single scattering: by what was asked for, media that do not polarise, and
 /// spheres so large that leaving polarisation out changes less than the tolerance.
@@ -50,7 +49,8 @@ std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
                                    const Control& control);
 
 /// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
-/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides).
+/// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides). Without
+/// boundaries.
 double change_by_polarisation(const rte::Stack& stack);
 
 /// The same of spheres, from their size parameter alone: a bound over all refractive indices.

@@ -23,6 +23,15 @@ double dielectric_reflectance(double here, double beyond, double mu) {
 // solution.
 bool find_returns(const Eigen::VectorXd& reflectance, const Eigen::MatrixXd& X, FourierWork& work,
                   Eigen::MatrixXd& returns) {
+    if (reflectance.size() > 0 && reflectance.minCoeff() < 0.0) {
+        work.square = -(reflectance.asDiagonal() * X);
+        work.square.diagonal().array() += 1.0;
+        work.bounces.compute(work.square);
+        work.other_square = reflectance.asDiagonal();
+        work.square = work.bounces.solve(work.other_square);
+        returns = 0.5 * (work.square + work.square.transpose());
+        return returns.allFinite();
+    }
     const Eigen::VectorXd root = reflectance.cwiseSqrt();
     work.square = -(root.asDiagonal() * X * root.asDiagonal());
     work.square.diagonal().array() += 1.0;
@@ -51,6 +60,9 @@ SmoothBoundary::SmoothBoundary(double below, double above, const RefractionGrid&
     // Rounding must not let a node through that belongs to total reflection.
     const Eigen::Index trapped = at_nodes.size() - nodes_above;
     if (trapped > 0) at_nodes.head(trapped).setOnes();
+    passes_at_nodes = 1.0 - at_nodes.array();
+    passes_at_requested = 1.0 - at_requested.array();
+    trapped_above.setOnes(std::max<Eigen::Index>(0, -trapped));
 }
 
 void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
@@ -70,8 +82,9 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
     const bool has_mirror = below.specular.size() > 0;
     const Eigen::ArrayXd mirror =
         has_mirror ? Eigen::ArrayXd(below.specular.array()) : Eigen::ArrayXd::Zero(r.size());
-    const Eigen::VectorXd passed = (1.0 - r) / (1.0 - r * mirror);
-    result.specular = r + (1.0 - r) * mirror * passed.array();
+    const Eigen::ArrayXd t = boundary.passes_at_requested.array();
+    const Eigen::VectorXd passed = t / (1.0 - r * mirror);
+    result.specular = r + t * mirror * passed.array();
 
     math::ScratchMatrix out, in;
     gather_rows(below.rows, requested.out, out);
@@ -86,7 +99,7 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
     }
 
     const Eigen::Index common = std::min(X.rows(), boundary.nodes_above);
-    const Eigen::VectorXd enters = 1.0 - boundary.at_nodes.tail(common).array();
+    const Eigen::VectorXd enters = boundary.passes_at_nodes.tail(common);
     if (parts != ReflectorParts::pairs) {
         work.other_square.noalias() = G * X;
         Eigen::MatrixXd down = work.other_square;  // (I - Gamma X)^-1
@@ -96,7 +109,8 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
             (n * passed).asDiagonal() * below.rows * down.rightCols(common) * enters.asDiagonal();
         Eigen::MatrixXd seen = X;
         seen.noalias() += X * work.other_square;
-        result.nodes.setIdentity(boundary.nodes_above, boundary.nodes_above);
+        result.nodes.setZero(boundary.nodes_above, boundary.nodes_above);
+        result.nodes.diagonal().head(boundary.nodes_above - common) = boundary.trapped_above;
         result.nodes.bottomRightCorner(common, common) =
             enters.asDiagonal() *
             (0.5 * (seen + seen.transpose())).bottomRightCorner(common, common) *

@@ -16,13 +16,19 @@ namespace miebrdf::rte {
 Eigen::VectorXd boundary_reflectance(double here, std::complex<double> beyond,
                                      const Eigen::VectorXd& mu);
 
-/// The boundary at the nodes of the medium below it and at requested cosines.
+/// The boundary at the nodes of the medium below it and at requested cosines. Of polarised light
+/// (rte/stokes) each row is a component at a node or cosine; rows of U have reflectances between -1
+/// and 1, and more or less than 1 - r passes.
 struct SmoothBoundary {
     double index_below = 1.0, index_above = 1.0;
-    Eigen::VectorXd at_nodes;      ///< reflectance r at the nodes of the medium below
-    Eigen::VectorXd at_requested;  ///< and at the requested cosines
-    Eigen::Index nodes_above = 0;  ///< of the medium above
+    Eigen::VectorXd at_nodes;             ///< reflectance r at the nodes of the medium below
+    Eigen::VectorXd at_requested;         ///< and at the requested cosines
+    Eigen::VectorXd passes_at_nodes;      ///< 1 - r
+    Eigen::VectorXd passes_at_requested;  ///< 1 - r
+    Eigen::Index nodes_above = 0;         ///< of the medium above
+    Eigen::VectorXd trapped_above;  ///< r of those nodes above that the medium below does not have
 
+    SmoothBoundary() = default;
     /// @param requested  cosines in the medium below
     SmoothBoundary(double below, double above, const RefractionGrid& grid,
                    const RequestedDirections& requested);
@@ -33,7 +39,8 @@ struct SmoothBoundary {
 /// diag(r),
 ///     X' = Gamma + (I - Gamma) X (I - Gamma X)^-1 (I - Gamma)
 /// at the nodes that both media have, total reflection at the others; all by one Cholesky
-/// decomposition of I - Gamma^(1/2) X Gamma^(1/2). Conserves energy to rounding on any grid.
+/// decomposition of I - Gamma^(1/2) X Gamma^(1/2), or of polarised light with negative rows in
+/// Gamma by elimination. Conserves energy to rounding on any grid.
 ///
 /// @param below   with nodes and rows, in the cosines of the medium below
 /// @param parts   what of the result is needed

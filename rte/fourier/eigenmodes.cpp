@@ -164,7 +164,7 @@ const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMe
     if (V_factor.info() != Eigen::Success) return eigenmodes_;
     L_.triangularView<Eigen::StrictlyUpper>().setZero();
     const bool deflate =
-        mode.fourier_order == 0 && mode.has_intensity && medium.one_minus_albedo < kDeflateBelow;
+        mode.fourier_order == 0 && mode.has_intensity() && medium.one_minus_albedo < kDeflateBelow;
     U_ = eigenmodes_.even;
     DiffusionEigenmode diffusion;
     if (deflate) {

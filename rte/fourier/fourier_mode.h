@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "rte/grid/directions.h"
@@ -29,12 +31,14 @@ struct FourierMode {
     math::ScratchMatrix samples;       ///< at the fine nodes of the projection
     NodeProjections projections = {};  ///< of the grids and degrees so far
     int rows_per_node = 1;
-    bool has_intensity = true;  ///< the first row of a node is the intensity, which carries energy
+    /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.
+    std::array<double, 4> unpolarised = {1.0, 0.0, 0.0, 0.0};
 
-    /// Of rows at nodes or cosines, those that carry no energy are set to 0.
+    bool has_intensity() const { return unpolarised[0] != 0.0; }
+    /// Intensities, one in every row of its node, become unpolarised light.
     void keep_intensity(Eigen::Ref<Eigen::VectorXd> rows) const {
         for (Eigen::Index r = 0; r < rows.size(); ++r)
-            if (!has_intensity || r % rows_per_node != 0) rows[r] = 0.0;
+            rows[r] *= unpolarised[std::size_t(r % rows_per_node)];
     }
 };
 

@@ -126,7 +126,7 @@ ZenithGrid RefractionGrid::in_medium(double index) const {
 }
 
 double refracted_cosine(double index, double mu_air) {
-    if (index == 1.0) return mu_air;
+    if (index == 1.0 || mu_air == 1.0) return mu_air;  // no rounding beyond the zenith
     return std::sqrt((index - 1.0) * (index + 1.0) + mu_air * mu_air) / index;
 }
 

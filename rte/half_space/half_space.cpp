@@ -58,7 +58,7 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
 void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
                        const RequestedDirections& requested, Reflector& ground) {
     no_reflection(grid, requested, ground);
-    if (mode.fourier_order > 0 || !mode.has_intensity) return;
+    if (mode.fourier_order > 0 || !mode.has_intensity()) return;
     Eigen::VectorXd D = flux_weights(grid);
     mode.keep_intensity(D);
     // A rule that does not integrate mu exactly must still return the fraction `albedo` of the

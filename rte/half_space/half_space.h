@@ -43,6 +43,8 @@ struct Reflector {
     /// scattered; `rows` and `multiple` are without it, `nodes` has it on the diagonal. Empty:
     /// none.
     Eigen::VectorXd specular;
+    /// Of polarised light with V, `specular` turns U into V: times the row of the other one.
+    Eigen::VectorXd specular_twist;
     int iterations = 0;     ///< of an iterative method, else 0
     double residual = 0.0;  ///< largest (mu + mu') |change of R| in the last step, relative
     bool converged = true;  ///< of the iteration

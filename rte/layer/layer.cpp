@@ -81,9 +81,8 @@ void fill_rows(double tau, const FourierMedium& medium, const FourierMode& mode,
     layer.reflection_rows += work.rows;
 }
 
-// T = sum_l a_l (psi phi' - phi psi') / (4 (mu - mu')), the same without the first order. Towards
-// the incident direction itself numerator and denominator vanish: extrapolated from two incident
-// cosines beside it.
+}  // namespace
+
 void fill_transmitted(const FourierMedium& medium, const FourierMode& mode,
                       const RequestedDirections& requested, LayerOperator& layer) {
     const auto& Y = mode.at_requested;
@@ -103,19 +102,19 @@ void fill_transmitted(const FourierMedium& medium, const FourierMode& mode,
     const auto at = [&](int o, int i) {
         return numerator(o, i) / (4.0 * (requested.mu[o] - requested.mu[i]));
     };
+    const int rows = mode.rows_per_node;
     layer.transmitted_multiple.resize(Eigen::Index(requested.out.size()),
                                       Eigen::Index(requested.in.size()));
     for (std::size_t i = 0; i < requested.in.size(); ++i) {
         for (std::size_t o = 0; o < requested.out.size(); ++o) {
             const int out = requested.out[o], in = requested.in[i];
-            const int beside = out == in ? requested.beside[std::size_t(in)] : -1;
+            const bool is_straight = out / rows == in / rows;
+            const int beside = is_straight ? requested.beside[std::size_t(in)] : -1;
             layer.transmitted_multiple(Eigen::Index(o), Eigen::Index(i)) =
-                beside < 0 ? at(out, in) : 2.0 * at(out, beside) - at(out, beside + 1);
+                beside < 0 ? at(out, in) : 2.0 * at(out, beside) - at(out, beside + rows);
         }
     }
 }
-
-}  // namespace
 
 // psi are the moments of the radiance at the bottom.
 void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& requested,

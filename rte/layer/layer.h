@@ -55,6 +55,12 @@ LayerOperator solve_layer(double scaled_optical_depth, const FourierMedium& medi
 void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& requested,
                       FourierWork& work, LayerOperator& layer);
 
+/// `transmitted_multiple` likewise: T = sum_l a_l (psi phi' - phi psi') / (4 (mu - mu')), without
+/// the first order. Towards the incident direction itself numerator and denominator vanish:
+/// extrapolated from two incident cosines beside it.
+void fill_transmitted(const FourierMedium& medium, const FourierMode& mode,
+                      const RequestedDirections& requested, LayerOperator& layer);
+
 /// Reflection of a layer on something: `base` seen through it.
 /// Nodes by impedances, Z = Z_p + B (B + Y)^-1 Y with Y = Z_p + Z_base; requested cosines by the
 /// radiance at the interface. Nothing cancels, whatever the optical depth.

@@ -8,9 +8,11 @@
 
 #include "rte/first_order/first_order.h"
 #include "rte/fourier/fourier_mode.h"
+#include "rte/grid/refraction_grid.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -120,6 +122,12 @@ double least_brightness(const std::vector<ScaledMedium>& media, const Directions
         least = std::min(least, brightest);
     }
     return std::isfinite(least) ? least : 0.0;
+}
+
+double least_brightness(const ScaledStack& stack, const Directions& directions) {
+    if (!stack.refracts()) return least_brightness(stack.media, directions);
+    constexpr double boundary_returns = 0.01;
+    return boundary_returns * least_brightness(stack.media, refracted(directions, stack.top_index));
 }
 
 bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,

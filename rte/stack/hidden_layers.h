@@ -11,6 +11,7 @@ namespace miebrdf::rte {
 
 struct FourierMedium;
 struct ScaledMedium;
+struct ScaledStack;
 
 /// Whether light that went straight through a coat and back is below the tolerance. A coat that
 /// lets more through hides nothing, and no optics are needed to know it.
@@ -34,6 +35,10 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
 /// directions. Shares of the tolerance are relative to that.
 /// @param media  from the bottom up
 double least_brightness(const std::vector<ScaledMedium>& media, const Directions& directions);
+
+/// The same of a stack, seen from above its boundary: what comes out is less than what is inside by
+/// no more than a factor, and returns to where layers may hide others as often (index 3).
+double least_brightness(const ScaledStack& stack, const Directions& directions);
 
 /// Whether a coat counts as a half-space in one Fourier order: a bound, asked by the solver of
 /// every coat and order.

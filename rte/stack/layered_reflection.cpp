@@ -25,22 +25,13 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-// A lower bound of the largest reflection at every incidence, of what lies under a boundary inside
-// it: what comes out is less by no more than this factor, and returns to where layers may hide
-// others as often (index 3).
-double brightness_of(const ScaledStack& stack, const Directions& directions) {
-    if (!stack.refracts()) return least_brightness(stack.media, directions);
-    constexpr double boundary_returns = 0.01;
-    return boundary_returns * least_brightness(stack.media, refracted(directions, stack.top_index));
-}
-
 Attempt reflect_with(const Stack& stack, const Directions& directions,
                      const RequestedDirections& requested, const SolverOptions& options,
                      const Discretisation& discretisation, StackMemory& memory,
                      FourierOrders& orders, StackFirstOrder& first_order) {
     ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
-        scaled.brightness = brightness_of(scaled, directions);
+        scaled.brightness = least_brightness(scaled, directions);
     const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
     MultipleScattering multiple =
         sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,

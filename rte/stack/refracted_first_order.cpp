@@ -16,19 +16,6 @@ double reflectance_at(double here, std::complex<double> beyond, double mu) {
     return boundary_reflectance(here, beyond, Eigen::VectorXd::Constant(1, mu))[0];
 }
 
-// (exp(-tau / mu) - exp(-tau / mu')) / (mu - mu').
-double forward_quotient(double tau, double mu, double other) {
-    if (std::isinf(tau)) return 0.0;
-    const double a = tau / std::max(mu, other), b = tau / std::min(mu, other);
-    const double x = b - a;
-    const double mean = x > 0.0 ? -std::expm1(-x) / x : 1.0;
-    return std::exp(-a) * mean * tau / (mu * other);
-}
-
-}  // namespace
-
-namespace {
-
 // A beam's way through every medium, and what comes back of it, seen from above.
 struct BeamReturns {
     std::vector<double> mu, attenuation;  ///< in each medium
@@ -95,6 +82,14 @@ FirstOrderPaths first_order_paths(const ScaledMedium& medium, const Beam& in, co
     const double turned = in.down * out.up + in.up * out.down;
     if (turned > 0.0) paths.forward = turned * forward_quotient(tau, in.mu, out.mu) / (4.0 * n2);
     return paths;
+}
+
+double forward_quotient(double tau, double mu, double other) {
+    if (std::isinf(tau)) return 0.0;
+    const double a = tau / std::max(mu, other), b = tau / std::min(mu, other);
+    const double x = b - a;
+    const double mean = x > 0.0 ? -std::expm1(-x) / x : 1.0;
+    return std::exp(-a) * mean * tau / (mu * other);
 }
 
 double cos_forward_angle(double mu_in, double mu_out, double cos_azimuth) {

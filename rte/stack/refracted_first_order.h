@@ -40,6 +40,9 @@ FirstOrderPaths first_order_paths(const ScaledMedium& medium, const Beam& in, co
 /// The cosine of the angle of forward scattering: both beams go down, or both up.
 double cos_forward_angle(double mu_in, double mu_out, double cos_azimuth);
 
+/// (exp(-tau / mu) - exp(-tau / mu')) / (mu - mu'), 0 for a layer without bottom.
+double forward_quotient(double tau, double mu, double other);
+
 /// Whether all light scattered once goes straight in and out: one index, no mirror below.
 bool has_straight_paths(const ScaledStack& stack);
 

@@ -112,8 +112,42 @@ void fill_rows(double tau, const VectorXd& mu, const ComplexModes& modes,
     layer.transmission_rows = from_alike - from_opposite;
 }
 
-// What arrives at the nodes of light at requested cosines: rows J-transposed.
-MatrixXd columns_of(const MatrixXd& rows, const std::vector<int>& which, int rows_per_node) {
+}  // namespace
+
+MatrixXd TwistedRows::times(const MatrixXd& rows, int rows_per_node) const {
+    MatrixXd result = diagonal.asDiagonal() * rows;
+    for (Eigen::Index u = rows_per_node - 2; u < rows.rows(); u += rows_per_node) {
+        result.row(u) += twist[u] * rows.row(u + 1);
+        result.row(u + 1) += twist[u + 1] * rows.row(u);
+    }
+    return result;
+}
+
+TwistedRows TwistedRows::following(const TwistedRows& other, int rows_per_node) const {
+    TwistedRows product{diagonal.cwiseProduct(other.diagonal), VectorXd::Zero(diagonal.size())};
+    for (Eigen::Index u = rows_per_node - 2; u < diagonal.size(); u += rows_per_node) {
+        for (const Eigen::Index r : {u, u + 1}) {
+            product.diagonal[r] += twist[r] * other.twist[2 * u + 1 - r];
+            product.twist[r] = diagonal[r] * other.twist[r] + twist[r] * other.diagonal[r];
+        }
+    }
+    return product;
+}
+
+MatrixXd TwistedRows::of_node(Eigen::Index node, int rows_per_node) const {
+    const Eigen::Index c = rows_per_node, first = node * c;
+    MatrixXd matrix = diagonal.segment(first, c).asDiagonal();
+    matrix(c - 2, c - 1) = twist[first + c - 2];
+    matrix(c - 1, c - 2) = twist[first + c - 1];
+    return matrix;
+}
+
+TwistedRows specular_of(const Reflector& reflector, Eigen::Index rows) {
+    if (reflector.specular.size() == 0) return {VectorXd::Zero(rows), VectorXd::Zero(rows)};
+    return {reflector.specular, reflector.specular_twist};
+}
+
+MatrixXd arriving(const MatrixXd& rows, const std::vector<int>& which, int rows_per_node) {
     MatrixXd columns(rows.cols(), Eigen::Index(which.size()));
     for (std::size_t k = 0; k < which.size(); ++k) {
         columns.col(Eigen::Index(k)) = rows.row(which[k]).transpose();
@@ -121,8 +155,6 @@ MatrixXd columns_of(const MatrixXd& rows, const std::vector<int>& which, int row
     }
     return metric(rows.cols(), rows_per_node).asDiagonal() * columns;
 }
-
-}  // namespace
 
 void solve_coupled_layer(double tau, const StokesTables& tables, const StokesBlock& block,
                          const MatrixStrengths& strengths, const FourierMode& mode,
@@ -158,8 +190,30 @@ void solve_coupled_layer(double tau, const StokesTables& tables, const StokesBlo
     fill_rows(tau, requested.mu, modes, sources_of(mode, medium, coupled, c), coupled, c, layer);
     alternating(medium.strengths, work.fourier.alternating);
     fill_layer_pairs(mode, requested, work.fourier, layer);
-    layer.multiple *= metric(layer.multiple.cols(), c).asDiagonal();
+    const VectorXd J = metric(layer.multiple.cols(), c);
+    layer.multiple *= J.asDiagonal();
+    if (requested.beside.empty()) return;
+    fill_transmitted(medium, mode, requested, layer);
+    layer.transmitted_multiple *= J.asDiagonal();
 }
+
+namespace {
+
+// Light that the base's mirror sends into the layer or receives from it.
+void add_mirrored_pairs(const LayerOperator& layer, const TwistedRows& back,
+                        const RequestedDirections& requested, int c, MatrixXd& multiple) {
+    for (Eigen::Index i = 0; i < multiple.cols(); i += c) {
+        const MatrixXd in = back.of_node(requested.in[std::size_t(i)] / c, c);
+        for (Eigen::Index o = 0; o < multiple.rows(); o += c) {
+            const MatrixXd out = back.of_node(requested.out[std::size_t(o)] / c, c);
+            const MatrixXd through = layer.transmitted_multiple.block(o, i, c, c);
+            multiple.block(o, i, c, c) +=
+                through * in + out * through + out * layer.multiple.block(o, i, c, c) * in;
+        }
+    }
+}
+
+}  // namespace
 
 void put_on_coupled(const LayerOperator& layer, const Reflector& base,
                     const RequestedDirections& requested, int rows_per_node, ReflectorParts parts,
@@ -170,7 +224,19 @@ void put_on_coupled(const LayerOperator& layer, const Reflector& base,
     result.residual = base.residual;
     result.converged = base.converged;
     result.physical = true;
+    const bool has_mirror = base.specular.size() > 0;
+    // A beam down to the mirror and up again through the layer.
+    const TwistedRows direct{layer.direct, VectorXd::Zero(layer.direct.size())};
+    const TwistedRows back = direct.following(specular_of(base, layer.direct.size()), c);
     result.specular.resize(0);
+    result.specular_twist.resize(0);
+    MatrixXd mirrored = layer.transmission_rows;
+    if (has_mirror) {
+        mirrored += back.times(layer.reflection_rows, c);
+        const TwistedRows specular = direct.following(back, c);
+        result.specular = specular.diagonal;
+        result.specular_twist = specular.twist;
+    }
     // down = (through + X_c up), up = X_b down + beam.
     const Eigen::PartialPivLU<MatrixXd> bounces(MatrixXd::Identity(n, n) -
                                                 layer.reflection * base.nodes);
@@ -179,13 +245,14 @@ void put_on_coupled(const LayerOperator& layer, const Reflector& base,
         const MatrixXd down = bounces.solve(layer.transmission);
         const MatrixXd up = base.nodes * down;
         result.nodes = layer.reflection + layer.transmission * up;
-        result.rows = layer.reflection_rows + seen * down + layer.transmission_rows * up;
+        result.rows = layer.reflection_rows + seen * down + mirrored * up;
+        if (has_mirror) result.rows += back.times(layer.transmission_rows, c);
     }
-    const MatrixXd beam = columns_of(seen, requested.in, c);
-    const MatrixXd through = columns_of(layer.transmission_rows, requested.in, c);
+    const MatrixXd beam = arriving(seen, requested.in, c);
+    const MatrixXd through = arriving(mirrored, requested.in, c);
     const MatrixXd down = bounces.solve(through + layer.reflection * beam);
     const MatrixXd up = base.nodes * down + beam;
-    MatrixXd pairs = 0.5 * (seen * down + layer.transmission_rows * up);
+    const MatrixXd pairs = 0.5 * (seen * down + mirrored * up);
     result.multiple = layer.multiple;
     for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
         const double direct_in = layer.direct[requested.in[std::size_t(i)]];
@@ -195,6 +262,7 @@ void put_on_coupled(const LayerOperator& layer, const Reflector& base,
                 pairs(out, i) + layer.direct[out] * base.multiple(o, i) * direct_in;
         }
     }
+    if (has_mirror) add_mirrored_pairs(layer, back, requested, c, result.multiple);
 }
 
 }  // namespace miebrdf::rte

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace miebrdf::rte {
 namespace {
@@ -63,7 +64,13 @@ void CoupledModes::form_couplings(const StokesTables& tables, const StokesBlock&
         for (Eigen::Index l = std::max(2, m); l < degrees; ++l) {
             if ((l - m) % 2 != parity || medium.b2[l] == 0.0) continue;
             for (Eigen::Index p = 0; p < n; ++p) {
-                if (rows > 1) of_U(rows * p + 1, count) = -scale[p] * tables.nodes.T(p, l - m);
+                const double of_Q = rows > 1 ? -scale[p] * tables.nodes.T(p, l - m) : 0.0;
+                if (rows > 1 && tables.along_axes) {
+                    of_U(rows * p, count) = of_Q * (std::numbers::sqrt2 / 2.0);
+                    of_U(rows * p + 1, count) = -of_U(rows * p, count);
+                } else if (rows > 1) {
+                    of_U(rows * p + 1, count) = of_Q;
+                }
                 of_U(rows * p + rows - 1, count) = scale[p] * tables.nodes.R(p, l - m);
                 of_V(p, count) = medium.b2[l] * scale[p] * tables.nodes.P(p, l - m);
             }

@@ -25,8 +25,66 @@ Eigen::Matrix4d turn(double x, double y) {
     return result;
 }
 
-// The medium that the discrete equations see, as one whose coefficients are all of it.
-Optics as_seen(const ScaledMedium& medium) {
+// F from the plane of scattering to those of which the other ray has the components (x, y).
+Eigen::Matrix4d turned_from_plane(const ScatteringMatrix& matrix, double x_in, double y_in,
+                                  double x_out, double y_out) {
+    Eigen::Matrix4d F = Eigen::Matrix4d::Zero();
+    F(0, 0) = matrix.a1, F(1, 1) = matrix.a2, F(2, 2) = matrix.a3, F(3, 3) = matrix.a4;
+    F(0, 1) = F(1, 0) = matrix.b1;
+    F(2, 3) = matrix.b2, F(3, 2) = -matrix.b2;
+    return turn(x_out, -y_out) * F * turn(x_in, y_in);
+}
+
+constexpr double kStraight = 1e-28;  // squared sine below which any plane of scattering will do
+
+}  // namespace
+
+Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                                    double azimuth_deg) {
+    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
+    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
+    const double half = 0.5 * azimuth_deg * (std::numbers::pi / 180.0);
+    const double c = std::cos(half), sine_azimuth = 2.0 * std::sin(half) * c;
+    // The other ray along the two axes of a ray's meridian plane, times sin Theta. Near
+    // backscattering both components are small: mu_in sine_out - mu_out sine_in is written without
+    // cancellation, and cos(azimuth) = 2 c^2 - 1.
+    const double sum = mu_in * sine_out + mu_out * sine_in;
+    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
+    double x_in = skew - 2.0 * mu_in * sine_out * c * c;
+    double y_in = sine_out * sine_azimuth;
+    double x_out = -skew - 2.0 * mu_out * sine_in * c * c;
+    double y_out = sine_in * sine_azimuth;
+    if (x_in * x_in + y_in * y_in < kStraight) {  // straight back
+        x_in = 1.0, y_in = 0.0;
+        const double cos_azimuth = 2.0 * c * c - 1.0;
+        x_out = mu_in * mu_out * cos_azimuth - sine_in * sine_out;
+        y_out = -mu_in * sine_azimuth;
+    }
+    return turned_from_plane(matrix, x_in, y_in, x_out, y_out);
+}
+
+Eigen::Matrix4d turned_forward(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                               double azimuth_deg) {
+    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
+    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
+    const double half = 0.5 * azimuth_deg * (std::numbers::pi / 180.0);
+    const double s = std::sin(half), sine_azimuth = 2.0 * s * std::cos(half);
+    // As there, with both rays on one side: cos(azimuth) = 1 - 2 s^2.
+    const double sum = mu_in * sine_out + mu_out * sine_in;
+    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
+    double x_in = -skew + 2.0 * mu_in * sine_out * s * s;
+    double y_in = sine_out * sine_azimuth;
+    double x_out = skew + 2.0 * mu_out * sine_in * s * s;
+    double y_out = -sine_in * sine_azimuth;
+    if (x_in * x_in + y_in * y_in < kStraight) {  // straight on
+        x_in = 1.0, y_in = 0.0;
+        x_out = mu_in * mu_out * (1.0 - 2.0 * s * s) + sine_in * sine_out;
+        y_out = mu_in * sine_azimuth;
+    }
+    return turned_from_plane(matrix, x_in, y_in, x_out, y_out);
+}
+
+Optics as_seen_by_equations(const ScaledMedium& medium) {
     const MatrixStrengths strengths = matrix_strengths(medium);
     const ScaledOptics& scaled = medium.scaled;
     Optics seen;
@@ -47,40 +105,10 @@ Optics as_seen(const ScaledMedium& medium) {
     return seen;
 }
 
-}  // namespace
-
-Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
-                                    double azimuth_deg) {
-    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
-    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
-    const double half = 0.5 * azimuth_deg * (std::numbers::pi / 180.0);
-    const double c = std::cos(half), sine_azimuth = 2.0 * std::sin(half) * c;
-    // The other ray along the two axes of a ray's meridian plane, times sin Theta. Near
-    // backscattering both components are small: mu_in sine_out - mu_out sine_in is written without
-    // cancellation, and cos(azimuth) = 2 c^2 - 1.
-    const double sum = mu_in * sine_out + mu_out * sine_in;
-    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
-    double x_in = skew - 2.0 * mu_in * sine_out * c * c;
-    double y_in = sine_out * sine_azimuth;
-    double x_out = -skew - 2.0 * mu_out * sine_in * c * c;
-    double y_out = sine_in * sine_azimuth;
-    if (x_in * x_in + y_in * y_in < 1e-28) {  // straight back: any plane of scattering will do
-        x_in = 1.0, y_in = 0.0;
-        const double cos_azimuth = 2.0 * c * c - 1.0;
-        x_out = mu_in * mu_out * cos_azimuth - sine_in * sine_out;
-        y_out = -mu_in * sine_azimuth;
-    }
-    Eigen::Matrix4d F = Eigen::Matrix4d::Zero();
-    F(0, 0) = matrix.a1, F(1, 1) = matrix.a2, F(2, 2) = matrix.a3, F(3, 3) = matrix.a4;
-    F(0, 1) = F(1, 0) = matrix.b1;
-    F(2, 3) = matrix.b2, F(3, 2) = -matrix.b2;
-    return turn(x_out, -y_out) * F * turn(x_in, y_in);
-}
-
 std::vector<Optics> media_of_first_order(const std::vector<ScaledMedium>& media, bool exact) {
     std::vector<Optics> optics;
     for (const ScaledMedium& medium : media)
-        optics.push_back(exact ? medium.exact : as_seen(medium));
+        optics.push_back(exact ? medium.exact : as_seen_by_equations(medium));
     return optics;
 }
 

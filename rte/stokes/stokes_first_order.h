@@ -15,6 +15,14 @@ namespace miebrdf::rte {
 Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                     double azimuth_deg);
 
+/// The same of light that comes down and goes on downwards. Of light scattered upside down, coming
+/// up at mu_in, both are D M D, D = diag(1, 1, -1, -1).
+Eigen::Matrix4d turned_forward(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                               double azimuth_deg);
+
+/// The medium that the discrete equations see, as one whose coefficients are all of it.
+Optics as_seen_by_equations(const ScaledMedium& medium);
+
 /// The media whose scattering matrices are those of light scattered once: the media themselves
 /// (exact, TMS), or what the discrete equations see of them.
 std::vector<Optics> media_of_first_order(const std::vector<ScaledMedium>& media, bool exact);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "rte/math/wigner.h"
 
@@ -95,6 +96,18 @@ auto component_rows(math::ScratchMatrix& table, Eigen::Index column, int k, int 
         Eigen::InnerStride<>(rows_per_node));
 }
 
+// Rows of I and Q to those of light polarised along the axes.
+void turn_to_axes(int rows_per_node, math::ScratchMatrix& table) {
+    constexpr double half = std::numbers::sqrt2 / 2.0;
+    for (Eigen::Index column = 0; column < table.cols(); ++column) {
+        for (Eigen::Index r = 0; r < table.rows(); r += rows_per_node) {
+            const double I = table(r, column), Q = table(r + 1, column);
+            table(r, column) = half * (I + Q);
+            table(r + 1, column) = half * (I - Q);
+        }
+    }
+}
+
 // One component of the function that belongs to a column: a row of Pi_l times its direction.
 void fill_component(const StokesTable& from, Eigen::Index at, StokesComponent component,
                     const Column& column,
@@ -156,6 +169,9 @@ RequestedDirections repeated(const RequestedDirections& requested, int rows_per_
     repeat(requested.out, result.out);
     repeat(requested.in, result.in);
     result.probes = requested.probes * std::size_t(rows_per_node);
+    for (const int beside : requested.beside)
+        for (int k = 0; k < rows_per_node; ++k)
+            result.beside.push_back(beside < 0 ? -1 : beside * rows_per_node + k);
     return result;
 }
 
@@ -182,7 +198,10 @@ void make_block_mode(const StokesTables& tables, const StokesBlock& block,
     columns.odd.resize(pairs);
     mode.fourier_order = m;
     mode.rows_per_node = c;
-    mode.has_intensity = block.front() == StokesComponent::I;
+    const bool has_intensity = block.front() == StokesComponent::I;
+    const bool turns = tables.along_axes && has_intensity;
+    const double share = turns ? std::numbers::sqrt2 / 2.0 : double(has_intensity);
+    mode.unpolarised = {share, turns ? share : 0.0, 0.0, 0.0};
     const auto count = Eigen::Index(2 * pairs);
     mode.at_nodes.resize(grid.size(), count);
     mode.at_requested.resize(requested.mu.size(), count);
@@ -201,6 +220,10 @@ void make_block_mode(const StokesTables& tables, const StokesBlock& block,
             fill_component(tables.requested, l - m, component, column,
                            component_rows(mode.at_requested, j, k, c));
         }
+    }
+    if (turns) {
+        turn_to_axes(c, mode.at_nodes);
+        turn_to_axes(c, mode.at_requested);
     }
     mode.scaled_nodes.resize(mode.at_nodes.rows(), count);
     mode.scaled_nodes =

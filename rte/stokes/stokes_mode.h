@@ -18,7 +18,8 @@ using StokesBlock = std::vector<StokesComponent>;
 /// (I, Q) and (U) in order 0, all three in the others; V beside them, coupled or on its own.
 std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool has_b2);
 
-/// The same nodes or cosines, each as often as a block has components.
+/// The same nodes or cosines, each as often as a block has components. Of cosines beside others the
+/// second follows rows_per_node places behind the first.
 ZenithGrid repeated(const ZenithGrid& grid, int rows_per_node);
 RequestedDirections repeated(const RequestedDirections& requested, int rows_per_node);
 
@@ -30,6 +31,9 @@ struct StokesTable {
 struct StokesTables {
     int fourier_order = 0;
     StokesTable nodes, requested;
+    /// Rows of I and Q are those of light polarised parallel to the meridian plane and across it,
+    /// (I + Q, I - Q) / 2^(1/2): the axes in which Fresnel's matrices are diagonal.
+    bool along_axes = false;
     FourierMode scalar;  ///< P and the projections, used again by the next order
 };
 void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,

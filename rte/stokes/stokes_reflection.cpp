@@ -11,7 +11,7 @@
 #include "rte/phase/polarisation.h"
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stokes/stokes_first_order.h"
+#include "rte/stokes/polarised_beams.h"
 #include "rte/stokes/stokes_sum.h"
 
 namespace miebrdf::rte {
@@ -22,16 +22,10 @@ void require_polarisable(const Stack& stack, const SolverOptions& options) {
         options.coat_method != CoatMethod::automatic) {
         throw UsageError("polarised light is solved by the automatic methods alone");
     }
-    if (stack.boundary) {
+    if (stack.boundary && stack.boundary->is_rough()) {
         throw UsageError(
-            "polarised light: refracting boundaries are not available (their Fresnel matrices are "
-            "not part of the equations yet); leave the boundary out, or solve without "
-            "polarisation");
-    }
-    if (stack.base_kind == BaseKind::mirror) {
-        throw UsageError(
-            "polarised light: mirrors are not available (their Fresnel matrices are not part of "
-            "the equations yet); take a Lambertian or black ground, or solve without polarisation");
+            "polarised light: rough boundaries are not available (their facets turn the plane of "
+            "polarisation); take a smooth one (roughness 0), or solve without polarisation");
     }
 }
 
@@ -53,13 +47,14 @@ struct Request {
 };
 
 Attempt reflect_with(const Request& request, const Discretisation& discretisation,
-                     StokesMemory& memory, FourierOrders& orders, StokesFirstOrder& first_order) {
+                     StokesMemory& memory, FourierOrders& orders,
+                     StokesFirstOrderOfStack& first_order) {
     const SolverOptions& options = request.options;
     ScaledStack scaled = scale_stack(request.stack, discretisation.moments, options.delta_m);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
-        scaled.brightness = least_brightness(scaled.media, request.directions);
+        scaled.brightness = least_brightness(scaled, request.directions);
     StokesScattering multiple =
-        sum_stokes_orders(scaled, make_zenith_grid(discretisation.grid, discretisation.streams),
+        sum_stokes_orders(scaled, StackGrids(scaled, discretisation.grid, discretisation.streams),
                           request.requested, request.directions.azimuth_deg, request.components,
                           kFourierTailShare * options.tolerance, options, memory, orders);
     orders = std::move(multiple.by_fourier_order);
@@ -73,7 +68,7 @@ Attempt reflect_with(const Request& request, const Discretisation& discretisatio
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
-    if (attempt.physical) first_order.add_to(attempt.values, scaled.media);
+    if (attempt.physical) first_order.add_to(attempt.values, scaled);
     return attempt;
 }
 
@@ -110,6 +105,46 @@ std::vector<double> half_of(const std::vector<double>& both, std::size_t count, 
     return {first, first + std::ptrdiff_t(count)};
 }
 
+// Nothing scattered is taken for a beam here: with the optical depths as they are.
+std::vector<double> mirror_reflections(const Stack& stack, const std::vector<double>& mu_in,
+                                       int components) {
+    const ScaledStack exact = scale_stack(stack, 1, false);
+    std::vector<double> reflections;
+    if (exact.top_index == 1.0 && !exact.has_mirrors()) return reflections;
+    for (const double mu : mu_in) {
+        const Eigen::Matrix4d M = mueller_of(polarised_mirror_reflection(exact, mu));
+        for (int row = 0; row < components; ++row)
+            for (int column = 0; column < components; ++column)
+                reflections.push_back(M(row, column));
+    }
+    return reflections;
+}
+
+Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
+                    const SolverOptions& options, const Discretisation& discretisation,
+                    StokesMemory& memory) {
+    ScaledStack scaled =
+        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
+    scaled.transmits = scaled.base != BaseKind::half_space;
+    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    StokesSolver solver(scaled, grids, requested, 3, options, memory);
+    const StokesOrder& order = solver.solve_albedos();
+    Attempt one;
+    one.physical = order.physical;
+    if (!one.physical) return one;
+    one.values = order.plane_albedo;
+    one.values.insert(one.values.end(), order.polarised_plane_albedo.begin(),
+                      order.polarised_plane_albedo.end());
+    one.values.push_back(order.spherical_albedo);
+    for (const double arriving : order.transmittance)
+        one.values.push_back((1.0 - scaled.ground_albedo) * arriving);
+    one.report.fourier_orders = 1;
+    one.report.iterations = order.iterations;
+    one.report.converged = order.converged;
+    one.report.error_estimate = order.residual;
+    return one;
+}
+
 }  // namespace
 
 Stack with_all_moments(Stack stack) {
@@ -134,7 +169,7 @@ MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& direc
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size() * elements;
     StokesMemory memory;
     FourierOrders orders;  // of the solution before, with fewer nodes
-    StokesFirstOrder first_order(judged, components, options);
+    StokesFirstOrderOfStack first_order(judged, components, options);
     const Request request{stack, judged, requested, components, options};
     Attempt attempt = solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
                                           [&](const Discretisation& discretisation) {
@@ -149,6 +184,7 @@ MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& direc
                                      directions.azimuth_deg.size());
     table.plane_albedo = half_of(attempt.plane_albedo, directions.mu_in.size(), false);
     table.polarised_plane_albedo = half_of(attempt.plane_albedo, directions.mu_in.size(), true);
+    table.mirror_reflection = mirror_reflections(stack, directions.mu_in, components);
     table.report = std::move(attempt.report);
     return table;
 }
@@ -163,31 +199,22 @@ PolarisedAlbedoTable polarised_albedo(const Stack& asked_stack, const std::vecto
     const RequestedDirections requested = collect(mu_in, {});
     StokesMemory memory;
     const std::size_t count = mu_in.size();
+    const bool transmits = scale_stack(stack, 1, false).base != BaseKind::half_space;
+    const std::size_t wanted = 2 * count + 1 + (transmits ? count + 1 : 0);
     Attempt attempt = solve_with_estimate(
-        stack, options, 2 * count + 1, 2 * count + 1, [&](const Discretisation& discretisation) {
-            const ScaledStack scaled =
-                scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
-            const ZenithGrid grid = make_zenith_grid(discretisation.grid, discretisation.streams);
-            StokesSolver solver(scaled, grid, requested, 3, options, memory);
-            const StokesOrder& order = solver.solve_albedos();
-            Attempt one;
-            one.physical = order.physical;
-            if (!one.physical) return one;
-            one.values = order.plane_albedo;
-            one.values.insert(one.values.end(), order.polarised_plane_albedo.begin(),
-                              order.polarised_plane_albedo.end());
-            one.values.push_back(order.spherical_albedo);
-            one.report.fourier_orders = 1;
-            one.report.iterations = order.iterations;
-            one.report.converged = order.converged;
-            one.report.error_estimate = order.residual;
-            return one;
+        stack, options, wanted, wanted, [&](const Discretisation& discretisation) {
+            return albedo_with(stack, requested, options, discretisation, memory);
         });
+    const auto begin = attempt.values.begin();
+    const auto part = [&](std::size_t from, std::size_t to) {
+        return std::vector<double>(begin + std::ptrdiff_t(from), begin + std::ptrdiff_t(to));
+    };
     PolarisedAlbedoTable table;
-    table.spherical_albedo = attempt.values.back();
-    attempt.values.pop_back();
-    table.plane_albedo = half_of(attempt.values, count, false);
-    table.polarised_plane_albedo = half_of(attempt.values, count, true);
+    table.plane_albedo = part(0, count);
+    table.polarised_plane_albedo = part(count, 2 * count);
+    table.spherical_albedo = attempt.values[2 * count];
+    table.transmittance = part(2 * count + 1, wanted);
+    table.mirror_reflection = mirror_reflections(stack, mu_in, 3);
     table.report = std::move(attempt.report);
     return table;
 }

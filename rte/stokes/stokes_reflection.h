@@ -24,6 +24,10 @@ struct MuellerTable {
     /// At each mu_in: what it changes by if the light is fully polarised parallel to the plane of
     /// incidence (Q = I); minus that for perpendicular light, 0 for U and V.
     std::vector<double> polarised_plane_albedo;
+    /// At each mu_in the Mueller matrix, c x c, of what is reflected into the mirror direction and
+    /// nowhere else, by boundaries and mirrors: a delta that `reflection` is without. Empty where
+    /// there is none.
+    std::vector<double> mirror_reflection;
     SolverReport report;
 };
 
@@ -31,17 +35,20 @@ struct PolarisedAlbedoTable {
     std::vector<double> plane_albedo;            ///< as of MuellerTable
     std::vector<double> polarised_plane_albedo;  ///< as of MuellerTable
     double spherical_albedo = 0.0;               ///< of uniform unpolarised light from everywhere
+    std::vector<double> transmittance;           ///< as of AlbedoTable, of unpolarised light
+    std::vector<double> mirror_reflection;       ///< as of MuellerTable, 3 x 3
     SolverReport report;
 };
 
 /// R at the directions asked for, by the equations themselves: nothing is interpolated. Media are
-/// polarising as Optics::polarisation says; grounds (Lambertian, black) return unpolarised light.
+/// polarising as Optics::polarisation says; grounds (Lambertian, black) return unpolarised light;
+/// smooth boundaries and mirrors polarise by Fresnel's equations.
 ///
 /// Errors are judged as those of `reflect`: relative to the largest element at that incidence.
 /// @param components  3: V left out, with b2 (R11 changes by less than 2e-6 with spheres); 4
 /// @param options     the methods must be `automatic`
 /// @throws UsageError  for what `reflect` refuses, for components other than 3 and 4, other
-///         methods, a boundary and a mirror
+///         methods and a rough boundary
 MuellerTable reflect_polarised(const Stack& stack, const Directions& directions, int components,
                                const SolverOptions& options = {});
 

@@ -19,7 +19,7 @@ namespace miebrdf::rte {
 /// n nodes and c components about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not
 /// thread-safe.
 struct StokesMemory {
-    StokesTables tables = {};
+    std::vector<StokesTables> tables = {};  ///< of the order that is being solved, by index
     FourierMode mode = {};
     FourierMedium medium = {};
     FourierWork work = {};
@@ -37,6 +37,9 @@ struct StokesOrder {
     /// Of order 0, at the incident cosines: MuellerTable.
     std::vector<double> plane_albedo, polarised_plane_albedo;
     double spherical_albedo = 0.0;  ///< of order 0
+    /// Of order 0 with ScaledStack::transmits, of unpolarised light: the flux that arrives at the
+    /// ground, at the incident cosines and of uniform light, counted as often as it does.
+    std::vector<double> transmittance;
     int iterations = 0;
     double residual = 0.0;
     bool converged = true;
@@ -46,8 +49,9 @@ struct StokesOrder {
 class StokesSolver {
   public:
     /// The arguments must outlive this.
-    /// @param stack  without boundaries and mirrors
-    StokesSolver(const ScaledStack& stack, const ZenithGrid& grid,
+    /// @param stack  boundaries are smooth
+    /// @param requested  in air
+    StokesSolver(const ScaledStack& stack, const StackGrids& grids,
                  const RequestedDirections& requested, int components, const SolverOptions& options,
                  StokesMemory& memory);
 
@@ -57,28 +61,43 @@ class StokesSolver {
     const StokesOrder& solve_albedos();
 
   private:
+    /// Nodes and requested cosines of a medium, by the rows of a node.
+    struct Rows {
+        std::array<ZenithGrid, 5> grids;
+        std::array<RequestedDirections, 5> requested;
+    };
+
     void start(int fourier_order);
     void solve_block(const StokesBlock& block);
     std::size_t solve_lowest(const StokesBlock& block);
     void solve_base(const StokesBlock& block);
+    void solve_ground(const StokesBlock& block);
     void solve_medium_as_half_space(std::size_t index, const StokesBlock& block);
     void put_on_coat(std::size_t index, const StokesBlock& block, ReflectorParts parts);
+    void put_on_boundary(double below, double above, const StokesBlock& block,
+                         ReflectorParts parts);
     void set_medium(const StokesBlock& block, std::size_t index);
     void keep(const StokesBlock& block);
     void keep_albedos();
-    ReflectorParts parts_of(const StokesBlock& block) const;
-    const ZenithGrid& grid_of(const StokesBlock& block) const { return grids_[block.size()]; }
-    const RequestedDirections& requested_of(const StokesBlock& block) const {
-        return requested_[block.size()];
+    ReflectorParts parts_of(int fourier_order, const StokesBlock& block) const;
+    std::size_t place_of(double index) const;
+    const StokesTables& tables_of(double index) const { return memory_.tables[place_of(index)]; }
+    const ZenithGrid& grid_of(double index, std::size_t rows) const {
+        return rows_[place_of(index)].grids[rows];
+    }
+    const RequestedDirections& requested_of(double index, std::size_t rows) const {
+        return rows_[place_of(index)].requested[rows];
     }
 
     const ScaledStack& stack_;
+    const StackGrids& grids_;
     const int components_;
+    /// Boundaries or mirrors: rows along the axes of the meridian planes.
+    const bool has_fresnel_;
     std::vector<MatrixStrengths> strengths_;  ///< of the media
-    bool has_b2_ = false;
-    std::array<ZenithGrid, 5> grids_;  ///< by the rows of a node
-    std::array<RequestedDirections, 5> requested_;
-    double tolerance_;  ///< of the equations of one order
+    bool couples_V_ = false;                  ///< b2, or boundaries and mirrors
+    std::vector<Rows> rows_;                  ///< by index
+    double tolerance_;                        ///< of the equations of one order
     Eigen::VectorXd sky_;
     StokesMemory& memory_;
     StokesOrder order_;

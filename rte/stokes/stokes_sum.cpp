@@ -68,7 +68,7 @@ StokesHarmonic stokes_harmonic(int row, int column) {
     return {!is_diagonal, is_diagonal || row > column ? 1.0 : -1.0};
 }
 
-StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
+StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& grids,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,
@@ -88,7 +88,7 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& g
     const RequestedDirections rows = repeated(requested, c);
     const auto asked_out = Eigen::Index(rows.asked_out()), asked_in = Eigen::Index(rows.asked_in());
 
-    StokesSolver solver(stack, grid, requested, components, options, memory);
+    StokesSolver solver(stack, grids, requested, components, options, memory);
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);

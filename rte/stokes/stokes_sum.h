@@ -40,7 +40,7 @@ enum class KeptOrders {
     asked_for,  ///< all of them, at the directions asked for: what a table is made of
 };
 
-StokesScattering sum_stokes_orders(const ScaledStack& stack, const ZenithGrid& grid,
+StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& grids,
                                    const RequestedDirections& requested,
                                    std::span<const double> azimuth_deg, int components,
                                    double tail_tolerance, const SolverOptions& options,

@@ -15,8 +15,8 @@ TabulatedStokes tabulate_polarised(const Stack& asked_stack, const std::vector<d
     const Stack stack = with_all_moments(asked_stack);
     TabulatedStokes table;
     table.stack = scale_stack(stack, solved.moments, options.delta_m);
-    const ZenithGrid grid = make_zenith_grid(
-        choose_discretisation(stack, options, solved.streams).grid, solved.streams);
+    const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
+                           solved.streams);
     RequestedDirections requested;
     requested.mu = Eigen::Map<const Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
     for (int k = 0; k < int(mu.size()); ++k) {
@@ -24,7 +24,7 @@ TabulatedStokes tabulate_polarised(const Stack& asked_stack, const std::vector<d
         requested.out.push_back(k);
     }
     StokesMemory memory;
-    StokesScattering multiple = sum_stokes_orders(table.stack, grid, requested, {}, components,
+    StokesScattering multiple = sum_stokes_orders(table.stack, grids, requested, {}, components,
                                                   kFourierTailShare * options.tolerance, options,
                                                   memory, {}, KeptOrders::asked_for);
     table.orders = std::move(multiple.by_fourier_order);

@@ -9,6 +9,8 @@
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/single_scattering.h"
+#include "rte/boundary/fresnel_matrix.h"
+#include "rte/phase/polarisation.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 #include "tests/support/scenes.h"
@@ -224,7 +226,7 @@ TEST_CASE("polarisation is refused where it cannot be computed, with the reason"
           "[pipeline][polarisation][errors]") {
     const Directions directions = {{0.5}, {0.5}, {0}};
     Scene boundary = scene_of("index:1.5,0,radius=0.1 in index:1.3");
-    boundary.boundary = rte::Boundary{};
+    boundary.boundary = rte::Boundary{.roughness = 0.2};
     const Scene rough = support::under_surface(scene_of("rayleigh:0.9"), 0.3, 1.5);
     for (const Scene& scene : {boundary, rough}) {
         CHECK_THROWS_WITH(solve(scene, {550}, {.stokes = 3}).mueller(directions),
@@ -247,4 +249,51 @@ TEST_CASE("albedos with polarisation are those of unpolarised and polarised ligh
     // From the zenith no plane of polarisation is any better than another.
     CHECK(std::abs(values.polarised_plane_albedo[0][1]) <= 1e-6);
     CHECK(std::abs(values.polarised_plane_albedo[0][0]) > 1e-3);
+}
+
+TEST_CASE("large metal spheres polarise as their surface does", "[pipeline][polarisation]") {
+    // Light that leaves at Theta was reflected at the incidence (180 - Theta) / 2: the signs and
+    // the time factor of Fresnel's phases are those of Mie's amplitudes.
+    const rte::Optics gold = optics_of_words("index:0.35,2.45,radius=20");
+    const double degree = std::numbers::pi / 180.0;
+    for (const double theta : {60.0, 90.0, 120.0, 150.0}) {
+        const rte::ScatteringMatrix F = rte::exact_matrix(gold, std::cos(theta * degree));
+        const rte::FresnelMatrix r =
+            rte::fresnel_reflection(1.0, {0.35, 2.45}, std::sin(0.5 * theta * degree));
+        CAPTURE(theta);
+        // Interference with diffracted light and the curvature: some per cent at x = 230.
+        CHECK(std::abs(F.b1 / F.a1 - (r.parallel - r.across) / (r.parallel + r.across)) <= 0.05);
+        CHECK(std::abs(F.a3 / F.a1 - r.cross.real() / r.unpolarised()) <= 0.05);
+        CHECK(std::abs(F.b2 / F.a1 - r.cross.imag() / r.unpolarised()) <= 0.05);
+        CHECK(std::abs(r.cross.imag()) >= 0.05 * r.unpolarised());
+    }
+}
+
+TEST_CASE("a smooth boundary and a mirror have Mueller matrices", "[pipeline][polarisation]") {
+    Scene paint = scene_of("rayleigh:0.9 in index:1.5");
+    paint.boundary = rte::Boundary{};
+    const Brdf brdf = solve(paint, {550}, {.tolerance = 1e-5, .stokes = 4});
+    const MuellerValues values = brdf.mueller({{0.5, 0.5}, {0.4}, {60}});
+    CHECK(values.converged());
+    REQUIRE(values.mirror_mueller.size() == 1);
+    REQUIRE(values.mirror_mueller[0].size() == 32);
+    const rte::FresnelMatrix r = rte::fresnel_reflection(1.0, 1.5, 0.5);
+    CHECK(std::abs(values.mirror_mueller[0][16] - r.unpolarised()) <= 1e-14);
+    CHECK(std::abs(values.mirror_mueller[0][26] - r.cross.real()) <= 1e-14);
+    const AlbedoValues albedo = brdf.albedo({0.5});
+    REQUIRE(albedo.mirror_reflectance.size() == 1);
+    CHECK(std::abs(albedo.mirror_reflectance[0][0] - r.unpolarised()) <= 1e-14);
+    CHECK(std::abs(albedo.plane_albedo[0][0] - values.plane_albedo[0][0]) <= 1e-5);
+    // auto decides as without a boundary. What one boundary does to the polarisation does not show
+    // in the intensity that layers scatter which do not polarise; two surfaces do.
+    const auto report = [](const Scene& scene) {
+        return solve(scene, {550}, {.stokes = 0})
+            .evaluate({{0.5}, {0.4}, {60}})
+            .wavelengths.front();
+    };
+    Scene cloudy = scene_of("hg:0.9,0.5 in index:1.5");
+    cloudy.boundary = rte::Boundary{};
+    CHECK(report(cloudy).stokes == 1);
+    CHECK(report(cloudy).polarisation_left_out == 0.0);
+    CHECK(report(paint).stokes == 3);
 }

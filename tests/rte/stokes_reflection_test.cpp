@@ -236,13 +236,6 @@ TEST_CASE("the Stokes solver says when it has converged and refuses what it cann
     CHECK_THROWS_WITH(rte::reflect_polarised(stack, one, 2), Catch::Contains("3 (I, Q, U)"));
     CHECK_THROWS_WITH(rte::reflect_polarised(stack, {{0.0}, {0.4}, {0.0}}, 3),
                       Catch::Contains("mu_in"));
-    rte::Stack glazed = stack;
-    glazed.base_index = 1.5;
-    glazed.boundary = rte::Boundary{};
-    CHECK_THROWS_WITH(rte::reflect_polarised(glazed, one, 3), Catch::Contains("Fresnel"));
-    rte::Stack mirror = stack;
-    mirror.base_kind = rte::BaseKind::mirror;
-    CHECK_THROWS_WITH(rte::polarised_albedo(mirror, {0.5}), Catch::Contains("mirrors"));
     CHECK_THROWS_WITH(rte::reflect_polarised(stack, one, 3,
                                              {.half_space_method = rte::HalfSpaceMethod::doubling}),
                       Catch::Contains("automatic"));

@@ -44,6 +44,23 @@ void add_physics(Table& table, const MuellerValues& values) {
     }
 }
 
+// What goes into the mirror direction alone is no value of the matrices: it is said.
+void add_mirror(Table& table, const MuellerValues& values) {
+    const auto c = static_cast<std::size_t>(values.components);
+    for (std::size_t w = 0; w < values.mirror_mueller.size(); ++w) {
+        for (std::size_t i = 0; i < values.directions.mu_in.size(); ++i) {
+            const double* m = values.mirror_mueller[w].data() + i * c * c;
+            std::string text =
+                fmt::format("{} nm, mu_in {}: m11 = {:.6g}, m12 = {:.6g}, m33 = {:.6g}",
+                            values.wavelengths[w].wavelength_nm, values.directions.mu_in[i], m[0],
+                            m[1], m[2 * c + 2]);
+            if (c == 4) text += fmt::format(", m34 = {:.6g}", m[2 * c + 3]);
+            table.facts.emplace_back("mirror_mueller",
+                                     text + " into the mirror direction alone; not in the values");
+        }
+    }
+}
+
 void add_rows(Table& table, const MuellerValues& values, double factor) {
     const auto& [mu_in, mu_out, azimuth_deg] = values.directions;
     for (std::size_t w = 0; w < values.mueller.size(); ++w) {
@@ -82,6 +99,7 @@ int write_mueller(const Brdf& brdf, const BrdfQuestion& question, const Shell& s
             "minus perpendicular to the meridian plane; dolp, aolp_deg: degree and angle "
             "(from the meridian plane) of linear polarisation of reflected unpolarised light");
     add_physics(table, values);
+    add_mirror(table, values);
     table.columns = columns_of(values.components);
     add_rows(table, values, question.as_reflection ? std::numbers::pi : 1.0);
     shell.write(std::move(table));

@@ -133,6 +133,10 @@ class MuellerValues : public ResultReport {
     std::vector<std::vector<double>> plane_albedo;  ///< of unpolarised light, [wavelength][mu_in]
     /// What it changes by if the light is fully polarised in the plane of incidence.
     std::vector<std::vector<double>> polarised_plane_albedo;
+    /// What a smooth boundary or a mirror below sends into the mirror direction and nowhere else, a
+    /// delta that the matrices are without: [wavelength][(in * components + row) * components +
+    /// column], the share of the incident flux. Empty: there is none.
+    std::vector<std::vector<double>> mirror_mueller;
 
     /// @param row, column  0: I, 1: Q, 2: U, 3: V
     /// @throws UsageError  for an index beyond its list
