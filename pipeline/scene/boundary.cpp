@@ -3,6 +3,8 @@
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <cctype>
+
 #include "pipeline/scene/number_list.h"
 #include "pipeline/scene/scene_parts.h"
 
@@ -25,15 +27,18 @@ constexpr const char* name_of(rte::MicrofacetDistribution distribution) {
 
 std::optional<rte::SurfaceOptions> rough_surface(const std::string& text) {
     const auto parts = split_list(text);
-    if (parts.empty() || parts.size() > 2 || parts.front().empty()) {
-        throw UsageError(fmt::format(
-            "roughness '{}': allowed: ALPHA; ALPHA,beckmann; ALPHA,ggx; 0 for no surface", text));
+    const bool names_slopes =
+        parts.size() == 2 && std::isalpha(static_cast<unsigned char>(parts[1][0])) != 0;
+    if (parts.empty() || parts.front().empty() || (parts.size() > 1 && !names_slopes)) {
+        throw UsageError(
+            fmt::format("roughness '{}': allowed: one value of ALPHA (0: no surface), "
+                        "alone or with its slopes: ALPHA,beckmann; ALPHA,ggx",
+                        text));
     }
     rte::SurfaceOptions surface{.beckmann_alpha = parse_number(parts[0], "roughness")};
     const double alpha = surface.beckmann_alpha;
     if (!(alpha >= 0.0 && alpha <= 2.0)) throw UsageError("roughness", alpha, "0 (no lobe) to 2");
-    if (parts.size() == 2)
-        surface.distribution = slopes_named(parts[1], "roughness '" + text + "'");
+    if (names_slopes) surface.distribution = slopes_named(parts[1], "roughness '" + text + "'");
     if (alpha == 0.0) return std::nullopt;
     return surface;
 }

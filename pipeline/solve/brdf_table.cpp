@@ -193,8 +193,8 @@ void BrdfTable::evaluate_mueller(std::span<const Direction> directions,
                 double* const target = values.data() + (first * channels + channel) * elements;
                 const WavelengthTable& table = state_->tables[channel];
                 if (table.mueller() != nullptr) {
-                    table.mueller()->evaluate(table.stack(), some, of_channel, target,
-                                              channels * elements);
+                    table.mueller()->evaluate(table.stack(), table.seen_once(), some, of_channel,
+                                              target, channels * elements);
                 } else {  // black
                     for (std::size_t d = 0; d < count; ++d)
                         std::fill_n(target + d * channels * elements, elements, 0.0);

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "rte/stokes/stokes_first_order.h"
+#include "rte/stokes/polarised_beams.h"
 #include "rte/stokes/stokes_sum.h"
 
 namespace miebrdf {
@@ -48,21 +48,21 @@ SmoothPart smooth_element(const rte::TabulatedStokes& table, int components, int
     return {modes, orders};
 }
 
-MuellerPart::MuellerPart(const rte::TabulatedStokes& table, int components, bool exact)
-    : components_(components), once_(rte::media_of_first_order(table.stack.media, exact)) {
+MuellerPart::MuellerPart(const rte::TabulatedStokes& table, int components)
+    : components_(components) {
     for (int element = 0; element < components * components; ++element) {
         elements_.push_back(
             smooth_element(table, components, element / components, element % components));
     }
 }
 
-void MuellerPart::evaluate(const rte::ScaledStack& stack, std::span<const Direction> directions,
-                           std::span<const double> first, double* matrix,
-                           std::size_t stride) const {
+void MuellerPart::evaluate(const rte::ScaledStack& stack, const std::vector<rte::Optics>& seen,
+                           std::span<const Direction> directions, std::span<const double> first,
+                           double* matrix, std::size_t stride) const {
     const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
     for (std::size_t d = 0; d < directions.size(); ++d) {
         Eigen::Matrix4d once =
-            rte::scattered_once(stack.media, once_, mu_in, mu_out, directions[d].azimuth_deg) /
+            rte::scattered_once(stack, seen, mu_in, mu_out, directions[d].azimuth_deg) /
             std::numbers::pi;
         if (once(0, 0) > 0.0) once *= first[d] / once(0, 0);
         for (int row = 0; row < components_; ++row) {

@@ -19,23 +19,23 @@ SmoothPart smooth_element(const rte::TabulatedStokes& table, int components, int
 class MuellerPart {
   public:
     /// @param table  at SmoothPart::nodes()
-    /// @param exact  SolverOptions::single_scattering_correction
-    MuellerPart(const rte::TabulatedStokes& table, int components, bool exact);
+    MuellerPart(const rte::TabulatedStokes& table, int components);
 
     int components() const { return components_; }
 
     /// Of the BRDF in 1/sr, at directions that share their cosines.
     /// @param stack    as it was solved
+    /// @param seen     of its media, as light scattered once sees them
     /// @param first    what is scattered once of element 11, of each direction: the matrix of
     ///                 the first order is brought to this, which has narrow features corrected
     /// @param matrix   receives values[d * stride + row * components + column]
-    void evaluate(const rte::ScaledStack& stack, std::span<const Direction> directions,
-                  std::span<const double> first, double* matrix, std::size_t stride) const;
+    void evaluate(const rte::ScaledStack& stack, const std::vector<rte::Optics>& seen,
+                  std::span<const Direction> directions, std::span<const double> first,
+                  double* matrix, std::size_t stride) const;
 
   private:
     int components_;
     std::vector<SmoothPart> elements_;
-    std::vector<rte::Optics> once_;  ///< of the media, as light scattered once sees them
 };
 
 }  // namespace miebrdf

@@ -13,6 +13,7 @@
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
+#include "rte/stokes/polarised_beams.h"
 #include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
@@ -69,6 +70,10 @@ std::vector<FirstOrder> first_order_of(std::span<const WavelengthTable> tables,
     return first_order;
 }
 
+double degrees_of_cosine(double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * (180.0 / std::numbers::pi);
+}
+
 // The lobe of a rough boundary, as R.
 void add_rough_lobe(const WavelengthTable& table, double mu_in, double mu_out,
                     const std::vector<double>& cos_azimuth, std::vector<double>& reflection) {
@@ -77,8 +82,7 @@ void add_rough_lobe(const WavelengthTable& table, double mu_in, double mu_out,
     const rte::SurfaceLobe lobe = rte::outer_lobe(*stack.boundary, stack.top_index);
     const double scale = std::numbers::pi * table.lobe_scale(mu_in) * table.lobe_scale(mu_out);
     for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-        const double azimuth = std::acos(std::clamp(cos_azimuth[a], -1.0, 1.0));
-        reflection[a] += scale * lobe.brdf(mu_in, mu_out, azimuth * (180.0 / std::numbers::pi));
+        reflection[a] += scale * lobe.brdf(mu_in, mu_out, degrees_of_cosine(cos_azimuth[a]));
     }
 }
 
@@ -167,10 +171,11 @@ void WavelengthTable::solve_polarised(const SceneOptics& optics, const SolverOpt
     rte::TabulatedStokes table =
         rte::tabulate_polarised(stack, SmoothPart::nodes(), components, report_.solver, options);
     smooth_ = smooth_element(table, components, 0, 0);
-    if (whole_matrix) mueller_.emplace(table, components, options.single_scattering_correction);
+    if (whole_matrix) mueller_.emplace(table, components);
     report_.solver.fourier_orders = static_cast<int>(table.orders.size());
     report_.solver.converged = report_.solver.converged && table.converged && table.physical;
     stack_ = std::move(table.stack);
+    seen_once_ = rte::media_of_first_order(stack_.media, options.single_scattering_correction);
     judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
 }
 
@@ -221,6 +226,13 @@ void SharpPart::scattered_once(std::size_t w, double mu_in, double mu_out,
         std::fill(reflection.begin(), reflection.end(), 0.0);
         return;
     }
+    const std::vector<rte::Optics>& seen = tables_[w].seen_once();
+    if (!rte::has_straight_paths(stack) && !seen.empty()) {
+        for (std::size_t a = 0; a < cos_azimuth.size(); ++a)
+            reflection[a] = rte::scattered_once(stack, seen, mu_in, mu_out,
+                                                degrees_of_cosine(cos_azimuth[a]))(0, 0);
+        return;
+    }
     if (!rte::has_straight_paths(stack)) {
         const auto in = rte::beams_of(stack, mu_in), out = rte::beams_of(stack, mu_out);
         std::vector<rte::FirstOrderPaths> paths;
@@ -234,6 +246,10 @@ void SharpPart::scattered_once(std::size_t w, double mu_in, double mu_out,
                              reflection, scratch);
     const double factor = rte::straight_paths_factor(stack.top_index, mu_in, mu_out);
     for (double& value : reflection) value *= factor;
+    if (seen.empty() || stack.top_index == 1.0) return;
+    for (std::size_t a = 0; a < cos_azimuth.size(); ++a)
+        reflection[a] *= rte::change_of_straight_paths(stack, seen, mu_in, mu_out,
+                                                       degrees_of_cosine(cos_azimuth[a]));
 }
 
 void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch) {

@@ -40,6 +40,9 @@ class WavelengthTable {
     /// What scatters light once, without the surface; empty for the surface alone.
     const std::vector<rte::ScaledMedium>& media() const { return stack_.media; }
     const rte::ScaledStack& stack() const { return stack_; }
+    /// Of polarised light: the media as light scattered once sees them (media_of_first_order);
+    /// otherwise empty.
+    const std::vector<rte::Optics>& seen_once() const { return seen_once_; }
     /// Whether light scattered once needs more than the media: boundaries, mirrors.
     bool has_optical_steps() const { return stack_.refracts() || stack_.has_mirrors(); }
 
@@ -61,6 +64,7 @@ class WavelengthTable {
                          bool whole_matrix);
 
     rte::ScaledStack stack_;
+    std::vector<rte::Optics> seen_once_;
     SmoothPart smooth_;
     std::optional<MuellerPart> mueller_;
     std::optional<rte::SurfaceLobe> lobe_;

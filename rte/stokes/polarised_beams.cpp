@@ -86,7 +86,42 @@ Eigen::Matrix4d scattered_once(const ScaledMedium& medium, const Optics& seen,
     return sum;
 }
 
+// What a smooth boundary makes of light scattered once below it, straight in and out.
+Eigen::Matrix4d seen_from_air(const Eigen::Matrix4d& inside, double n, double mu_in,
+                              double mu_out) {
+    const Eigen::Matrix4d in = mueller_of(passing(fresnel_reflection(1.0, n, mu_in)));
+    const Eigen::Matrix4d out = mueller_of(passing(fresnel_reflection(1.0, n, mu_out)));
+    return out * inside * in / (n * n);
+}
+
+Eigen::Matrix4d scattered_inside(const ScaledStack& stack, const std::vector<Optics>& seen,
+                                 double mu_in_air, double mu_out_air, double azimuth_deg) {
+    return scattered_once(stack.media, seen, refracted_cosine(stack.top_index, mu_in_air),
+                          refracted_cosine(stack.top_index, mu_out_air), azimuth_deg);
+}
+
 }  // namespace
+
+Eigen::Matrix4d scattered_once(const ScaledStack& stack, const std::vector<Optics>& seen,
+                               double mu_in, double mu_out, double azimuth_deg) {
+    if (has_straight_paths(stack)) {
+        return seen_from_air(scattered_inside(stack, seen, mu_in, mu_out, azimuth_deg),
+                             stack.top_index, mu_in, mu_out);
+    }
+    const auto in = polarised_beams(stack, mu_in), out = polarised_beams(stack, mu_out);
+    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+    for (std::size_t k = 0; k < stack.media.size(); ++k)
+        sum += scattered_once(stack.media[k], seen[k], in[k], out[k], azimuth_deg);
+    return sum;
+}
+
+double change_of_straight_paths(const ScaledStack& stack, const std::vector<Optics>& seen,
+                                double mu_in, double mu_out, double azimuth_deg) {
+    const Eigen::Matrix4d inside = scattered_inside(stack, seen, mu_in, mu_out, azimuth_deg);
+    const double unpolarised = inside(0, 0) * straight_paths_factor(stack.top_index, mu_in, mu_out);
+    if (!(unpolarised > 0.0)) return 1.0;
+    return seen_from_air(inside, stack.top_index, mu_in, mu_out)(0, 0) / unpolarised;
+}
 
 std::vector<PolarisedBeam> polarised_beams(const ScaledStack& stack, double mu_air) {
     const PolarisedReturns returns = polarised_returns(stack, mu_air);
@@ -156,27 +191,16 @@ void StokesFirstOrderOfStack::add_straight(std::vector<double>& reflection,
 
 void StokesFirstOrderOfStack::add_all_paths(std::vector<double>& reflection,
                                             const ScaledStack& stack) const {
-    const auto beams_at = [&](const std::vector<double>& cosines) {
-        std::vector<std::vector<PolarisedBeam>> beams;
-        for (const double mu : cosines) beams.push_back(polarised_beams(stack, mu));
-        return beams;
-    };
-    std::vector<Optics> seen;
-    for (const ScaledMedium& medium : stack.media) {
-        seen.push_back(options_.single_scattering_correction ? medium.exact
-                                                             : as_seen_by_equations(medium));
-    }
-    const auto in = beams_at(directions_.mu_in), out = beams_at(directions_.mu_out);
+    const std::vector<Optics> seen =
+        media_of_first_order(stack.media, options_.single_scattering_correction);
     const std::size_t azimuths = directions_.azimuth_deg.size();
     const auto c = std::size_t(components_);
     std::size_t first = 0;
-    for (const auto& from : in) {
-        for (const auto& to : out) {
+    for (const double mu_in : directions_.mu_in) {
+        for (const double mu_out : directions_.mu_out) {
             for (std::size_t a = 0; a < azimuths; ++a) {
-                Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-                for (std::size_t k = 0; k < stack.media.size(); ++k)
-                    sum += scattered_once(stack.media[k], seen[k], from[k], to[k],
-                                          directions_.azimuth_deg[a]);
+                const Eigen::Matrix4d sum =
+                    rte::scattered_once(stack, seen, mu_in, mu_out, directions_.azimuth_deg[a]);
                 for (std::size_t e = 0; e < c * c; ++e)
                     reflection[first + e * azimuths + a] +=
                         sum(Eigen::Index(e / c), Eigen::Index(e % c));

@@ -24,6 +24,18 @@ std::vector<PolarisedBeam> polarised_beams(const ScaledStack& stack, double mu_a
 /// What of light from a direction in air leaves into its mirror direction without being scattered.
 FresnelMatrix polarised_mirror_reflection(const ScaledStack& stack, double mu_air);
 
+/// Light scattered once as it is seen from air at one pair of directions, 4 x 4, without what
+/// NarrowFeatures corrects.
+/// @param seen  media_of_first_order(stack.media, exact)
+Eigen::Matrix4d scattered_once(const ScaledStack& stack, const std::vector<Optics>& seen,
+                               double mu_in_air, double mu_out_air, double azimuth_deg);
+
+/// By which the polarisation that a smooth boundary gives to light on its way in and out changes
+/// element 11 of what is scattered once below it: of straight paths (has_straight_paths).
+/// @param seen  as above
+double change_of_straight_paths(const ScaledStack& stack, const std::vector<Optics>& seen,
+                                double mu_in_air, double mu_out_air, double azimuth_deg);
+
 /// StokesFirstOrder of any stack with smooth boundaries.
 class StokesFirstOrderOfStack {
   public:

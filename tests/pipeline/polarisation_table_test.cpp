@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pipeline/scene/scene_parts.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -33,15 +34,27 @@ double largest_difference(const Brdf& brdf, const BrdfTable& table,
     return largest;
 }
 
+Scene on_substrate(const std::string& ground, const std::string& film) {
+    Scene scene;
+    scene.substrate = substrate(ground);
+    scene.layers.push_back(layer(film));
+    return scene;
+}
+
 }  // namespace
 
 TEST_CASE("a table's Mueller matrices are those at each direction",
           "[pipeline][table][polarisation]") {
     const int components = GENERATE(3, 4);
-    const std::vector<Scene> scenes = {
+    std::vector<Scene> scenes = {
         scene_of("rayleigh:0.9"),
-        scene_of("index:1.5,0.01,radius=0.1", {"rayleigh:1@0.3", "hg:0.9,0.5@0.2"})};
-    const Scene& scene = scenes[GENERATE(0U, 1U)];
+        scene_of("index:1.5,0.01,radius=0.1", {"rayleigh:1@0.3", "hg:0.9,0.5@0.2"}),
+        scene_of("rayleigh:0.8 in index:1.5"),
+        scene_of("rayleigh:0.8 in index:1.5", {"rayleigh:1 in index:1.33@0.4"}),
+        on_substrate("lambert:0.5", "rayleigh:0.9 in index:1.5@0.3"),
+        on_substrate("mirror:index:0.96,6.69", "rayleigh:0.9@0.3")};
+    for (std::size_t s = 2; s < 5; ++s) scenes[s].boundary = rte::Boundary{};
+    const Scene& scene = scenes[GENERATE(0U, 1U, 2U, 3U, 4U, 5U)];
     const double tolerance = 1e-5;
     const Brdf brdf = solve(scene, {550}, {.tolerance = tolerance, .stokes = components});
     const BrdfTable table = brdf.table();
@@ -80,6 +93,23 @@ TEST_CASE("where auto finds that polarisation shows, a table holds element 11",
             std::max(largest_change, std::abs(support::values_at(scalar, d)[0] / value - 1));
     }
     CHECK(largest_change > 0.01);  // what a table of the scalar solution would leave out
+}
+
+TEST_CASE("what a boundary does to light on its way is in element 11 of a table",
+          "[pipeline][table][polarisation][boundary]") {
+    Scene scene = scene_of("rayleigh:0.5 in index:1.6");
+    scene.boundary = rte::Boundary{};
+    const BrdfTable polarised = solve(scene, {550}, {.tolerance = 1e-5, .stokes = 3}).table();
+    const BrdfTable scalar = solve(scene, {550}, {.tolerance = 1e-5, .stokes = 1}).table();
+    CHECK(polarised.components() == 3);
+    // Light that comes in and leaves flat: both passages and the particle polarise across.
+    const Direction flat{0.2, 0.2, 90.0};
+    const double change =
+        support::values_at(polarised, flat)[0] / support::values_at(scalar, flat)[0] - 1.0;
+    CHECK(std::abs(change) > 0.01);
+    double matrix[9];
+    polarised.evaluate_mueller({&flat, 1}, matrix);
+    CHECK(matrix[0] == Approx(support::values_at(polarised, flat)[0]).epsilon(1e-13));  // rounding
 }
 
 TEST_CASE("a table of what does not polarise is the scalar one to the last bit",
