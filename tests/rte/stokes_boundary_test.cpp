@@ -92,7 +92,7 @@ TEST_CASE("photons that carry their field see the same Mueller matrices", "[rte]
                 CHECK(std::abs(z) <= 4.5);
             }
         }
-        CHECK(chi2 <= 3.0);
+        CHECK(chi2 <= 9.0);  // one photon counts in all elements: no 16 independent ones
         CHECK(traced.error(0, 0) <= 0.02 * traced.mean(0, 0));
     }
 }
@@ -151,9 +151,10 @@ TEST_CASE("boundaries and mirrors keep the energy of polarised light", "[rte][st
     const std::vector<double> mu{1e-3, 0.3, 1.0};
     const double index = GENERATE(1.05, 1.33, 1.5, 2.6);
     const int streams = GENERATE(16, 32);
-    // Nodes conserve energy on any grid; requested cosines know the light inside to the grid's
-    // accuracy, as without polarisation.
+    // Nodes conserve energy in layers on any grid, in half-spaces to the accuracy of the panels;
+    // requested cosines know the light inside to the grid's accuracy, as without polarisation.
     const double by_grid = streams == 32 && index > 1.1 ? 1e-8 : 1e-4;
+    const double by_panels = streams == 32 ? 1e-12 : 1e-6;
     const auto check = [&](const rte::Stack& stack) {
         const auto table = rte::polarised_albedo(stack, mu, {.streams = streams});
         const bool transmits = !table.transmittance.empty();
@@ -162,7 +163,8 @@ TEST_CASE("boundaries and mirrors keep the energy of polarised light", "[rte][st
             CHECK(std::abs(table.plane_albedo[k] + passed - 1.0) <= by_grid);
         }
         const double passed = transmits ? table.transmittance.back() : 0.0;
-        CHECK(std::abs(table.spherical_albedo + passed - 1.0) <= 1e-12);
+        CHECK(std::abs(table.spherical_albedo + passed - 1.0) <=
+              (stack.coats.empty() ? by_panels : 1e-12));
     };
     CAPTURE(index, streams);
     check(glazed(rte::rayleigh_optics(1.0), index));
@@ -257,7 +259,9 @@ TEST_CASE("a thin layer scatters light once between Fresnel's matrices", "[rte][
             }
         }
     }
-    CHECK(worst <= 2e-6);  // scattered twice: depth times its logarithm
+    // Scattered twice: depth times its logarithm. Between mirror and total reflection light at the
+    // cosine mu comes back 1/mu times and meets depth/mu^2: the share of mu < sqrt(depth).
+    CHECK(worst <= (has_mirror ? 3.0 * std::sqrt(depth) : 2e-6));
 }
 
 TEST_CASE("the mirror of a boundary over black is Fresnel's matrix", "[rte][stokes]") {
