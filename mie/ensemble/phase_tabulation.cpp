@@ -45,6 +45,7 @@ std::vector<double> noise_around(const std::vector<const PhasePanel*>& panels) {
 
 std::vector<const PhasePanel*> ascending(const std::vector<PhasePanel>& panels) {
     std::vector<const PhasePanel*> order;
+    order.reserve(panels.size());
     for (const PhasePanel& panel : panels) order.push_back(&panel);
     std::sort(order.begin(), order.end(),
               [](const PhasePanel* a, const PhasePanel* b) { return a->lower() < b->lower(); });
@@ -138,6 +139,7 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     const std::vector<const PhasePanel*> order = ascending(panels);
     const std::vector<double> noise = noise_around(order);
     std::vector<PhasePanel> sorted;
+    sorted.reserve(order.size());
     for (const PhasePanel* panel : order) sorted.push_back(*panel);
     for (std::size_t p = 0; p < sorted.size(); ++p) {
         const int level = sorted[p].level();

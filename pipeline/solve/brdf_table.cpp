@@ -88,6 +88,7 @@ std::vector<WavelengthTable> solve_wavelengths(const BrdfTable::State& state,
                           state.components > 1);
     });
     std::vector<WavelengthTable> tables;
+    tables.reserve(solved.size());
     for (auto& table : solved) tables.push_back(std::move(*table));
     return tables;
 }
@@ -102,6 +103,7 @@ std::vector<SharpPart> make_sharp_parts(const BrdfTable::State& state, const Con
         made[p].emplace(tables.subspan(first, count), state.solver);
     });
     std::vector<SharpPart> parts;
+    parts.reserve(made.size());
     for (auto& part : made) parts.push_back(std::move(*part));
     return parts;
 }

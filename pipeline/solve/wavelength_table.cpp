@@ -49,7 +49,7 @@ SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples
     if (!multiple.physical) {
         std::fill(modes.begin(), modes.end(), std::numeric_limits<double>::quiet_NaN());
     }
-    return {std::move(modes), orders};
+    return {modes, orders};
 }
 
 bool any_optical_steps(std::span<const WavelengthTable> tables) {

@@ -231,6 +231,7 @@ std::vector<std::string> axis_names(const Sweep& sweep) {
 
 std::vector<std::string> output_names() {
     std::vector<std::string> names;
+    names.reserve(std::size(kOutputs) + 1);
     for (const Output output : kOutputs) names.emplace_back(name_of(output));
     names.emplace_back("transmittance");
     return names;

@@ -83,7 +83,7 @@ std::vector<std::size_t> different_wavelengths(const Sweep& sweep, std::size_t s
 /// by.
 using MieJobs = std::map<std::string, std::pair<ResolvedSpecies, OpticsDemand>>;
 
-void add_jobs(const ResolvedMedium& medium, OpticsDemand demand, MieJobs& jobs) {
+void add_jobs(const ResolvedMedium& medium, const OpticsDemand& demand, MieJobs& jobs) {
     for (const ResolvedSpecies& species : medium.species) {
         if (!species.needs_mie()) continue;
         OpticsDemand of_species = demand;

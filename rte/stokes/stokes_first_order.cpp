@@ -107,6 +107,7 @@ Optics as_seen_by_equations(const ScaledMedium& medium) {
 
 std::vector<Optics> media_of_first_order(const std::vector<ScaledMedium>& media, bool exact) {
     std::vector<Optics> optics;
+    optics.reserve(media.size());
     for (const ScaledMedium& medium : media)
         optics.push_back(exact ? medium.exact : as_seen_by_equations(medium));
     return optics;

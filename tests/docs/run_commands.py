@@ -24,7 +24,7 @@ import tempfile
 import pages
 
 # Of processor time: a busy machine is no reason to fail.
-LIMIT_S, LONG_LIMIT_S = 30, 1200
+LIMIT_S, LONG_LIMIT_S = 60, 1200
 MARK = re.compile(r"<!-- (not run|long|exit (\d+)): (.+) -->")
 
 
