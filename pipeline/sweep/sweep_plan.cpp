@@ -161,16 +161,22 @@ double seconds_of_all(const Sweep& sweep, const TimedCell& cell, std::size_t wav
         }
     } catch (const Error&) {  // fails when it is solved, too
     }
-    const auto look_up = [first](const Sweep& at) {
+    NamedIndexMemo& names = control.memo->names();
+    const auto look_up = [first](const Sweep& at, NamedIndexMemo* remembered) {
         return processor_seconds_of([&] {
             try {
-                resolve(request_of(at, first).scene, at.wavelength.numbers);
+                resolve(request_of(at, first).scene, at.wavelength.numbers, remembered);
             } catch (const Error&) {
             }
         });
     };
-    // Looking up names takes about as long for one wavelength as for all.
-    const double look_up_one = look_up(one), look_up_all = look_up(sweep);
+    // Scenes find names remembered; they take about as long for one wavelength as for all.
+    const auto look_up_again = [&](const Sweep& at) {
+        look_up(at, &names);
+        return look_up(at, &names);
+    };
+    const double header = look_up(sweep, nullptr);
+    const double look_up_one = look_up_again(one), look_up_all = look_up_again(sweep);
     const auto solve_one = [&](std::size_t scene) {
         const double seconds =
             processor_seconds_of([&] { solve_scene(one, layout, scene, control); });
@@ -179,7 +185,7 @@ double seconds_of_all(const Sweep& sweep, const TimedCell& cell, std::size_t wav
     const double leader = solve_one(first);
     const double other = size > 1 ? solve_one(first + cell.other) : 0.0;
     // A part's file has the names of each group's first scene in its header.
-    return (scenes + groups) * look_up_all +
+    return groups * header + scenes * look_up_all +
            double(wavelengths) * (groups * (mie + leader) + (scenes - groups) * other);
 }
 
