@@ -2,6 +2,7 @@
 // that a faster but worse method cannot look like progress.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <miebrdf/layer_albedos.h>
 
 #include <algorithm>
 #include <atomic>
@@ -226,6 +227,39 @@ void orders_of_a_stack(benchmark::State& state) {
     state.counters["allocations"] = count;
 }
 BENCHMARK(orders_of_a_stack)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32, 64}, {0, 1, 2}});
+
+// Plane albedos of 4096 layers of HG media, g from 0 to 0.9 on the slowest axis: layers a second,
+// and allocations for each. Argument: 0 half-spaces, 1 layers on grounds, 2 those below a boundary.
+void layers_of_a_batch(benchmark::State& state) {
+    std::vector<double> albedo, g, depth;
+    for (int i = 0; i < 16; ++i) {
+        for (int j = 0; j < 256; ++j) {
+            g.push_back(0.9 * i / 15.0);
+            albedo.push_back(j / 256.0);
+            depth.push_back(state.range(0) == 0 ? INFINITY : 0.1 * (1 + j % 32));
+        }
+    }
+    const std::vector<double> index{state.range(0) == 2 ? 1.5 : 1.0}, ground{0.2}, mu_in{0.5};
+    long count = 0;
+    double converged = 0.0;
+    for (auto _ : state) {
+#ifdef __GLIBC__
+        const long before = allocations;
+#endif
+        const auto all =
+            layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
+#ifdef __GLIBC__
+        count += allocations - before;
+#endif
+        converged = double(std::count(all.converged.begin(), all.converged.end(), 1));
+    }
+    const auto layers = double(albedo.size());
+    state.counters["layers"] =
+        benchmark::Counter(layers * double(state.iterations()), benchmark::Counter::kIsRate);
+    state.counters["converged"] = converged / layers;
+    state.counters["allocations"] = double(count) / double(state.iterations()) / layers;
+}
+BENCHMARK(layers_of_a_batch)->Unit(benchmark::kMillisecond)->DenseRange(0, 2);
 
 }  // namespace
 

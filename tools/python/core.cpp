@@ -78,5 +78,6 @@ PYBIND11_MODULE(_core, module) {
     bind_scene(module);
     bind_brdf(module);
     bind_exports(module);
+    bind_layers(module);
     bind_tables(module);
 }

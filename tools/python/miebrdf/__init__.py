@@ -24,6 +24,7 @@ from ._brdf import Brdf  # noqa: E402
 from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import FileCheck, check, formats  # noqa: E402
+from ._layers import LayerAlbedos, layer_albedos  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
 from ._media import coat, lambertian, media_forms, medium  # noqa: E402
 from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
@@ -54,6 +55,7 @@ __all__ = [
     "FileCheck",
     "InputError",
     "Layer",
+    "LayerAlbedos",
     "LookedUp",
     "Material",
     "MaterialFileError",
@@ -78,6 +80,7 @@ __all__ = [
     "errors",
     "formats",
     "lambertian",
+    "layer_albedos",
     "lookup",
     "materials",
     "media_forms",

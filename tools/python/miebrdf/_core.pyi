@@ -116,6 +116,18 @@ def ensemble(
     options: CallOptions,
 ) -> dict[str, Any]: ...
 
+# many layers
+def layer_albedos(
+    single_scattering_albedo: _Floats,
+    asymmetry: _Floats,
+    optical_depth: _Floats,
+    host_index: _Floats,
+    ground_albedo: _Floats,
+    mu_in: _Floats,
+    solver: SolverOptions,
+    options: CallOptions,
+) -> dict[str, Any]: ...
+
 # scenes
 class Medium:
     """What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture."""

@@ -11,6 +11,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
+#include <miebrdf/layer_albedos.h>
 #include <miebrdf/matrix.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>

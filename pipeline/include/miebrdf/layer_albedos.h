@@ -1,0 +1,44 @@
+// Albedos of many layers at once, of media that a few numbers describe: for look-up tables and fits
+// that need neither names nor Mie theory.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <miebrdf/control.h>
+#include <miebrdf/solver.h>
+
+#pragma GCC visibility push(default)
+namespace miebrdf {
+
+/// Homogeneous layers of Henyey-Greenstein media, each on a Lambertian ground. Every list but mu_in
+/// has one value for each layer, or one value for all of them.
+struct LayerBatch {
+    std::span<const double> single_scattering_albedo;  ///< in [0, 1]
+    std::span<const double> asymmetry;                 ///< g in (-1, 1); 0: isotropic
+    std::span<const double> optical_depth;             ///< >= 0; infinite: no ground shows
+    std::span<const double> host_index;     ///< in [1, 3], below a smooth boundary; 1: no boundary
+    std::span<const double> ground_albedo;  ///< in [0, 1]
+    std::span<const double> mu_in;          ///< in (0, 1], of all layers; may be empty
+};
+
+/// Of each layer, in their order.
+struct LayerAlbedos {
+    std::vector<double> plane_albedo;  ///< [layer * mu_in.size() + i], with the mirror's part
+    std::vector<double> spherical_albedo;
+    /// Net flux into the ground, as plane_albedo; 0 below a layer of infinite depth.
+    std::vector<double> plane_transmittance;
+    std::vector<double> error_estimate;  ///< relative to the largest value at that incidence
+    std::vector<unsigned char> converged;
+};
+
+/// Solves all layers; threads share them. Results are those of solving each alone, to the last bit.
+/// Neighbours of the same asymmetry share their moments: put it on the slowest axis of a table.
+/// @throws UsageError  for lists of different lengths, and for a value out of range with its place
+/// @throws Cancelled   when control.is_cancelled said so
+LayerAlbedos layer_albedos(const LayerBatch& layers, const rte::SolverOptions& options = {},
+                           const Control& control = {});
+
+}  // namespace miebrdf
+#pragma GCC visibility pop
