@@ -8,6 +8,7 @@
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/bench/curve_plot.h"
+#include "tools/bench/peers.h"
 #include "tools/bench/report.h"
 #include "tools/bench/results.h"
 #include "tools/bench/suites.h"
@@ -25,6 +26,8 @@ struct BenchArguments {
     std::string docs;
     int repeats = 5;
     double longest = 4.0;
+    std::vector<std::string> peers;
+    double patience = 60.0;
 };
 
 void write_file(const fs::path& path, const std::function<void(std::ostream&)>& write) {
@@ -52,6 +55,11 @@ bench::Results measured(const BenchArguments& arguments, const Shell& shell) {
     std::vector<bench::BenchCase> cases;
     for (const std::string& name : split_list(arguments.suites)) {
         for (auto& c : bench::suite(name)) cases.push_back(std::move(c));
+    }
+    for (const std::string& words : arguments.peers) {
+        bench::add_peer(
+            bench::parse_peer(words), arguments.patience,
+            [&](const std::string& line) { shell.note(line); }, cases);
     }
     const bench::MeasureOptions options{.repeats = arguments.repeats,
                                         .longest_total = arguments.longest};
@@ -125,6 +133,12 @@ void add_bench(CLI::App& command, Shell& shell) {
                        "how often every method is timed; default 5");
     command.add_option("--longest", arguments->longest,
                        "longest CPU time in seconds for repeating one measurement; default 4");
+    command
+        .add_option("--peer", arguments->peers,
+                    "another program, asked the same by COMMAND (docs/benchmarking.md); repeatable")
+        ->type_name("NAME=COMMAND");
+    command.add_option("--patience", arguments->patience,
+                       "seconds in which a peer must answer; default 60");
     command
         .add_option("--read", arguments->read,
                     "do not measure; draw plots and page from this results.csv")

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tools/bench/bench_scene.h"
+#include "tools/bench/peers.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"
 
@@ -38,6 +39,7 @@ BenchCase isotropic() {
         }
     }
     const BenchScene scene{{0.9, 0, 0}, {}};
+    c.question = question_of(scene, wanted);
     c.contenders = all_methods(scene, wanted);
     return c;
 }
@@ -51,6 +53,7 @@ BenchCase conservative_albedo() {
     const Wanted wanted{{0.1, 0.5, 1}, {}, {}};
     c.true_values = {1, 1, 1};
     const BenchScene scene{{1.0, 0.9, 0}, {}};
+    c.question = question_of(scene, wanted);
     c.contenders = all_methods(scene, wanted);
     return c;
 }
@@ -86,6 +89,7 @@ BenchCase peaked(double g, double albedo) {
         }
     }
     const BenchScene scene{{albedo, g, 0}, {}};
+    c.question = question_of(scene, wanted);
     c.contenders = all_methods(scene, wanted);
     return c;
 }
@@ -134,6 +138,7 @@ BenchCase coated(const char* coat, double tau, const std::vector<double>& cosine
         scene.coat->single_scattering_albedo, scene.coat->asymmetry, tau);
     c.truth =
         "tests/reference/rte/R_coated_halfspace.csv, 10 digits or more, checked against CDISORT.";
+    c.question = question_of(scene, wanted);
     c.contenders = library_methods(scene, wanted);
     for (auto& more : stepwise_coats(scene, wanted)) c.contenders.push_back(std::move(more));
     for (auto& more : outside_methods(scene, wanted)) c.contenders.push_back(std::move(more));

@@ -35,8 +35,9 @@ struct Running {
 
     void take_sample() {
         const double start = cpu_seconds();
-        for (int i = 0; i < loops; ++i) contender->run();
-        samples.push_back((cpu_seconds() - start) / loops);
+        double elsewhere = 0.0;
+        for (int i = 0; i < loops; ++i) elsewhere += contender->run().seconds;
+        samples.push_back((elsewhere != 0.0 ? elsewhere : cpu_seconds() - start) / loops);
     }
 };
 
@@ -91,21 +92,23 @@ std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptio
         Measurement m{bench_case.suite, bench_case.name, contender.method, contender.parameter};
         const double start = cpu_seconds();
         const Answer answer = contender.run();
-        const double once = std::max(cpu_seconds() - start, 1e-9);
+        if (std::isnan(answer.seconds)) continue;  // a peer that has failed
+        const bool is_here = answer.seconds == 0.0;
+        const double once = std::max(is_here ? cpu_seconds() - start : answer.seconds, 1e-9);
         m.error = judge(answer.values, bench_case.true_values);
         if (!answer.half_widths.empty()) {
             m.half_width =
                 judge(at_ends(bench_case.true_values, answer.half_widths), bench_case.true_values);
         }
         const double again = cpu_seconds();
-        m.memory = memory_of(contender);
+        m.memory = is_here ? memory_of(contender) : std::numeric_limits<double>::quiet_NaN();
         Running r{&contender};
-        r.loops = std::clamp(static_cast<int>(options.shortest_sample / once), 1, 100000);
+        if (is_here) r.loops = std::clamp(int(options.shortest_sample / once), 1, 100000);
         r.rounds = std::clamp(static_cast<int>(options.longest_total / (once * r.loops)), 1,
                               std::max(1, options.repeats));
         if (once >= options.longest_total) {  // too slow for a third run
             r.rounds = 0;
-            r.samples = {cpu_seconds() - again};
+            r.samples = {is_here ? cpu_seconds() - again : answer.seconds};
         }
         running.push_back(std::move(r));
         results.push_back(std::move(m));

@@ -29,6 +29,8 @@ struct Answer {
     std::vector<double> values;
     std::vector<double>
         half_widths;  ///< of their 95 % confidence intervals; empty: no chance in it
+    /// CPU time as another process has measured it; 0: that of this one; NaN: no answer, no point.
+    double seconds = 0.0;
 
     Answer() = default;
     // Most methods have nothing but values.
@@ -60,6 +62,7 @@ struct BenchCase {
     std::string truth;     ///< where the truth comes from and how many digits it has
     std::vector<double> true_values;
     std::vector<Contender> contenders;
+    std::string question = {};  ///< to other programs (peers.h); empty: they are not asked
     /// How answers are judged; empty: largest_relative_error.
     std::function<double(const std::vector<double>&, const std::vector<double>&)> error = {};
 };
