@@ -1,4 +1,4 @@
-#include "rte/stokes/coupled_boundary.h"
+#include "rte/stokes/coupled.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "rte/stokes/coupled_half_space.h"
+#include "rte/stokes/coupled.h"
 
 #include <algorithm>
 

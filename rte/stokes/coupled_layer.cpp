@@ -1,4 +1,4 @@
-#include "rte/stokes/coupled_layer.h"
+#include "rte/stokes/coupled.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

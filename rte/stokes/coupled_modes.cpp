@@ -1,4 +1,4 @@
-#include "rte/stokes/coupled_modes.h"
+#include "rte/stokes/coupled.h"
 
 #include <algorithm>
 #include <cmath>

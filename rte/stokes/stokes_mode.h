@@ -44,7 +44,7 @@ void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
 /// fill up the shorter list.
 ///
 /// Of a block with both U and V the columns are the axes of [[a3, -b2], [-b2, -a4]]: sums are then
-/// over strength y y^T J, J = -1 in the rows of V (coupled_modes.h).
+/// over strength y y^T J, J = -1 in the rows of V (coupled.h).
 /// @param grid, requested  repeated()
 /// @param medium  degrees that it has no strengths for scatter nothing
 /// @param fourier_medium  strengths and degrees of the columns; one_minus_albedo is left alone

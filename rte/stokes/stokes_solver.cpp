@@ -6,7 +6,6 @@
 
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
-#include "rte/stokes/coupled_boundary.h"
 
 namespace miebrdf::rte {
 namespace {

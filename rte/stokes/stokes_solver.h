@@ -10,7 +10,7 @@
 #include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
 #include "rte/stack/stack_solver.h"
-#include "rte/stokes/coupled_layer.h"
+#include "rte/stokes/coupled.h"
 #include "rte/stokes/stokes_mode.h"
 
 namespace miebrdf::rte {

@@ -15,7 +15,6 @@
 #include <miebrdf/matrix.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
-#include <miebrdf/polarisation.h>
 #include <miebrdf/processor_path.h>
 #include <miebrdf/sampling.h>
 #include <miebrdf/scene.h>
