@@ -42,4 +42,20 @@ else()
     set(ENV{LD_LIBRARY_PATH} "${PREFIX}/${LIBDIR}:$ENV{LD_LIBRARY_PATH}")  # of shared builds
     run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" every_header.cpp ${flags} -o outside)
     run("${WORK}/outside")
+
+    # Static archives: --static names all that they need, so that even a program that takes every
+    # object of ours (--whole-archive) finds every symbol.
+    file(GLOB archives "${PREFIX}/${LIBDIR}/libmiebrdf*.a")
+    if(archives)
+        execute_process(COMMAND "${PKG_CONFIG}" --static --cflags --libs miebrdf
+                        OUTPUT_VARIABLE flags RESULT_VARIABLE result
+                        OUTPUT_STRIP_TRAILING_WHITESPACE)
+        if(NOT result EQUAL 0)
+            message(FATAL_ERROR "pkg-config --static does not find miebrdf or what it needs")
+        endif()
+        separate_arguments(flags UNIX_COMMAND "${flags}")
+        run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" -Wl,--whole-archive ${flags}
+            -Wl,--no-whole-archive -o outside_static)
+        run("${WORK}/outside_static")
+    endif()
 endif()
