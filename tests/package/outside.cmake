@@ -43,19 +43,23 @@ else()
     run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" every_header.cpp ${flags} -o outside)
     run("${WORK}/outside")
 
-    # Static archives: --static names all that they need, so that even a program that takes every
-    # object of ours (--whole-archive) finds every symbol.
+    # Static archives: the flags name all that they need, so that even a program that takes every
+    # object of ours (--whole-archive) finds every symbol. --static adds what our dependencies need,
+    # and hides what is missing: both ways.
     file(GLOB archives "${PREFIX}/${LIBDIR}/libmiebrdf*.a")
-    if(archives)
-        execute_process(COMMAND "${PKG_CONFIG}" --static --cflags --libs miebrdf
+    foreach(how IN ITEMS "" --static)
+        if(NOT archives)
+            break()
+        endif()
+        execute_process(COMMAND "${PKG_CONFIG}" ${how} --cflags --libs miebrdf
                         OUTPUT_VARIABLE flags RESULT_VARIABLE result
                         OUTPUT_STRIP_TRAILING_WHITESPACE)
         if(NOT result EQUAL 0)
-            message(FATAL_ERROR "pkg-config --static does not find miebrdf or what it needs")
+            message(FATAL_ERROR "pkg-config ${how} does not find miebrdf or what it needs")
         endif()
         separate_arguments(flags UNIX_COMMAND "${flags}")
         run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" -Wl,--whole-archive ${flags}
-            -Wl,--no-whole-archive -o outside_static)
-        run("${WORK}/outside_static")
-    endif()
+            -Wl,--no-whole-archive -o whole)
+        run("${WORK}/whole")
+    endforeach()
 endif()
