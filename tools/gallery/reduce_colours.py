@@ -168,8 +168,9 @@ def reduce(name):
     with open(name + ".part", "wb") as file:
         file.write(b"".join(out))
     os.replace(name + ".part", name)
+    one, eight = (difference(rows, indices, palette, size) for size in (1, 8))
     print(f"{name}: {len(data)} -> {os.path.getsize(name)} bytes; difference, of 255: pixels "
-          f"{difference(rows, indices, palette, 1):.2f}, 8 x 8 {difference(rows, indices, palette, 8):.2f}")
+          f"{one:.2f}, 8 x 8 {eight:.2f}")
 
 
 if __name__ == "__main__":
