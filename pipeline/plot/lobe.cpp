@@ -101,6 +101,36 @@ void draw_incident_ray(SvgDrawing& drawing, const HalfDisk& disk, double inciden
     drawing.polygon({tip, left, right}, colour);
 }
 
+/// Distances of points that may be left out from the line that is drawn: nobody sees them.
+constexpr double kInvisible = 0.03;
+
+double distance_from_line(Point from, Point to, Point point) {
+    const double dx = to.x - from.x, dy = to.y - from.y;
+    const double length = std::hypot(dx, dy);
+    if (length == 0.0) return std::hypot(point.x - from.x, point.y - from.y);
+    const double along = ((point.x - from.x) * dx + (point.y - from.y) * dy) / length;
+    if (along < 0.0 || along > length) return std::hypot(point.x - from.x, point.y - from.y);
+    return std::abs((point.x - from.x) * dy - (point.y - from.y) * dx) / length;
+}
+
+/// Without the points that lie on the line between their neighbours: curves come in steps that are
+/// fine enough for their narrowest feature, which most of them do not need.
+std::vector<Point> bends_of(const std::vector<Point>& run) {
+    std::vector<Point> kept{run.front()};
+    std::size_t first = 1;  // of those left out since the last kept one
+    for (std::size_t i = 1; i + 1 < run.size(); ++i) {
+        const auto seen = [&](const Point& point) {
+            return distance_from_line(kept.back(), run[i + 1], point) > kInvisible;
+        };
+        const auto begin = run.begin() + static_cast<std::ptrdiff_t>(first);
+        if (std::none_of(begin, run.begin() + static_cast<std::ptrdiff_t>(i) + 1, seen)) continue;
+        kept.push_back(run[i]);
+        first = i + 1;
+    }
+    kept.push_back(run.back());
+    return kept;
+}
+
 void draw_curve(SvgDrawing& drawing, const HalfDisk& disk, const RadialScale& scale,
                 const LobeCurve& curve, int index) {
     std::vector<Point> run;
@@ -108,7 +138,8 @@ void draw_curve(SvgDrawing& drawing, const HalfDisk& disk, const RadialScale& sc
         if (i < curve.angle_deg.size() && std::isfinite(curve.value[i])) {
             run.push_back(disk.at(curve.angle_deg[i], scale.radius(curve.value[i])));
         } else {
-            if (run.size() > 1) drawing.polyline(run, curve_stroke(index, 1.8, curve.shade));
+            if (run.size() > 1)
+                drawing.polyline(bends_of(run), curve_stroke(index, 1.8, curve.shade));
             run.clear();
         }
     }

@@ -42,4 +42,24 @@ else()
     set(ENV{LD_LIBRARY_PATH} "${PREFIX}/${LIBDIR}:$ENV{LD_LIBRARY_PATH}")  # of shared builds
     run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" every_header.cpp ${flags} -o outside)
     run("${WORK}/outside")
+
+    # Static archives: the flags name all that they need, so that even a program that takes every
+    # object of ours (--whole-archive) finds every symbol. --static adds what our dependencies need,
+    # and hides what is missing: both ways.
+    file(GLOB archives "${PREFIX}/${LIBDIR}/libmiebrdf*.a")
+    foreach(how IN ITEMS "" --static)
+        if(NOT archives)
+            break()
+        endif()
+        execute_process(COMMAND "${PKG_CONFIG}" ${how} --cflags --libs miebrdf
+                        OUTPUT_VARIABLE flags RESULT_VARIABLE result
+                        OUTPUT_STRIP_TRAILING_WHITESPACE)
+        if(NOT result EQUAL 0)
+            message(FATAL_ERROR "pkg-config ${how} does not find miebrdf or what it needs")
+        endif()
+        separate_arguments(flags UNIX_COMMAND "${flags}")
+        run("${CXX}" -std=c++20 ${CXX_FLAGS} "${SOURCE}/main.cpp" -Wl,--whole-archive ${flags}
+            -Wl,--no-whole-archive -o whole)
+        run("${WORK}/whole")
+    endforeach()
 endif()

@@ -56,6 +56,41 @@ TEST_CASE("a logarithmic lobe puts a decade at equal distances and the rest in t
     CHECK(radius(3) == Approx(0).margin(0.02));
 }
 
+TEST_CASE("a lobe in fine steps keeps every bend and leaves out what lies on a line",
+          "[plot][lobe]") {
+    // A bow a degree wide on a matt ground, as fine as `plot lobe` computes it.
+    LobeCurve curve{"", {}, {}, 0};
+    for (int i = -716; i <= 716; ++i) {
+        curve.angle_deg.push_back(0.125 * i);
+        curve.value.push_back(1 + 0.3 * std::exp(-std::pow((0.125 * i - 40) / 0.5, 2)));
+    }
+    const auto at = last_curve(draw_lobe({curve}, {}, {}));
+    CHECK(at.size() < curve.value.size() / 4);
+    REQUIRE(at.size() > 20);
+    // The ends have value 1: centre and scale of the radius, which is linear from 0.
+    const double rim = 89.5 * kDegree;
+    const double unit = 0.5 * (at.back().first - at.front().first) / std::sin(rim);
+    const double cx = 0.5 * (at.front().first + at.back().first);
+    const double cy = at.front().second + unit * std::cos(rim);
+    double farthest = 0;
+    for (std::size_t i = 0; i < curve.value.size(); ++i) {
+        const double angle = curve.angle_deg[i] * kDegree, radius = unit * curve.value[i];
+        const double x = cx + radius * std::sin(angle), y = cy - radius * std::cos(angle);
+        double nearest = 1e9;
+        for (std::size_t k = 1; k < at.size(); ++k) {
+            const double dx = at[k].first - at[k - 1].first, dy = at[k].second - at[k - 1].second;
+            const double along =
+                ((x - at[k - 1].first) * dx + (y - at[k - 1].second) * dy) / (dx * dx + dy * dy);
+            const double t = std::clamp(along, 0.0, 1.0);
+            nearest = std::min(
+                nearest, std::hypot(x - at[k - 1].first - t * dx, y - at[k - 1].second - t * dy));
+        }
+        farthest = std::max(farthest, nearest);
+    }
+    // What is left out is 0.03 from the line at most; two decimals, also in centre and scale.
+    CHECK(farthest <= 0.03 + 0.02);
+}
+
 TEST_CASE("a phase function is drawn on both sides of the light's axis", "[plot][phase]") {
     const Picture picture = draw_phase_polar({{"P", {0, 90, 180}, {100, 1, 10}}}, {}, 4);
     const auto lower = last_curve(picture);

@@ -13,12 +13,14 @@
 namespace miebrdf::program {
 namespace {
 
-/// Angles of reflection, closer around exact retro-reflection, where glories are narrow.
+/// Angles of reflection: eight for each degree, because the bows of drops of 0.1 mm are a degree
+/// wide; closer around exact retro-reflection, where glories are narrow, and the mirror direction,
+/// where lobes of smooth surfaces are.
 std::vector<double> lobe_angles(const std::vector<double>& incidence_deg) {
-    std::vector<double> list = parse_number_list("0:89.5:0.5", "zenith angle (degrees)");
+    std::vector<double> list = parse_number_list("0:89.5:0.125", "zenith angle (degrees)");
     for (const double incidence : incidence_deg) {
-        for (int i = -20; i <= 20; ++i) {
-            const double angle = incidence + 0.1 * i;
+        for (int i = -32; i <= 32; ++i) {
+            const double angle = incidence + 0.0625 * i;
             if (angle >= 0.0 && angle <= 89.5) list.push_back(angle);
         }
     }

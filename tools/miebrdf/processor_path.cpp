@@ -83,7 +83,11 @@ std::string preloaded(const ProcessorPath& path) {
     ::setenv(kBegunAgain, before != nullptr ? before : "", 1);
     std::error_code unknown;
     const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-    ::execv(program.c_str(), argv);
+    if (program.empty()) {  // no /proc, say in a root of its own: as a shell finds it
+        ::execvp(argv[0], argv);
+    } else {
+        ::execv(program.c_str(), argv);
+    }
     throw UsageError(
         fmt::format("{}: the program cannot begin again: {}", kPathVariable, std::strerror(errno)));
 }
