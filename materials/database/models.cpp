@@ -40,14 +40,16 @@ std::vector<double> read_numbers(const std::string& name, const Call& call) {
 }
 
 Oscillator make_oscillator(const std::string& name, const OscillatorKind& kind,
-                           std::vector<double> parameters) {
+                           std::vector<double> parameters, bool after_epsilon) {
     const std::size_t count = parameters.size();
     if (count != kind.fewest_parameters && count != kind.parameters.size()) {
         std::string meanings;
         for (const OscillatorParameter& p : kind.parameters)
             meanings += fmt::format("{}{} {}", meanings.empty() ? "" : "; ", p.name, p.meaning);
+        std::string form = form_of(kind);
+        if (after_epsilon) form.insert(form.find('(') + 1, "EPS_INF,");
         refuse_model(name, fmt::format("{} parameter{} of {}; write {} ({})", count,
-                                       count == 1 ? "" : "s", kind.name, form_of(kind), meanings));
+                                       count == 1 ? "" : "s", kind.name, form, meanings));
     }
     for (std::size_t i = 0; i < count; ++i) {
         const OscillatorParameter& p = kind.parameters[i];
@@ -148,7 +150,7 @@ Model one_oscillator(const std::string& name, const OscillatorKind& kind, Call c
     const double eps_inf = numbers.front();
     require_epsilon(name, eps_inf);
     numbers.erase(numbers.begin());
-    return model_of(eps_inf, {make_oscillator(name, kind, std::move(numbers))}, shortest_nm,
+    return model_of(eps_inf, {make_oscillator(name, kind, std::move(numbers), true)}, shortest_nm,
                     longest_nm);
 }
 
@@ -168,7 +170,7 @@ Model several_oscillators(const std::string& name, Call call) {
             refuse_model(name, fmt::format("'{}' is no oscillator; known: {}", call.arguments[i],
                                            fmt::join(forms, ", ")));
         }
-        oscillators.push_back(make_oscillator(name, *kind, read_numbers(name, *term)));
+        oscillators.push_back(make_oscillator(name, *kind, read_numbers(name, *term), false));
     }
     return model_of(*eps_inf, std::move(oscillators), shortest_nm, longest_nm);
 }

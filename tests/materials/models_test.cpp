@@ -197,7 +197,7 @@ TEST_CASE("models that cannot be are refused with the reason", "[materials][mode
     const auto refused = [&](const std::string& name) {
         return [&database, name] { database.refractive_index(name).at(550); };
     };
-    CHECK_THROWS_WITH(refused("drude(1,9)")(), Catch::Contains("drude(EP,G)"));
+    CHECK_THROWS_WITH(refused("drude(1,9)")(), Catch::Contains("drude(EPS_INF,EP,G)"));
     CHECK_THROWS_WITH(refused("drude(1,-9,0.1)")(), Catch::Contains("EP of drude"));
     CHECK_THROWS_WITH(refused("lorentz(1,2,x,0.1)")(), Catch::Contains("'x'"));
     CHECK_THROWS_WITH(refused("cody-lorentz(1,70,3.8,2.4,1.6,1.1,1.8)")(),
