@@ -5,7 +5,7 @@ say() { printf '\n== %s\n' "$*"; }
 # Debian's packages, each with its reason in docs/dependencies.md.
 packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev libsqlite3-dev
                   libfmt-dev libtbb-dev nlohmann-json3-dev libcli11-dev
-                  libtomlplusplus-dev libyaml-dev libsodium-dev librsvg2-dev
+                  libtomlplusplus-dev libyaml-dev libsodium-dev libmuparser-dev librsvg2-dev
                   libzip-dev libopenexr-dev libpugixml-dev zlib1g-dev libjs-three libnetcdf-dev
                   python3-dev pybind11-dev python3-numpy)
 # Rendering is optional; its tests run only with these.

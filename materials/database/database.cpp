@@ -139,7 +139,7 @@ std::string Database::canonical_name(const std::string& name) const {
 }
 
 MaterialInfo Database::info(const std::string& name) const {
-    if (const auto mixed = mixture(name)) {
+    if (const auto mixed = unstored(name)) {
         MaterialInfo info;
         info.name = mixed->material;
         info.title = mixed->title;

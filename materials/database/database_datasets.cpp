@@ -42,7 +42,7 @@ std::string page_of_address(const std::string& name) {
 }  // namespace
 
 std::vector<DatasetInfo> Database::datasets(const std::string& material) const {
-    if (const auto mixed = mixture(material)) return {describe_unstored(*mixed)};
+    if (const auto mixed = unstored(material)) return {describe_unstored(*mixed)};
     const std::string name = canonical_name(material);
     std::string chosen;
     std::vector<DatasetInfo> lower_first;
@@ -97,7 +97,7 @@ std::vector<DatasetInfo> Database::from_source(const std::string& source,
 }
 
 DatasetInfo Database::dataset_info(const std::string& name) const {
-    if (const auto mixed = mixture(name)) return describe_unstored(*mixed);
+    if (const auto mixed = unstored(name)) return describe_unstored(*mixed);
     if (!resolve(name).empty()) {
         const std::vector<DatasetInfo> all = datasets(name);
         if (all.empty()) throw UnknownMaterial(name + " has no dataset yet", name, {});
@@ -124,7 +124,7 @@ DatasetInfo Database::dataset_info(const std::string& name) const {
 }
 
 Dataset Database::dataset(const std::string& name) const {
-    if (auto mixed = mixture(name)) return *std::move(mixed);
+    if (auto mixed = unstored(name)) return *std::move(mixed);
     const DatasetInfo info = dataset_info(name);
     Dataset dataset;
     dataset.material = info.material;
@@ -167,6 +167,7 @@ Dataset Database::dataset(const std::string& name) const {
 
 RefractiveIndex Database::refractive_index(const std::string& name,
                                            const IndexOptions& options) const {
+    if (auto made = computed(name, options)) return made->index;
     Dataset figures = dataset(name);
     std::vector<Coverage> others;
     for (const DatasetInfo& d : datasets(figures.material)) {

@@ -72,8 +72,9 @@ class IndexCurve {
 
 struct RefractiveIndex::State {
     std::string material;
-    IndexCurve n;
+    std::optional<IndexCurve> n;  // nothing: the function says it
     std::optional<IndexCurve> k;
+    std::optional<IndexFunction> function;
     IndexOptions options;
     std::vector<Coverage> alternatives;
     double shortest_nm = 0.0;
@@ -88,10 +89,10 @@ struct RefractiveIndex::State {
     std::string out_of_range_message(double wavelength_nm) const {
         std::string message = fmt::format("{}: {} nm is outside its data; allowed: {}", material,
                                           wavelength_nm, allowed());
-        if (k && n.series().shortest_nm <= wavelength_nm &&
-            wavelength_nm <= n.series().longest_nm) {
+        if (n && k && n->series().shortest_nm <= wavelength_nm &&
+            wavelength_nm <= n->series().longest_nm) {
             message += fmt::format(" (n is known from {} to {} nm, k is not)",
-                                   n.series().shortest_nm, n.series().longest_nm);
+                                   n->series().shortest_nm, n->series().longest_nm);
         }
         // A wavelength in micrometres where nanometres are meant.
         if (within(1e3 * wavelength_nm, shortest_nm, longest_nm))
@@ -136,12 +137,25 @@ RefractiveIndex::RefractiveIndex(std::string material, std::optional<Series> n,
     try {
         std::optional<IndexCurve> k_curve;
         if (k) k_curve.emplace(std::move(*k), 'k', options.interpolation);
-        state_ = std::make_shared<const State>(
-            State{material, IndexCurve(std::move(*n), 'n', options.interpolation),
-                  std::move(k_curve), options, std::move(alternatives), shortest_nm, longest_nm});
+        state_ = std::make_shared<const State>(State{
+            material, IndexCurve(std::move(*n), 'n', options.interpolation), std::move(k_curve),
+            std::nullopt, options, std::move(alternatives), shortest_nm, longest_nm});
     } catch (const InputError& error) {
         throw InputError(material + ": " + error.what());
     }
+}
+
+RefractiveIndex::RefractiveIndex(std::string material, IndexFunction function,
+                                 const IndexOptions& options) {
+    const double shortest_nm = function.shortest_nm, longest_nm = function.longest_nm;
+    state_ = std::make_shared<const State>(State{std::move(material),
+                                                 std::nullopt,
+                                                 std::nullopt,
+                                                 std::move(function),
+                                                 options,
+                                                 {},
+                                                 shortest_nm,
+                                                 longest_nm});
 }
 
 std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
@@ -156,10 +170,19 @@ std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
         throw s.refusal(s.out_of_range_message(wavelength_nm), wavelength_nm);
     }
     const double used_nm = std::clamp(wavelength_nm, s.shortest_nm, s.longest_nm);
-    const double n = s.n.at(used_nm);
+    if (s.function) {
+        const std::complex<double> m = s.function->at(used_nm);
+        if (m.real() > 0 && m.real() <= kLargestIndex && m.imag() >= 0 && m.imag() <= kLargestIndex)
+            return m;
+        throw s.refusal(fmt::format("{}: n + ik is {} + {}i at {} nm; allowed: n > 0, k >= 0, both "
+                                    "up to {:g}",
+                                    s.material, m.real(), m.imag(), used_nm, kLargestIndex),
+                        wavelength_nm);
+    }
+    const double n = s.n->at(used_nm);
     if (!(n > 0)) {
         throw s.refusal(fmt::format("{}: its dispersion formula {} has no real value at {} nm",
-                                    s.material, s.n.series().formula, used_nm),
+                                    s.material, s.n->series().formula, used_nm),
                         wavelength_nm);
     }
     const bool has_k = s.k && within(used_nm, s.k->series().shortest_nm, s.k->series().longest_nm);
@@ -168,7 +191,9 @@ std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
 
 double RefractiveIndex::shortest_nm() const { return state_->shortest_nm; }
 double RefractiveIndex::longest_nm() const { return state_->longest_nm; }
-bool RefractiveIndex::k_known() const { return state_->k.has_value(); }
+bool RefractiveIndex::k_known() const {
+    return state_->function ? state_->function->k_known : state_->k.has_value();
+}
 
 bool RefractiveIndex::covers(double wavelength_nm) const {
     return within(wavelength_nm, state_->shortest_nm, state_->longest_nm);
@@ -183,9 +208,10 @@ IndexTable RefractiveIndex::table() const {
             if (covers(w)) grid.push_back(w);
         }
     };
-    add(state_->n.series());
+    if (state_->function) grid = state_->function->grid_nm;
+    if (state_->n) add(state_->n->series());
     if (state_->k) add(state_->k->series());
-    if (!state_->n.series().tabulated()) {
+    if (state_->n && !state_->n->series().tabulated()) {
         const double high = energy_ev(shortest_nm());
         const double low = energy_ev(longest_nm());
         for (int i = 1; i < 200; ++i) grid.push_back(energy_ev(high + (low - high) * i / 200.0));

@@ -4,6 +4,7 @@
 #include <complex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/cache/fields.h"
@@ -32,6 +33,8 @@ class NumberPacker {
     }
 
     const std::vector<double>& numbers() const { return numbers_; }
+    /// The numbers, which are not kept.
+    std::vector<double> take() { return std::move(numbers_); }
 
   private:
     std::vector<double> numbers_;

@@ -33,25 +33,51 @@ void append_cell(fmt::memory_buffer& line, const Cell& cell) {
     }
 }
 
-/// A header line and rows, each after `prefix`; nothing when there are no columns.
-void write_rows(const std::vector<std::string>& columns, const std::vector<std::vector<Cell>>& rows,
-                std::string_view prefix, std::ostream& out) {
-    if (columns.empty()) return;
-    fmt::memory_buffer lines;
-    const auto append_line = [&](const auto& fields, const auto& append_field) {
-        lines.append(prefix);
-        for (std::size_t i = 0; i < fields.size(); ++i) {
-            if (i > 0) lines.push_back(',');
-            append_field(lines, fields[i]);
-        }
-        lines.push_back('\n');
-        if (lines.size() < kWrittenAtOnce) return;
-        out.write(lines.data(), static_cast<std::streamsize>(lines.size()));
-        lines.clear();
-    };
-    append_line(columns, append_text);
-    for (const auto& row : rows) append_line(row, append_cell);
-    out.write(lines.data(), static_cast<std::streamsize>(lines.size()));
+/// Text that goes out whenever enough of it has come together.
+class Pieces {
+  public:
+    explicit Pieces(std::ostream& out) : out_(out) {}
+    ~Pieces() { write(); }
+    Pieces(const Pieces&) = delete;
+    Pieces& operator=(const Pieces&) = delete;
+
+    fmt::memory_buffer& text() { return text_; }
+    void write_if_many() {
+        if (text_.size() >= kWrittenAtOnce) write();
+    }
+
+  private:
+    void write() {
+        out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+        text_.clear();
+    }
+
+    std::ostream& out_;
+    fmt::memory_buffer text_;
+};
+
+/// Calls visit(row) for the stored rows and for those that are made now.
+template <typename Visit>
+void for_each_row(const Table& table, const Visit& visit) {
+    for (const auto& row : table.rows) visit(row);
+    std::vector<Cell> row;
+    for (std::size_t i = 0; i < table.more_rows.count; ++i) {
+        table.more_rows.fill(i, row);
+        visit(row);
+    }
+}
+
+template <typename Fields, typename Append>
+void append_line(Pieces& pieces, std::string_view prefix, const Fields& fields,
+                 const Append& append_field) {
+    fmt::memory_buffer& text = pieces.text();
+    text.append(prefix);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        if (i > 0) text.push_back(',');
+        append_field(text, fields[i]);
+    }
+    text.push_back('\n');
+    pieces.write_if_many();
 }
 
 nlohmann::ordered_json json_of(const Cell& cell) {
@@ -84,13 +110,21 @@ void write_csv(const Table& table, std::ostream& out) {
         }
         out << "# " << name << ": " << line << '\n';
     }
-    write_rows(table.report_columns, table.report, "# report: ", out);
-    write_rows(table.columns, table.rows, "", out);
+    Pieces pieces(out);
+    if (!table.report_columns.empty()) {
+        append_line(pieces, "# report: ", table.report_columns, append_text);
+        for (const auto& row : table.report) append_line(pieces, "# report: ", row, append_cell);
+    }
+    if (table.columns.empty()) return;
+    append_line(pieces, "", table.columns, append_text);
+    for_each_row(table, [&](const auto& row) { append_line(pieces, "", row, append_cell); });
 }
 
+// The rows are put between what comes before and after them, as one document would be written with
+// an indentation of 1.
 void write_json(const Table& table, std::ostream& out) {
-    nlohmann::ordered_json json;
-    auto& facts = json["facts"] = nlohmann::ordered_json::object();
+    nlohmann::ordered_json head;
+    auto& facts = head["facts"] = nlohmann::ordered_json::object();
     for (const auto& [name, value] : table.facts) {
         if (!facts.contains(name)) {
             facts[name] = json_of(value);
@@ -99,20 +133,38 @@ void write_json(const Table& table, std::ostream& out) {
             facts[name].push_back(json_of(value));
         }
     }
-    json["columns"] = table.columns;
-    auto& rows = json["rows"] = nlohmann::ordered_json::array();
-    for (const auto& row : table.rows) {
-        nlohmann::ordered_json fields = nlohmann::ordered_json::array();
-        for (const Cell& cell : row) fields.push_back(json_of(cell));
-        rows.push_back(std::move(fields));
-    }
+    head["columns"] = table.columns;
+    nlohmann::ordered_json tail = nlohmann::ordered_json::object();
     for (const auto& row : table.report) {
         nlohmann::ordered_json object;
         for (std::size_t i = 0; i < row.size(); ++i)
             object[table.report_columns[i]] = json_of(row[i]);
-        json["report"].push_back(std::move(object));
+        tail["report"].push_back(std::move(object));
     }
-    out << json.dump(1) << '\n';
+    constexpr std::string_view kEnd = "\n}";
+    const std::string before = head.dump(1), after = tail.dump(1);
+    out << std::string_view(before).substr(0, before.size() - kEnd.size()) << ",\n \"rows\": [";
+    bool is_first = true;
+    {
+        Pieces pieces(out);
+        for_each_row(table, [&](const auto& row) {
+            fmt::memory_buffer& text = pieces.text();
+            text.append(std::string_view(is_first ? "\n  [" : ",\n  ["));
+            for (std::size_t i = 0; i < row.size(); ++i) {
+                text.append(std::string_view(i > 0 ? ",\n   " : "\n   "));
+                text.append(json_of(row[i]).dump());
+            }
+            text.append(std::string_view(row.empty() ? "]" : "\n  ]"));
+            is_first = false;
+            pieces.write_if_many();
+        });
+    }
+    out << (is_first ? "]" : "\n ]");
+    if (tail.empty()) {
+        out << "\n}\n";
+    } else {
+        out << ',' << std::string_view(after).substr(1) << '\n';
+    }
 }
 
 }  // namespace miebrdf

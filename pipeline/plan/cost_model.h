@@ -1,7 +1,8 @@
-// Rough run times, for `plan`: right to a factor of about three on the machine they were fitted on
-// (docs/performance.md), and good for comparing one request with another.
+// Rough run times, for `plan`: mostly right to a factor of two on the machine they were fitted on
+// (docs/command-line.md#plan has the counts), and good for comparing one request with another.
 #pragma once
 
+#include <complex>
 #include <cstddef>
 
 #include <miebrdf/solver.h>
@@ -9,10 +10,26 @@
 
 namespace miebrdf {
 
-/// Mie theory for one medium at one wavelength; by the largest sphere's size parameter.
-/// @param whole_phase  the phase function at every angle and all its moments
-double mie_seconds(const mie::SizeDistribution& sizes, double host_index, double wavelength_nm,
-                   bool whole_phase);
+/// A size average of Mie theory.
+struct MieWork {
+    mie::SizeDistribution sizes;
+    std::complex<double> relative_index;
+    double host_index = 1.0;
+    double wavelength_nm = 550.0;
+    double tolerance = 1e-3;   ///< of the request, not Mie theory's share of it
+    bool whole_phase = false;  ///< the phase function at every angle and all its moments
+};
+
+/// Mie theory for one medium at one wavelength.
+double mie_seconds(const MieWork& work);
+/// What is kept of it.
+double mie_bytes(const MieWork& work);
+
+/// The program by itself, and each value at one wavelength: once until it is written, more often
+/// while its wavelength is solved.
+inline constexpr double kProgramBytes = 13e6;
+inline constexpr double kValueBytes = 8.0;
+inline constexpr double kValueSolverBytes = 48.0;
 
 /// Nodes that will probably be used: those asked for, or what `auto` begins with.
 int expected_streams(const ResolvedScene& scene, const rte::SolverOptions& solver);

@@ -71,7 +71,29 @@ Plan Planner::plan() {
     polarisation();
     boundary();
     surface();
+    plan_.memory_bytes = memory_bytes();
     return std::move(plan_);
+}
+
+double Planner::memory_bytes() const {
+    double bytes = kProgramBytes;
+    if (!is_albedo()) {
+        const double wavelengths = static_cast<double>(scene_.wavelength_nm.size());
+        bytes += static_cast<double>(distinct_.requested()) *
+                 (kValueBytes * wavelengths + kValueSolverBytes);
+    }
+    for (const LayerJob& job : jobs_) {
+        for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
+            for (const ResolvedSpecies& species : scene_.media[m].species) {
+                if (!species.needs_mie()) continue;
+                const Particles& at = species.particles[job.wavelength];
+                bytes +=
+                    mie_bytes({species.sizes, at.index / at.host_index, at.host_index,
+                               at.wavelength_nm, solver_.tolerance, demand_.whole_phase_function});
+            }
+        }
+    }
+    return bytes;
 }
 
 std::size_t Planner::cosines() const {
@@ -88,12 +110,14 @@ double Planner::mie_cost(std::size_t medium, std::size_t w) const {
 double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
     if (!species.needs_mie()) return 0.0;
     const Particles& at = species.particles[w];
-    return mie_seconds(species.sizes, at.host_index, at.wavelength_nm, whole);
+    return mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
+                        solver_.tolerance, whole});
 }
 
 double Planner::typical_mie_cost(std::size_t w) const {
-    return mie_seconds(scene_.particles.sizes, scene_.particles.host.index.real(),
-                       scene_.wavelength_nm[w], demand_.whole_phase_function);
+    constexpr std::complex<double> typical_index = {1.5, 1e-3};
+    return mie_seconds({scene_.particles.sizes, typical_index, scene_.particles.host.index.real(),
+                        scene_.wavelength_nm[w], solver_.tolerance, demand_.whole_phase_function});
 }
 
 double Planner::mie_cost(std::size_t medium) const {

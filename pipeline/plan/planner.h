@@ -48,6 +48,9 @@ class Planner {
     int orders() const;
     int all_orders() const;
 
+    /// What results and single scattering take in memory.
+    double memory_bytes() const;
+
     double mie_cost(std::size_t medium, std::size_t w) const;
     double mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const;
     /// Of particles as the scene has them where a medium says nothing.

@@ -126,10 +126,11 @@ void read_species(const std::string& text, const MediumKind& kind, Species& spec
 
 /// The parts of a text between ` + `.
 std::vector<std::string> split_mixture(const std::string& text) {
-    const std::string plus = " + ";
+    const std::string plus = " + ", outside = blank_in_parentheses(text);
     std::vector<std::string> parts;
     std::size_t begin = 0;
-    for (std::size_t at = text.find(plus); at != std::string::npos; at = text.find(plus, begin)) {
+    for (std::size_t at = outside.find(plus); at != std::string::npos;
+         at = outside.find(plus, begin)) {
         parts.push_back(text.substr(begin, at - begin));
         begin = at + plus.size();
     }

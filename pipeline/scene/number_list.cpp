@@ -155,6 +155,19 @@ double parse_quantity(std::string_view text, const std::string& what, std::span<
         fmt::format("{}: '{}' has no unit that is known here; allowed: {}", what, whole, known));
 }
 
+std::string blank_in_parentheses(std::string_view text) {
+    std::string blanked(text);
+    int depth = 0;
+    for (char& c : blanked) {
+        if (c == ')') --depth;
+        if (depth < 0) break;
+        const bool opens = c == '(';
+        if (depth > 0) c = ' ';
+        if (opens) ++depth;
+    }
+    return depth == 0 ? blanked : std::string(text);
+}
+
 std::vector<std::string> split_list(std::string_view text, char separator) {
     std::vector<std::string> parts;
     std::size_t start = 0;

@@ -12,6 +12,11 @@ namespace miebrdf {
 std::string_view trimmed(std::string_view text);
 inline std::string trimmed_text(std::string_view text) { return std::string(trimmed(text)); }
 
+/// The text with blanks in place of what stands in parentheses, so that commas, `=` and ` + ` that
+/// belong to a name (`formula(n=1.5,k=0)`) do not separate; as it is where parentheses do not
+/// match.
+std::string blank_in_parentheses(std::string_view text);
+
 /// Reads one finite number; the whole text must be the number.
 /// @param what  names the quantity in the message ("cosine of incidence")
 /// @throws UsageError

@@ -196,9 +196,10 @@ std::string describe_keys(const Species& species) {
 std::string take_keys(const std::string& text, bool only_keys, Species& species) {
     std::string rest = text;
     for (;;) {
-        const std::size_t comma = rest.rfind(',');
+        const std::string outside = blank_in_parentheses(rest);
+        const std::size_t comma = outside.rfind(',');
         if (comma == std::string::npos) break;
-        const std::size_t equals = rest.find('=', comma);
+        const std::size_t equals = outside.find('=', comma);
         if (equals == std::string::npos) break;
         const std::string name = trimmed_text(rest.substr(comma + 1, equals - comma - 1));
         const Key* key = find_key(name);

@@ -49,8 +49,9 @@ void validate_wavelengths(const std::vector<double>& wavelength_nm) {
 }
 
 /// The lobe and what it lets through of the layers: eq. 5.
-std::vector<double> total_of(const SurfacePart& surface, const std::vector<double>& subsurface) {
-    std::vector<double> total = surface.lobe;
+/// @param total  the lobe
+std::vector<double> total_of(std::vector<double> total, const SurfacePart& surface,
+                             const std::vector<double>& subsurface) {
     const std::size_t azimuths = total.size() / (surface.in.size() * surface.out.size());
     std::size_t index = 0;
     for (const double in : surface.in) {
@@ -101,15 +102,20 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
     if (wants_lobe(scene, parts)) {
         const auto demand = parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
         surface = surface_part(scene, w, directions, demand, control);
-        slice.surface = surface->lobe;
-        if (parts.total) slice.total = total_of(*surface, slice.subsurface);
-    } else if (!scene.surface && parts.total) {
-        slice.total = slice.subsurface;
+        slice.surface = std::move(surface->lobe);
+        if (parts.total) {
+            slice.total = total_of(parts.surface ? slice.surface : std::move(slice.surface),
+                                   *surface, slice.subsurface);
+        }
     }
     add_physics(slice, directions);
     add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr, scene.coupling);
-    if (!parts.subsurface) slice.subsurface.clear();
-    if (!parts.surface) slice.surface.clear();
+    // Without a surface the whole is the layers: one list, if nobody asked for both.
+    if (!scene.surface && parts.total) {
+        slice.total = parts.subsurface ? slice.subsurface : std::move(slice.subsurface);
+    }
+    if (!parts.subsurface) slice.subsurface = {};
+    if (!parts.surface) slice.surface = {};
     return slice;
 }
 

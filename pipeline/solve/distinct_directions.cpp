@@ -42,6 +42,14 @@ DistinctDirections::DistinctDirections(const rte::Directions& all) : distinct_(a
     azimuth_ = make_distinct(distinct_.azimuth_deg);
 }
 
+bool DistinctDirections::are_all() const {
+    const auto in_place = [](const std::vector<std::size_t>& places, std::size_t distinct) {
+        return places.size() == distinct && std::is_sorted(places.begin(), places.end());
+    };
+    return in_place(in_, distinct_.mu_in.size()) && in_place(out_, distinct_.mu_out.size()) &&
+           in_place(azimuth_, distinct_.azimuth_deg.size());
+}
+
 std::size_t DistinctDirections::computed() const {
     return distinct_.mu_in.size() * distinct_.mu_out.size() * distinct_.azimuth_deg.size();
 }

@@ -14,6 +14,8 @@ class DistinctDirections {
 
     /// Each cosine once, ascending; each azimuth once, in [0, 180].
     const rte::Directions& directions() const { return distinct_; }
+    /// Whether directions() are the requested ones: nothing needs spreading.
+    bool are_all() const;
     /// Values at directions(), laid out as in rte::ReflectionTable, at all the requested ones.
     std::vector<double> spread(const std::vector<double>& values) const;
     /// Values at directions().mu_in at all the requested mu_in, and those at mu_out.

@@ -182,9 +182,10 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
 }
 
 /// A slice at the distinct directions as one at all those that were asked for.
-LayerSlice spread(const LayerSlice& slice, const DistinctDirections& distinct,
-                  LayerQuantity quantity) {
-    LayerSlice all = slice;
+LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
+    if (distinct.are_all()) return slice;
+    LayerSlice all;
+    all.report = slice.report;
     if (quantity == LayerQuantity::reflection) {
         all.values = distinct.spread(slice.values);
         all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
@@ -211,7 +212,7 @@ std::vector<double> packed(const LayerSlice& slice) {
         .add(mirror_reflectance)
         .add(polarised)
         .add(report)
-        .numbers();
+        .take();
 }
 
 LayerSlice unpacked(const std::vector<double>& numbers) {
@@ -284,8 +285,13 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
         if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
     });
     std::vector<LayerSlice> slices;
+    std::vector<int> uses(jobs.size(), 0);
+    for (const std::size_t job : list.serving) ++uses[job];
     for (std::size_t w = 0; w < list.serving.size(); ++w) {
-        slices.push_back(spread(solved[list.serving[w]], distinct, request.quantity));
+        const std::size_t job = list.serving[w];
+        const bool is_last = --uses[job] == 0;
+        slices.push_back(
+            spread(is_last ? std::move(solved[job]) : solved[job], distinct, request.quantity));
         slices.back().report.wavelength_nm = request.scene.wavelength_nm[w];
     }
     return slices;

@@ -40,7 +40,7 @@ std::vector<double> packed(const MuellerSlice& slice) {
         .add(polarised)
         .add(mirror)
         .add(report)
-        .numbers();
+        .take();
 }
 
 MuellerSlice unpacked_mueller(const std::vector<double>& numbers) {

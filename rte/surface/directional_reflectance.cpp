@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include <miebrdf/error.h>
 #include <miebrdf/surface.h>
@@ -42,59 +44,107 @@ class ReflectanceIntegral {
           fresnel_(fresnel),
           shadowing_(options),
           in_over_masking_(shadowing_.cosine_over_masking(mu_in)),
-          has_kinks_(options.shadowing == Shadowing::v_cavity) {}
+          has_kinks_(options.shadowing == Shadowing::v_cavity),
+          critical_cosine_(fresnel.critical_cosine()) {}
 
     double value(const math::Quadrature& rule) const {
         const double largest = slopes_.across_of(in_.largest_y());
         double sum = 0;
         double from = 0;
-        if (has_kinks_) {
-            for (const double corner : in_.v_cavity_corners()) {
-                const double to = std::min(slopes_.across_of(corner), largest);
-                sum += strip(from, to, rule);
-                from = to;
-            }
+        for (const double corner : corners()) {
+            const double to = std::min(slopes_.across_of(corner), largest);
+            sum += strip(from, to, rule);
+            from = std::max(from, to);
         }
         return 2.0 * (sum + strip(from, largest, rule));  // y and -y are alike
     }
 
   private:
+    /// Where a line is cut; at the critical angle F behaves like a square root.
+    struct Cut {
+        double x = 0.0;
+        bool is_root = false;
+    };
+
+    std::vector<double> corners() const {
+        std::vector<double> all;
+        if (has_kinks_) all = in_.v_cavity_corners();
+        if (critical_cosine_ > 0.0) {
+            const auto critical = in_.incidence_corners(critical_cosine_);
+            all.insert(all.end(), critical.begin(), critical.end());
+            std::sort(all.begin(), all.end());
+        }
+        return all;
+    }
+
+    std::vector<Cut> cuts(double y) const {
+        std::vector<Cut> all;
+        if (has_kinks_) {
+            for (const double x : in_.v_cavity_kinks(y)) all.push_back({x, false});
+        }
+        if (critical_cosine_ > 0.0) {
+            for (const double x : in_.incidence_kinks(critical_cosine_, y))
+                all.push_back({x, true});
+        }
+        std::sort(all.begin(), all.end(), [](const Cut& a, const Cut& b) { return a.x < b.x; });
+        return all;
+    }
+
+    /// A share of an interval and its slope, for a share t of the nodes' range: squares at the ends
+    /// where the integrand behaves like a square root.
+    static std::pair<double, double> share_of(double t, bool root_first, bool root_last) {
+        if (root_first && root_last) return {t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)};
+        if (root_first) return {t * t, 2.0 * t};
+        if (root_last) return {t * (2.0 - t), 2.0 * (1.0 - t)};
+        return {t, 1.0};
+    }
+
     /// Lines between two values of v. Where they end, at the rim of the disk or where kinks
-    /// meet, x behaves like a square root: v = from + (to - from) sin(psi) makes it smooth.
+    /// meet, x behaves like a square root: v = from + (to - from) sin(psi) makes it smooth. At the
+    /// critical angle it does so at both ends.
     double strip(double from, double to, const math::Quadrature& rule) const {
         if (!(to > from)) return 0.0;
         double sum = 0;
         for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
             const double psi = 0.5 * pi * rule.nodes[i];
-            const double v = from + (to - from) * std::sin(psi);
-            sum += rule.weights[i] * std::cos(psi) * slopes_.across_density(v) * line(v, rule);
+            const auto [share, slope] = critical_cosine_ > 0.0
+                                            ? share_of(rule.nodes[i], true, true)
+                                            : std::pair(std::sin(psi), 0.5 * pi * std::cos(psi));
+            const double v = from + (to - from) * share;
+            sum += rule.weights[i] * slope * slopes_.across_density(v) * line(v, rule);
         }
-        return 0.5 * pi * (to - from) * sum;
+        return (to - from) * sum;
     }
 
     double line(double v, const math::Quadrature& rule) const {
         const double y = slopes_.y(v);
         const double end = slopes_.along_of(in_.highest_x(y), v);
         double from = slopes_.along_of(in_.lowest_x(y), v);
+        bool root_first = false;
         double sum = 0;
-        if (has_kinks_) {
-            for (const double kink : in_.v_cavity_kinks(y)) {
-                const double to = std::clamp(slopes_.along_of(kink, v), from, end);
-                sum += segment(v, y, from, to, rule);
+        if (has_kinks_ || critical_cosine_ > 0.0) {
+            for (const Cut& cut : cuts(y)) {
+                const double to = std::clamp(slopes_.along_of(cut.x, v), from, end);
+                sum += segment(v, y, {from, root_first}, {to, cut.is_root}, rule);
+                if (to > from) root_first = cut.is_root;
                 from = to;
             }
         }
-        return sum + segment(v, y, from, end, rule);
+        return sum + segment(v, y, {from, root_first}, {end, false}, rule);
     }
 
-    double segment(double v, double y, double from, double to, const math::Quadrature& rule) const {
-        if (!(to > from)) return 0.0;
+    /// @param first, last  in u
+    double segment(double v, double y, Cut first, Cut last, const math::Quadrature& rule) const {
+        const double length = last.x - first.x;
+        if (!(length > 0.0)) return 0.0;
         double sum = 0;
         for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-            const double u = from + (to - from) * rule.nodes[i];
-            sum += rule.weights[i] * slopes_.along_density(u) * reflected(slopes_.x(u, v), y);
+            const auto [share, slope] = share_of(rule.nodes[i], first.is_root, last.is_root);
+            const double u = first.x + length * share;
+            sum +=
+                rule.weights[i] * slope * slopes_.along_density(u) * reflected(slopes_.x(u, v), y);
         }
-        return (to - from) * sum;
+        return length * sum;
     }
 
     /// (1 + x tan) G F of the mirrors with slopes (x, y).
@@ -116,6 +166,7 @@ class ReflectanceIntegral {
     ShadowingOverCosines shadowing_;
     double in_over_masking_;
     bool has_kinks_;
+    double critical_cosine_;
 };
 
 template <typename Slopes>

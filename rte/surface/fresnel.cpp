@@ -61,4 +61,12 @@ double FresnelReflectance::operator()(double cos_incidence) const {
                                        : schlick_reflectance(normal_reflectance_, cos_incidence);
 }
 
+double FresnelReflectance::critical_cosine() const {
+    const double square = index_squared_.real();  // of the sine
+    const bool is_thinner = square > 0.0 && square < 1.0 && contrast_ != 0.0;
+    const bool absorbs_little = index_squared_.imag() <= 0.5 * square;
+    return kind_ == FresnelKind::exact && is_thinner && absorbs_little ? std::sqrt(1.0 - square)
+                                                                       : 0.0;
+}
+
 }  // namespace miebrdf::rte

@@ -31,6 +31,10 @@ class FresnelReflectance {
     /// @throws UsageError  unless n > 0, k >= 0 and both are finite
     FresnelReflectance(std::complex<double> refractive_index, FresnelKind kind);
     double operator()(double cos_incidence) const;
+    /// Below this cosine everything, or nearly everything, is reflected: the critical angle of a
+    /// thinner medium that absorbs little, where the reflectance goes like a square root. 0: there
+    /// is none.
+    double critical_cosine() const;
 
   private:
     FresnelKind kind_;

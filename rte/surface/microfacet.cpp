@@ -138,4 +138,34 @@ std::vector<double> SlopePlane::v_cavity_corners() const {
     return corners;
 }
 
+// (mu + x s)^2 = c^2 (1 + x^2 + y^2) is quadratic in x, with the discriminant c^2 (1 - c^2 + (s^2 -
+// c^2) y^2).
+std::vector<double> SlopePlane::incidence_kinks(double cos_facet, double y) const {
+    const double c = cos_facet, s = sine_;
+    const double flatness = (s - c) * (s + c);
+    const double under_root = (1.0 - c) * (1.0 + c) + flatness * y * y;
+    std::vector<double> kinks;
+    if (!(under_root >= 0.0)) return kinks;
+    const double q = -(mu_ * s + c * std::sqrt(under_root));
+    const auto add = [&](double x) {
+        if (std::isfinite(x) && mu_ + x * s > 0.0) kinks.push_back(x);  // the mirror's front
+    };
+    add(q / flatness);
+    add((mu_ * mu_ - c * c * (1.0 + y * y)) / q);
+    std::sort(kinks.begin(), kinks.end());
+    return kinks;
+}
+
+std::vector<double> SlopePlane::incidence_corners(double cos_facet) const {
+    const double c = cos_facet, s = sine_;
+    std::vector<double> corners;
+    if (c > s) corners.push_back(std::sqrt((1.0 - c) * (1.0 + c) / ((c - s) * (c + s))));
+    // At the rim light leaves along the horizon: twice the angle of incidence lies between the two
+    // rays, whose product is s cos(azimuth).
+    const double cosine = (2.0 * c * c - 1.0) / s;
+    if (std::abs(cosine) < 1.0) corners.push_back(std::sqrt((1.0 - cosine) * (1.0 + cosine)) / mu_);
+    std::sort(corners.begin(), corners.end());
+    return corners;
+}
+
 }  // namespace miebrdf::rte

@@ -68,6 +68,12 @@ class SlopePlane {
     /// line is a smooth function of y.
     std::vector<double> v_cavity_corners() const;
 
+    /// Where a mirror is met at this cosine of incidence, along a line of constant y, ascending:
+    /// two values, one or none.
+    std::vector<double> incidence_kinks(double cos_facet, double y) const;
+    /// Where y > 0 those two meet or leave the disk, ascending.
+    std::vector<double> incidence_corners(double cos_facet) const;
+
   private:
     double root(double y) const;
 

@@ -10,6 +10,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "pipeline/io/atomic_file.h"
@@ -230,6 +231,53 @@ TEST_CASE("JSON is valid, keeps repeated facts and has null for what is unknown"
     CHECK(json["rows"][0][1] == 0.1);
     CHECK(json["rows"][2][0].is_null());
     CHECK(json["rows"][2][1].is_null());
+}
+
+TEST_CASE("rows that are made while they are written are written like stored ones",
+          "[pipeline][table]") {
+    const auto written = [](const Table& table) {
+        std::ostringstream csv, json;
+        write_csv(table, csv);
+        write_json(table, json);
+        return std::pair(csv.str(), json.str());
+    };
+    const bool has_report = GENERATE(false, true);
+    Table stored = sample();
+    if (has_report) {
+        stored.report_columns = {"part"};
+        stored.report = {{1.0}};
+    }
+    stored.rows.push_back({"last", Cell()});
+    Table made = stored;
+    made.rows.resize(1);
+    made.more_rows = {stored.rows.size() - 1, [&](std::size_t index, std::vector<Cell>& row) {
+                          row = stored.rows[index + 1];
+                      }};
+    CHECK(written(made) == written(stored));
+    // As one document would be written with this indentation.
+    const std::string json = written(made).second;
+    CHECK(nlohmann::ordered_json::parse(json).dump(1) + "\n" == json);
+    made.rows.clear();
+    made.more_rows = {};
+    CHECK(nlohmann::ordered_json::parse(written(made).second)["rows"].empty());
+}
+
+TEST_CASE("rows are written as they are made: they are never all in memory", "[pipeline][table]") {
+    const bool as_json = GENERATE(false, true);
+    constexpr std::size_t count = 100000;
+    std::ostringstream out;
+    std::ptrdiff_t held_back = 0;
+    std::ptrdiff_t made = 0;  // at least, of the text of the rows so far
+    Table table;
+    table.columns = {"value"};
+    table.more_rows = {count, [&](std::size_t index, std::vector<Cell>& row) {
+                           held_back = std::max(held_back, made - std::ptrdiff_t(out.tellp()));
+                           row = {double(index)};
+                           made += 2;
+                       }};
+    as_json ? write_json(table, out) : write_csv(table, out);
+    CHECK(made == 2 * count);
+    CHECK(held_back <= 1 << 16);
 }
 
 TEST_CASE("text in markup is read back as it was, by an XML parser, in elements and attributes",

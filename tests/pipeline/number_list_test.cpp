@@ -1,6 +1,7 @@
 #include "pipeline/scene/number_list.h"
 
 #include <miebrdf/error.h>
+#include <miebrdf/scene.h>
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -72,4 +73,20 @@ TEST_CASE("a number out of range is refused with the value and the range",
     CHECK_THROWS_AS(parse_wavelength_nm("-550"), UsageError);
     CHECK_THROWS_AS(parse_wavelength_nm("0eV"), UsageError);
     CHECK_THROWS_WITH(parse_wavelength_nm("5furlongs"), Catch::Contains("0.55um"));
+}
+
+TEST_CASE("what stands in parentheses belongs to a name", "[pipeline][number_list]") {
+    CHECK(blank_in_parentheses("a(b,c=1)+d(e(f))") == "a(     )+d(    )");
+    // Names of files may have one that does not match.
+    CHECK(blank_in_parentheses("mine (1,x=2") == "mine (1,x=2");
+    CHECK(blank_in_parentheses("a)(b") == "a)(b");
+    const Species formula = species("formula(n=1.5 + 0.01/um^2,k=0),radius=0.2,volume=5%");
+    CHECK(formula.name == "formula(n=1.5 + 0.01/um^2,k=0)");
+    CHECK(formula.sizes.effective_radius_um == 0.2);
+    const Medium mixed =
+        medium("formula(n=1 + um,k=0),volume=1% + drude(1,9,0.07),volume=2% in PMMA");
+    REQUIRE(mixed.species.size() == 2);
+    CHECK(mixed.species[1].name == "drude(1,9,0.07)");
+    CHECK(mixed.host->name == "PMMA");
+    CHECK(describe(mixed.species[0]) == "formula(n=1 + um,k=0),volume=0.01");
 }

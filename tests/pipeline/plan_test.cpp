@@ -36,6 +36,7 @@ TEST_CASE(
     CHECK(jobs_of(plan, "single scattering") == 6);
     CHECK(jobs_of(plan, "radiative transfer") == 3);
     CHECK(plan.seconds() > 0);
+    CHECK(plan.memory_bytes > 0);
     CHECK(jobs_of(plan, "surface") == 0);
     CHECK(stages.jobs.empty());  // nothing was computed
 }

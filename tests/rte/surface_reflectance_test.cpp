@@ -48,6 +48,55 @@ TEST_CASE("rho is the integral of the lobe over the outgoing hemisphere", "[rte]
     }
 }
 
+TEST_CASE("rho keeps its tolerance where mirrors reflect totally beyond a critical angle",
+          "[rte][rho]") {
+    // The reflectance ends like a square root at the critical angle: 4e-5 were lost there.
+    rte::SurfaceOptions options;
+    options.distribution = GENERATE(MicrofacetDistribution::beckmann, MicrofacetDistribution::ggx);
+    options.shadowing = GENERATE(Shadowing::smith_correlated, Shadowing::v_cavity);
+    const double n = GENERATE(0.3, 0.7, 0.95), k = GENERATE(0.0, 1e-3);
+    options.beckmann_alpha = 0.3;
+    const rte::SurfaceLobe lobe({n, k}, options);
+    // At 0.714 = sqrt(1 - 0.7^2) the flat surface itself is at the critical angle.
+    for (const double mu : {0.05, 0.3, 0.7, 0.714, 0.9, 1.0}) {
+        const auto rho = rte::directional_reflectance({n, k}, options, mu, 1e-6);
+        const auto truth = rte::directional_reflectance({n, k}, options, mu, 2e-8);
+        CAPTURE(n, k, mu, rho.nodes, rho.error_estimate, truth.value);
+        CHECK(truth.converged);
+        CHECK(std::abs(rho.value - truth.value) <= 1e-6);
+        // Midpoints know nothing of the kink: a grid may meet it well or badly.
+        const double coarse = brute_force(lobe, mu, 200, 200);
+        const double fine = brute_force(lobe, mu, 400, 400);
+        CHECK(std::abs(rho.value - fine) <= 2 * std::abs(fine - coarse) + 1e-5);
+        CHECK(std::abs(fine - coarse) <= 1e-3);
+    }
+}
+
+TEST_CASE("a thinner medium without absorption lets through what a closed form says",
+          "[rte][rho]") {
+    // Roughness 1e-4 is flat: inside the critical angle 1 - rho is that of Fresnel, beyond it 0.
+    rte::SurfaceOptions options;
+    options.beckmann_alpha = 1e-4;
+    const auto fresnel = [](double cosine) { return rte::fresnel_reflectance({0.7, 0.0}, cosine); };
+    for (const double flat_mu : {0.1, 0.5, 0.70, 0.72, 0.9}) {
+        CHECK(rte::directional_reflectance({0.7, 0.0}, options, flat_mu).value ==
+              Approx(fresnel(flat_mu)).margin(2e-5));
+    }
+    // At the critical angle itself half of all mirrors reflect totally: the mean of F over slopes x
+    // along the plane of incidence, by midpoints; slopes across it change the cosine by alpha^2.
+    const double mu = std::sqrt(1.0 - 0.7 * 0.7), sine = 0.7;
+    const double alpha = options.beckmann_alpha;
+    double sum = 0;
+    const int points = 400000;
+    for (int i = 0; i < points; ++i) {
+        const double u = 12.4 * ((i + 0.5) / points - 0.5), x = alpha * u;
+        const double cosine = (mu + x * sine) / std::sqrt(1.0 + x * x);
+        sum += std::exp(-u * u) * (1.0 + x * sine / mu) * fresnel(cosine);
+    }
+    sum *= 12.4 / points / std::sqrt(std::numbers::pi);
+    CHECK(rte::directional_reflectance({0.7, 0.0}, options, mu).value == Approx(sum).margin(1e-6));
+}
+
 TEST_CASE("rho is right where the lobe is too narrow for a grid over the hemisphere",
           "[rte][rho]") {
     // Brute force over a patch around the mirror direction alone, 12 alpha wide on each side.

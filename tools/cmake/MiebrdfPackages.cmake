@@ -35,7 +35,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "miebrdf (= ${PROJECT_VERSION})")
 if(NOT BUILD_SHARED_LIBS)  # archives leave their dependencies to who links them
     string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libeigen3-dev, libboost-dev, libsqlite3-dev, "
         "libfmt-dev, libtbb-dev, nlohmann-json3-dev, libtomlplusplus-dev, libyaml-dev, "
-        "libsodium-dev, libzip-dev, libopenexr-dev, libpugixml-dev, zlib1g-dev")
+        "libsodium-dev, libmuparser-dev, libzip-dev, libopenexr-dev, libpugixml-dev, zlib1g-dev")
 endif()
 
 if(TARGET miebrdf_python)

@@ -50,23 +50,30 @@ void add_mirror(Table& table, const BrdfValues& values) {
     }
 }
 
-void add_rows(Table& table, const BrdfValues& values, const BrdfQuestion& question) {
+std::size_t count_of(const Directions& directions) {
+    return directions.mu_in.size() * directions.mu_out.size() * directions.azimuth_deg.size();
+}
+
+/// The cells of a row before its values; directions in the order of values.
+void start_row(std::vector<Cell>& row, double wavelength_nm, const Directions& directions,
+               std::size_t index) {
+    const auto& [mu_in, mu_out, azimuth_deg] = directions;
+    const std::size_t pair = index / azimuth_deg.size();
+    row = {wavelength_nm, mu_in[pair / mu_out.size()], mu_out[pair % mu_out.size()],
+           azimuth_deg[index % azimuth_deg.size()]};
+}
+
+/// @param values  must stay where it is until the rows are written
+RowSource rows_of(const BrdfValues& values, const BrdfQuestion& question) {
     const double factor = question.as_reflection ? std::numbers::pi : 1.0;
-    const auto& [mu_in, mu_out, azimuth_deg] = question.directions;
-    for (std::size_t w = 0; w < values.slices.size(); ++w) {
-        std::size_t index = 0;
-        for (const double in : mu_in) {
-            for (const double out : mu_out) {
-                for (const double azimuth : azimuth_deg) {
-                    auto& row = table.rows.emplace_back(
-                        std::vector<Cell>{values.wavelengths[w].wavelength_nm, in, out, azimuth});
-                    for (const BrdfPart part : question.columns)
-                        row.emplace_back(factor * values.slices[w].of(part)[index]);
-                    ++index;
-                }
-            }
-        }
-    }
+    const std::size_t directions = count_of(values.directions);
+    return {values.slices.size() * directions,
+            [&values, &question, factor, directions](std::size_t i, std::vector<Cell>& row) {
+                const std::size_t w = i / directions, index = i % directions;
+                start_row(row, values.wavelengths[w].wavelength_nm, values.directions, index);
+                for (const BrdfPart part : question.columns)
+                    row.emplace_back(factor * values.slices[w].of(part)[index]);
+            }};
 }
 
 /// Calls add(in, out, azimuth) for every direction, in the order of values.
@@ -89,13 +96,14 @@ int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
               "in the same light");
     table.facts.emplace_back("diffuse_fraction", values.diffuse_fraction);
     table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "hdrf"};
-    for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
-        std::size_t index = 0;
-        for_each_direction(question.directions, [&](double in, double out, double azimuth) {
-            table.rows.push_back(
-                {values.wavelengths[w].wavelength_nm, in, out, azimuth, values.hdrf[w][index++]});
-        });
-    }
+    const std::size_t directions = count_of(values.directions);
+    table.more_rows = {values.wavelengths.size() * directions,
+                       [&values, directions](std::size_t i, std::vector<Cell>& row) {
+                           const std::size_t w = i / directions, index = i % directions;
+                           start_row(row, values.wavelengths[w].wavelength_nm, values.directions,
+                                     index);
+                           row.emplace_back(values.hdrf[w][index]);
+                       }};
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }
@@ -145,7 +153,7 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
                                     ? quantity
                                     : fmt::format("{}_{}", quantity, name_of(part)));
     }
-    add_rows(table, values, question);
+    table.more_rows = rows_of(values, question);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <sstream>
+#include <ostream>
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
@@ -115,24 +115,25 @@ void Shell::write(Table table) const {
         table.report_columns.clear();
         table.report.clear();
     }
-    std::ostringstream text;
-    if (common_.json) {
-        write_json(table, text);
-    } else {
-        write_csv(table, text);
-    }
-    write_text(text.str());
+    write_to_output(
+        [&](std::ostream& out) { common_.json ? write_json(table, out) : write_csv(table, out); });
 }
 
 void Shell::write_text(const std::string& text) const {
+    write_to_output([&](std::ostream& out) {
+        out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    });
+}
+
+void Shell::write_to_output(const std::function<void(std::ostream&)>& write) const {
     if (common_.output.empty() || common_.output == "-") {
-        std::cout.write(text.data(), static_cast<std::streamsize>(text.size()));
+        write(std::cout);
         std::cout.flush();
         if (!std::cout) throw InputError("cannot write to standard output");
         return;
     }
     AtomicFile file(common_.output);
-    file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
+    write(file.stream());
     file.commit();
 }
 

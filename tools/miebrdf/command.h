@@ -94,6 +94,9 @@ class Shell {
 
   private:
     void add_origin(Table& table) const;
+    /// Calls write(stream) with the file that -o names, which appears when it is complete, or with
+    /// standard output.
+    void write_to_output(const std::function<void(std::ostream&)>& write) const;
 
     std::string command_line_;
     const SceneFileResult* result_;

@@ -61,24 +61,25 @@ void add_mirror(Table& table, const MuellerValues& values) {
     }
 }
 
-void add_rows(Table& table, const MuellerValues& values, double factor) {
-    const auto& [mu_in, mu_out, azimuth_deg] = values.directions;
-    for (std::size_t w = 0; w < values.mueller.size(); ++w) {
-        for (std::size_t i = 0; i < mu_in.size(); ++i) {
-            for (std::size_t o = 0; o < mu_out.size(); ++o) {
-                for (std::size_t a = 0; a < azimuth_deg.size(); ++a) {
-                    auto& row = table.rows.emplace_back(std::vector<Cell>{
-                        values.wavelengths[w].wavelength_nm, mu_in[i], mu_out[o], azimuth_deg[a]});
-                    for (int r = 0; r < values.components; ++r) {
-                        for (int c = 0; c < values.components; ++c)
-                            row.emplace_back(factor * values.at(w, i, o, a, r, c));
-                    }
-                    row.emplace_back(values.degree_of_linear_polarisation(w, i, o, a));
-                    row.emplace_back(values.angle_of_polarisation_deg(w, i, o, a));
-                }
-            }
+/// @param values  must stay where it is until the rows are written
+RowSource rows_of(const MuellerValues& values, double factor) {
+    const std::size_t outs = values.directions.mu_out.size(),
+                      azimuths = values.directions.azimuth_deg.size(),
+                      ins = values.directions.mu_in.size();
+    const auto fill = [&values, factor, outs, azimuths, ins](std::size_t index,
+                                                             std::vector<Cell>& row) {
+        const auto& [mu_in, mu_out, azimuth_deg] = values.directions;
+        const std::size_t a = index % azimuths, o = index / azimuths % outs,
+                          i = index / azimuths / outs % ins, w = index / azimuths / outs / ins;
+        row = {values.wavelengths[w].wavelength_nm, mu_in[i], mu_out[o], azimuth_deg[a]};
+        for (int r = 0; r < values.components; ++r) {
+            for (int c = 0; c < values.components; ++c)
+                row.emplace_back(factor * values.at(w, i, o, a, r, c));
         }
-    }
+        row.emplace_back(values.degree_of_linear_polarisation(w, i, o, a));
+        row.emplace_back(values.angle_of_polarisation_deg(w, i, o, a));
+    };
+    return {values.mueller.size() * ins * outs * azimuths, fill};
 }
 
 }  // namespace
@@ -101,7 +102,7 @@ int write_mueller(const Brdf& brdf, const BrdfQuestion& question, const Shell& s
     add_physics(table, values);
     add_mirror(table, values);
     table.columns = columns_of(values.components);
-    add_rows(table, values, question.as_reflection ? std::numbers::pi : 1.0);
+    table.more_rows = rows_of(values, question.as_reflection ? std::numbers::pi : 1.0);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }

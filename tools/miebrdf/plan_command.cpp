@@ -12,7 +12,7 @@
 namespace miebrdf::program {
 namespace {
 
-/// An estimate within a factor of three is not written to sixteen digits.
+/// An estimate is not written to sixteen digits.
 double estimate(double seconds) { return rounded(seconds, 2); }
 
 /// Adds one plan to a table; `result` numbers the results of a scene file.
@@ -25,8 +25,9 @@ void add_plan(Table& table, const Plan& plan, const std::string& result) {
         table.rows.push_back({result, std::string("leave out"), omission.rule, omission.reason,
                               Cell(), estimate(omission.saved_s)});
     }
-    table.facts.emplace_back("estimate",
-                             fmt::format("{}: {:.2g} s on one thread", result, plan.seconds()));
+    table.facts.emplace_back(
+        "estimate", fmt::format("{}: {:.2g} s on one thread, {:.0f} MB", result, plan.seconds(),
+                                1e-6 * plan.memory_bytes));
 }
 
 Table empty_table() {

@@ -148,7 +148,9 @@ class Database {
     /// exact name comes before an exact alias, before a normalised form that fits one material
     /// only. A mixture is a material too: "bruggeman(TiO2:30%,SiO2)", and likewise maxwell-garnett
     /// (the host comes last), looyenga, volume and average; average(o,e) of the ordinary and
-    /// extraordinary ray of a crystal is that of its powder, (2 o + e) / 3.
+    /// extraordinary ray of a crystal is that of its powder, (2 o + e) / 3. So are models
+    /// (drude(...), lorentz(...), tauc-lorentz(...), cody-lorentz(...), oscillators(...)), formulas
+    /// (formula(n=...,k=...)) and temperature(NAME,350K), between two datasets of one material.
     /// "material/label", "source:key" and the address of a page of refractiveindex.info name
     /// one dataset.
     /// @throws UnknownMaterial  naming the nearest known names, or all that fit
@@ -189,6 +191,17 @@ class Database {
     std::vector<DatasetInfo> from_source(const std::string& source, const std::string& key) const;
     /// The dataset of a mixing rule; nothing when the name is none.
     std::optional<Dataset> mixture(const std::string& name) const;
+    /// A material that is computed and not stored: its description, with n and k sampled, and the
+    /// index itself.
+    struct Computed {
+        Dataset dataset;
+        RefractiveIndex index;
+    };
+    /// Models, formulas and interpolation in temperature; nothing when the name is none.
+    std::optional<Computed> computed(const std::string& name,
+                                     const IndexOptions& options = {}) const;
+    /// Mixtures and what is computed.
+    std::optional<Dataset> unstored(const std::string& name) const;
     static std::vector<std::string> not_indexed(const Layer& layer);
     std::string canonical_name(const std::string& name) const;
     [[noreturn]] void throw_unknown(const std::string& name) const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -94,6 +95,16 @@ struct Coverage {
     double longest_nm = 0.0;
 };
 
+/// n + ik as a function of the wavelength: a model, a formula, an interpolation between datasets.
+struct IndexFunction {
+    /// Called for wavelengths of the range, from several threads.
+    std::function<std::complex<double>(double wavelength_nm)> at = {};
+    double shortest_nm = 0.0;
+    double longest_nm = 0.0;
+    std::vector<double> grid_nm = {};  ///< where it is tabulated for those who want a table
+    bool k_known = true;               ///< false: k is 0 because nobody gave it
+};
+
 /// Interpolates n and k separately, each on its own grid, monotonically (PCHIP) in photon energy;
 /// dispersion formulas are evaluated exactly. Tables of fewer than 4 rows are interpolated linearly
 /// in photon energy (PCHIP needs 4), a table of one row is valid at that wavelength alone.
@@ -109,6 +120,10 @@ class RefractiveIndex {
     RefractiveIndex(std::string material, std::optional<Series> n, std::optional<Series> k,
                     const IndexOptions& options = {}, std::vector<Coverage> alternatives = {});
 
+    /// Evaluated as it is; values that are no refractive index are refused where they occur.
+    /// @param options  of these the extrapolation counts
+    RefractiveIndex(std::string material, IndexFunction function, const IndexOptions& options = {});
+
     /// n + ik at a vacuum wavelength.
     /// @throws InputError  outside the data, naming material, asked and valid range (the field is
     ///         wavelength_nm); also where a formula has no real value
@@ -120,7 +135,8 @@ class RefractiveIndex {
     bool covers(double wavelength_nm) const;
     bool k_known() const;
 
-    /// n and k at every native wavelength of the range; for formulas 201 points even in energy.
+    /// n and k at every native wavelength of the range; for formulas 201 points even in energy, for
+    /// functions those of their grid.
     IndexTable table() const;
 
   private:

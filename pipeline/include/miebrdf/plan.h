@@ -15,7 +15,7 @@ struct PlannedStep {
     std::string stage;
     std::string what;
     std::size_t jobs = 0;
-    double seconds = 0.0;  ///< estimate for one thread, right to a factor of about three
+    double seconds = 0.0;  ///< estimate for one thread (docs/command-line.md#plan: how good)
 };
 
 struct Omission {
@@ -27,6 +27,8 @@ struct Omission {
 struct Plan {
     std::vector<PlannedStep> steps;
     std::vector<Omission> omissions;
+    /// The most that a process with one thread holds at once, the program included; an estimate.
+    double memory_bytes = 0.0;
 
     double seconds() const;
     bool leaves_out(const std::string& rule) const;
