@@ -132,7 +132,7 @@ LayerAlbedos layer_albedos(const LayerBatch& layers, const rte::SolverOptions& o
     const BatchFields fields = fields_of(layers);
     const std::size_t count = count_layers(fields);
     rte::validate(options);
-    rte::validate(Directions{{layers.mu_in.begin(), layers.mu_in.end()}, {}, {}});
+    rte::validate(rte::Directions{{layers.mu_in.begin(), layers.mu_in.end()}, {}, {}});
     LayerAlbedos all;
     all.plane_albedo.resize(count * layers.mu_in.size());
     all.plane_transmittance.resize(all.plane_albedo.size());
