@@ -1,11 +1,11 @@
 #include "rte/first_order/narrow_features.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -238,11 +238,13 @@ void NarrowFeatures::reduce_rank() {
                              .transpose();
     }
     // The left singular vectors, ascending: complete whatever the Gram matrix has lost in rounding.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(of_node * of_node.transpose());
+    math::SymmetricEigen gram;
+    gram.compute(of_node * of_node.transpose());
+    const auto vectors = gram.vectors();
     Eigen::MatrixXd rest = of_node;
     Eigen::Index rank = 0;
     for (double left = tolerance_; rank < nodes && !(left <= 0.1 * tolerance_); ++rank) {
-        const auto basis = gram.eigenvectors().col(nodes - 1 - rank);
+        const auto basis = vectors.col(nodes - 1 - rank);
         rest.noalias() -= basis * (basis.transpose() * of_node);
         left = 0.0;  // the largest sum over degrees, |P_l| <= 1
         for (Eigen::Index stack = 0; stack < Eigen::Index(stacks_); ++stack) {
@@ -250,7 +252,7 @@ void NarrowFeatures::reduce_rank() {
             left = std::max(left, of_stack.cwiseAbs().rowwise().sum().maxCoeff());
         }
     }
-    at_nodes_ = gram.eigenvectors().rightCols(rank);
+    at_nodes_ = vectors.rightCols(rank);
     const Eigen::MatrixXd reduced = at_nodes_.transpose() * of_node;
     strengths_.resize(rank * Eigen::Index(stacks_), strengths_.cols());
     for (Eigen::Index k = 0; k < rank; ++k) {

@@ -87,4 +87,16 @@ class SymmetricEigen {
     Eigen::Index size_ = 0;
 };
 
+/// Eigenvalues and eigenvectors of a matrix that need not be symmetric, A = W diag(values) W^-1.
+struct ComplexEigen {
+    Eigen::VectorXcd values;
+    Eigen::MatrixXcd vectors, inverse;  ///< W and W^-1
+
+    /// @return false if the iteration does not converge or W has no inverse
+    bool compute(const Eigen::MatrixXd& A);
+
+    /// W diag(f) W^-1 for f of each eigenvalue, those of pairs being conjugate.
+    Eigen::MatrixXd function(const Eigen::ArrayXcd& of_values) const;
+};
+
 }  // namespace miebrdf::math

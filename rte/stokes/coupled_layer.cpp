@@ -1,6 +1,5 @@
 #include "rte/stokes/coupled.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
@@ -40,25 +39,6 @@ ComplexDecay decay_integrals(double x, Complex y) {
     return {scale * (sum - direct * between), scale * (between - direct * sum)};
 }
 
-// Eigenmodes of the rates: A = W diag(lambda) W^-1.
-struct ComplexModes {
-    ComplexMatrix W, inverse;
-    Eigen::VectorXcd rates;
-    bool physical = false;
-
-    explicit ComplexModes(const MatrixXd& A) {
-        const Eigen::EigenSolver<MatrixXd> solver(A);
-        if (solver.info() != Eigen::Success) return;
-        W = solver.eigenvectors();
-        rates = solver.eigenvalues();
-        inverse = W.partialPivLu().inverse();
-        physical = rates.real().minCoeff() > 0.0 && inverse.allFinite();
-    }
-    MatrixXd function(const ComplexArray& values) const {
-        return (W * values.matrix().asDiagonal() * inverse).real();
-    }
-};
-
 // F Z^ h F^T in its blocks.
 struct Impedance {
     MatrixXd linear, mixed, circular;
@@ -87,13 +67,13 @@ bool inverse_of(const Impedance& Z, int rows_per_node, MatrixXd& result) {
 }
 
 // As in solve_layer, mode by mode, for light from both sides alike and with opposite signs.
-void fill_rows(double tau, const VectorXd& mu, const ComplexModes& modes,
+void fill_rows(double tau, const VectorXd& mu, const math::ComplexEigen& modes,
                const CoupledSources& sources, const CoupledModes& coupled, int rows_per_node,
                LayerOperator& layer) {
-    const ComplexMatrix even = sources.even * modes.W, odd = sources.odd * modes.W;
+    const ComplexMatrix even = sources.even * modes.vectors, odd = sources.odd * modes.vectors;
     ComplexMatrix alike(even.rows(), even.cols()), opposite(even.rows(), even.cols());
     for (Eigen::Index j = 0; j < even.cols(); ++j) {
-        const Complex y = tau * modes.rates[j];
+        const Complex y = tau * modes.values[j];
         const Complex tanh = 0.5 * y * decayed(y) / (1.0 - 0.5 * y * decayed(y));
         for (Eigen::Index r = 0; r < even.rows(); ++r) {
             const ComplexDecay decay = decay_integrals(tau / mu[r], y);
@@ -166,10 +146,10 @@ void solve_coupled_layer(double tau, const StokesTables& tables, const StokesBlo
     layer.physical =
         coupled.find(tables, block, strengths, medium.one_minus_albedo, nodes, cosines, tolerance);
     if (!layer.physical) return;
-    const ComplexModes modes(coupled.rates);
-    layer.physical = modes.physical;
+    math::ComplexEigen modes;  // of the rates
+    layer.physical = modes.compute(coupled.rates) && modes.values.real().minCoeff() > 0.0;
     if (!layer.physical) return;
-    const ComplexArray y = tau * modes.rates.array();
+    const ComplexArray y = tau * modes.values.array();
     const ComplexArray half = 0.5 * y * y.unaryExpr([](Complex z) { return decayed(z); });
     const ComplexArray tanh = half / (1.0 - half);  // (1 - e^-y) / (1 + e^-y)
     const ComplexArray sinh =

@@ -82,7 +82,8 @@ endfunction()
 # build is reading Eigen, fmt and the standard library again for every small file, and instantiating
 # the same templates. Headers are read once for a target (precompiled), and with MIEBRDF_UNITY
 # BATCH sources (0: all; 1: none) are compiled as one. COLD: code that reads words and prints them, whose own
-# speed nobody notices; -O1 halves its time in the compiler.
+# speed nobody notices; -O1 halves its time in the compiler. With PRECOMPILED_BY both must be COLD, or
+# neither: gcc takes the level from the precompiled headers.
 function(miebrdf_fast_build target)
     cmake_parse_arguments(ARG "COLD" "BATCH;PRECOMPILED_BY" "PRECOMPILE" ${ARGN})
     if(NOT DEFINED ARG_BATCH)
