@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "rte/stokes/polarised_beams.h"
-#include "rte/stokes/stokes_sum.h"
+#include "rte/stokes/stokes_solver.h"
 
 namespace miebrdf {
 namespace {

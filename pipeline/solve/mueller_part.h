@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/solve/smooth_part.h"
-#include "rte/stokes/stokes_table.h"
+#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 

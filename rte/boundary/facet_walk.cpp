@@ -1,4 +1,4 @@
-#include "rte/boundary/facet_walk.h"
+#include "rte/boundary/rough_boundary.h"
 
 #include <cmath>
 

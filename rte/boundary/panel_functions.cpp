@@ -1,4 +1,4 @@
-#include "rte/boundary/panel_functions.h"
+#include "rte/boundary/rough_boundary.h"
 
 #include <algorithm>
 #include <cmath>

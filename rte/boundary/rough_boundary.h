@@ -1,5 +1,6 @@
-// The rough boundary between air and a medium: matrices of what it sends where.
-// Equations: docs/maths-boundary.md.
+// The rough boundary between air and a medium: matrices of what it sends where, light that meets
+// two or more facets before it leaves, and the functions on panels of cosines in which both are
+// written. Equations: docs/maths-boundary.md.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +11,94 @@
 #include <vector>
 
 #include "rte/boundary/facet_scattering.h"
-#include "rte/boundary/facet_walk.h"
-#include "rte/boundary/panel_functions.h"
 #include "rte/grid/refraction_grid.h"
 
 namespace miebrdf::rte {
+
+/// The Lagrange functions of a grid for one index: each belongs to one node, is a polynomial of the
+/// Gauss variable t in its panel and 0 in all others. In odd Fourier orders, where radiance has the
+/// factor sin(theta), so have they: (q / q_p) l_p, q = n sin(theta). `index` is the largest of the
+/// grid.
+class PanelFunctions {
+  public:
+    PanelFunctions(const RefractionGrid& grid, double index);
+
+    /// Functions of all nodes, and in air of the last ones.
+    Eigen::VectorXd inside_values(double mu, int order) const;
+    Eigen::VectorXd in_air_values(double mu_air, int order) const;
+
+    /// Energy of rays inside the medium, all mu > 0, in every order: energy cos(order azimuth) by
+    /// the functions of mu.
+    /// @return  nodes x orders
+    Eigen::MatrixXd inside(const ScatteredRays& rays, int orders) const;
+    /// The same for rays in air: of the nodes below index 1 alone, the last ones.
+    Eigen::MatrixXd in_air(const ScatteredRays& rays, int orders) const;
+
+  private:
+    struct Position {
+        std::size_t panel;
+        double t;
+    };
+    Position inside_at(double mu) const;
+    Position in_air_at(double mu_air) const;
+    template <typename Locate>
+    Eigen::MatrixXd collect(const ScatteredRays& rays, int orders, double index,
+                            const Locate& locate) const;
+    void evaluate(const Position& at, double* values) const;
+
+    RefractionGrid grid_;
+    double index_;
+    Eigen::VectorXd q_;      ///< of the nodes
+    Eigen::VectorXd scale_;  ///< 1 / product of (t_p - t_k) over the other nodes of p's panel
+};
+
+/// The random walk of Heitz et al. 2016 on a Smith surface as a system of linear equations. The
+/// state of a ray between two facets is its direction, on either side and away from the boundary or
+/// towards it, and its height: u, the share of the surface that lies lower. A ray that starts at u
+/// with the cosine mu away from the boundary
+///
+///     leaves with the probability u^Lambda, or meets a facet at v > u with the density
+///     Lambda u^Lambda / v^(1 + Lambda);
+///
+/// one that goes towards it meets one at v < u with the density (1 + Lambda) v^Lambda / u^(1 +
+/// Lambda). Below the surface the same holds with 1 - u and 1 - v. What leaves after two or more
+/// facets varies slowly, so that few nodes do: kStreams for the directions, kHeights for u
+/// (docs/maths-boundary.md has the errors).
+class FacetWalk {
+  public:
+    static constexpr int kStreams = 14;
+    static constexpr int kHeights = 5;
+
+    FacetWalk(double index, const RoughSurface& surface, int orders);
+
+    /// A beam from below or from air, after its first facet.
+    struct Beam {
+        bool from_air;
+        double mu;  ///< cosine of incidence
+        FacetScattering first;
+    };
+    /// Energy that leaves after two or more facets, for each order (nodes inside, nodes in air of
+    /// grid) x beams.
+    std::vector<Eigen::MatrixXd> leaving(const std::vector<Beam>& beams,
+                                         const RefractionGrid& grid) const;
+
+  private:
+    Eigen::MatrixXd directions_after(const FacetScattering& light, bool from_air) const;
+    Eigen::MatrixXd onto(const RefractionGrid& grid, int order) const;
+
+    double index_;
+    RoughSurface surface_;
+    int order_count_;
+    RefractionGrid grid_;
+    PanelFunctions functions_;
+    Eigen::VectorXd g2_;  ///< n^2 mu w of the nodes inside, then of those in air
+    /// Of a ray in one direction, row and column for its height: what meets a facet at which
+    /// height, and (one row) what leaves.
+    std::vector<Eigen::MatrixXd> meets_;
+    std::vector<Eigen::RowVectorXd> leaves_;
+    /// For each order: what leaves a facet in which direction, by the direction it came in.
+    std::vector<Eigen::MatrixXd> turned_;
+};
 
 /// What light from requested directions in air does, rows in the order of the request.
 struct LightFromAir {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
@@ -129,10 +130,13 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
     }
     memory_.modes.resize(requested_.size());
     if (is_rough) {
-        rough_top_.emplace(stack.top_index, *stack.boundary,
-                           grids.refraction().within(stack.top_index), requested);
+        rough_top_ =
+            std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
+                                       grids.refraction().within(stack.top_index), requested);
     }
 }
+
+StackSolver::~StackSolver() = default;
 
 std::size_t StackSolver::place_of(double index) const {
     const auto& indices = grids_.indices();

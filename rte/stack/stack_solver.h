@@ -5,12 +5,12 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
-#include "rte/boundary/rough_top.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
@@ -39,6 +39,8 @@ struct ScaledStack {
     /// Beams come back from mirrors or boundaries below a medium.
     bool has_mirrors() const;
 };
+
+class RoughTop;
 
 enum class NarrowPart { split, ignored };
 
@@ -91,6 +93,7 @@ class StackSolver {
     StackSolver(const ScaledStack& stack, const StackGrids& grids,
                 const RequestedDirections& requested, const SolverOptions& options,
                 StackMemory& memory);
+    ~StackSolver();
 
     /// Of the whole stack, boundary included. Where there is one, `specular` is the reflection into
     /// the mirror direction, the same in all orders.
@@ -122,7 +125,7 @@ class StackSolver {
     const ScaledStack& stack_;
     const StackGrids& grids_;
     std::vector<RequestedDirections> requested_;  ///< by index
-    std::optional<RoughTop> rough_top_;
+    std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order
     StackMemory& memory_;

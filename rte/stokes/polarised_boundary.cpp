@@ -1,4 +1,4 @@
-#include "rte/stokes/polarised_boundary.h"
+#include "rte/stokes/coupled.h"
 
 #include <algorithm>
 

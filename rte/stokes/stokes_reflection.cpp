@@ -12,7 +12,7 @@
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stokes/polarised_beams.h"
-#include "rte/stokes/stokes_sum.h"
+#include "rte/stokes/stokes_solver.h"
 
 namespace miebrdf::rte {
 namespace {

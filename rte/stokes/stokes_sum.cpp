@@ -1,4 +1,4 @@
-#include "rte/stokes/stokes_sum.h"
+#include "rte/stokes/stokes_solver.h"
 
 #include <algorithm>
 #include <cmath>

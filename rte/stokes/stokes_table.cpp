@@ -1,11 +1,10 @@
-#include "rte/stokes/stokes_table.h"
 
 #include <utility>
 
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stokes/stokes_reflection.h"
-#include "rte/stokes/stokes_sum.h"
+#include "rte/stokes/stokes_solver.h"
 
 namespace miebrdf::rte {
 
