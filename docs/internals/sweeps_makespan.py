@@ -70,7 +70,7 @@ def main():
     for group in groups:
         usual = statistics.median(group[1:])
         mie.append(max(group[0] - usual, 0.0))
-        chunks += [min(group[0], usual)] + group[1:]
+        chunks += [min(group[0], usual), *group[1:]]
     once = sum(chunks) + sum(mie)
     print(f"{len(chunks)} scenes in {len(groups)} groups, {once:.1f} s, {sum(mie):.1f} s of them Mie "
           f"theory; longest scene {max(chunks):.3f} s, Mie theory of a group up to {max(mie):.3f} s")

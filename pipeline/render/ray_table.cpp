@@ -91,7 +91,7 @@ void RayTable::fill(std::size_t w, const SmoothPart& smooth, const ScatteredOnce
             if (once) once(mu_in, mu_out, cos_azimuth, added);
             for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
                 const double value =
-                    (mu_in + mu_out) * (cosine_sum(series, cos_azimuth[a]) + added[a]);
+                    (mu_in + mu_out) * (math::cosine_sum(series, cos_azimuth[a]) + added[a]);
                 if (!std::isfinite(value)) {
                     throw InputError(
                         fmt::format("no physical solution at {} nm; try other streams "

@@ -71,16 +71,17 @@ void FirstOrder::set_weights(double slant, double factor, Scratch& scratch) cons
 void FirstOrder::evaluate(double mu_in, double mu_out, std::span<const double> cos_azimuth,
                           std::span<double> reflection, Scratch& scratch) const {
     std::fill(reflection.begin(), reflection.end(), 0.0);
-    const double narrow_in = std::max(mu_in, kLeastCosine);
-    const double narrow_out = std::max(mu_out, kLeastCosine);
-    narrow_.add_to(reflection.data(), {&narrow_in, 1}, {&narrow_out, 1}, cos_azimuth);
+    scratch.angles.resize(cos_azimuth.size());
+    for (std::size_t a = 0; a < cos_azimuth.size(); ++a)
+        scratch.angles[a] = std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a]));
+    narrow_.add_at(reflection.data(), std::max(mu_in, kLeastCosine), std::max(mu_out, kLeastCosine),
+                   scratch.angles, scratch.narrow);
     if (!phases_) return;
     set_weights(1.0 / mu_in + 1.0 / mu_out, 1.0 / (4.0 * (mu_in + mu_out)), scratch);
     const Eigen::ArrayXXd& weights = scratch.weights;
     scratch.phases.resize(weights.size());
     for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
-        phases_->evaluate(std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth[a])),
-                          scratch.phases);
+        phases_->evaluate(scratch.angles[a], scratch.phases);
         // Summed in an array that is always aligned alike: where Eigen begins with vectors, which
         // the compiler gives other roundings than scalars, must not depend on the caller's memory.
         scratch.sums = (weights * Eigen::Map<const Eigen::ArrayXXd>(scratch.phases.data(),

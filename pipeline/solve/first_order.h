@@ -42,6 +42,8 @@ class FirstOrder {
         Eigen::ArrayXXd weights;  ///< of the phase functions: row = wavelength, column = layer
         Eigen::ArrayXd above, lost, sums;
         Eigen::VectorXd phases;
+        std::vector<double> angles;  ///< of scattering
+        rte::NarrowFeatures::Scratch narrow;
     };
 
     /// R at directions that share their cosines: reflection[a * wavelengths() + w].

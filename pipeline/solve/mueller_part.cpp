@@ -79,7 +79,7 @@ void MuellerPart::evaluate(const rte::ScaledStack& stack, const std::vector<rte:
         for (std::size_t d = 0; d < directions.size(); ++d) {
             const double azimuth = directions[d].azimuth_deg * (std::numbers::pi / 180.0);
             const double sum = is_sine ? sine_sum(series, std::cos(azimuth), std::sin(azimuth))
-                                       : cosine_sum(series, std::cos(azimuth));
+                                       : math::cosine_sum(series, std::cos(azimuth));
             matrix[d * stride + std::size_t(element)] += sum / std::numbers::pi;
         }
     }

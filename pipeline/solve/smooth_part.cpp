@@ -1,6 +1,5 @@
 #include "pipeline/solve/smooth_part.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,8 +13,6 @@ constexpr double kHorizon = 1e-9;
 /// Relative to all orders of a pair: what the orders left out of a series may add up to.
 constexpr double kNegligible = 1e-7;
 constexpr std::size_t kLanes = SmoothPart::kLanes;
-using Lanes = Eigen::Array<double, kLanes, 1>;
-using FloatLanes = Eigen::Array<float, kLanes, 1>;
 
 std::size_t whole_lanes(std::size_t orders) { return (orders + kLanes - 1) / kLanes * kLanes; }
 
@@ -137,53 +134,19 @@ void SmoothPart::series_at(const NodeStencil& in, const NodeStencil& out, double
         series.assign(kLanes, 0.0);
         return;
     }
-    constexpr std::size_t count = NodeStencil::kNodes;
-    const std::size_t needed = whole_lanes(needed_[in.first * kStencils + out.first]);
-    series.resize(needed);
-    std::array<float, count> weight_in, weight_out;
-    for (std::size_t j = 0; j < count; ++j) {
+    series.resize(whole_lanes(needed_[in.first * kStencils + out.first]));
+    math::SeriesTable::Weights weight_in, weight_out;
+    for (std::size_t j = 0; j < NodeStencil::kNodes; ++j) {
         weight_in[j] = static_cast<float>(in.weight[j] / mu_sum);
         weight_out[j] = static_cast<float>(out.weight[j]);
     }
-    for (std::size_t m = 0; m < needed; m += kLanes) {
-        FloatLanes sum = FloatLanes::Zero();
-        for (std::size_t i = 0; i < count; ++i) {
-            const float* a = &modes_[((in.first + i) * kNodes + out.first) * orders_ + m];
-            FloatLanes row = FloatLanes::Zero();
-            for (std::size_t o = 0; o < count; ++o, a += orders_)
-                row += weight_out[o] * Eigen::Map<const FloatLanes>(a);
-            sum += weight_in[i] * row;
-        }
-        Eigen::Map<Lanes> target(&series[m]);
-        target = sum.cast<double>();
-    }
+    const math::SeriesTable neighbours{&modes_[(in.first * kNodes + out.first) * orders_],
+                                       kNodes * orders_, orders_};
+    neighbours.add_up(weight_in, weight_out, series);
 }
 
 double at_cosine(const std::vector<double>& at_nodes, double mu) {
     return NodeStencil(mu).of(at_nodes);
-}
-
-double cosine_sum(const std::vector<double>& a, double cos_azimuth) {
-    // cos(m azimuth) and, kLanes orders lower, cos((kLanes - m) azimuth).
-    std::array<double, kLanes + 1> cosine = {1.0, cos_azimuth};
-    for (std::size_t m = 2; m <= kLanes; ++m)
-        cosine[m] = 2.0 * cos_azimuth * cosine[m - 1] - cosine[m - 2];
-    Lanes here, lower;
-    for (std::size_t m = 0; m < kLanes; ++m) {
-        const auto lane = static_cast<Eigen::Index>(m);
-        here[lane] = cosine[m];
-        lower[lane] = cosine[kLanes - m];
-    }
-    const double step = 2.0 * cosine[kLanes];
-    Lanes next = Lanes::Zero(), after = Lanes::Zero();
-    for (std::size_t m = a.size() - kLanes; m > 0; m -= kLanes) {
-        const Lanes current = Eigen::Map<const Lanes>(&a[m]) + step * next - after;
-        after = next;
-        next = current;
-    }
-    const Lanes sum =
-        here * (Eigen::Map<const Lanes>(a.data()) - after) + (step * here - lower) * next;
-    return sum.sum();
 }
 
 }  // namespace miebrdf

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "rte/math/cosine_series.h"
+
 namespace miebrdf {
 
 /// Six neighbouring nodes of SmoothPart and their Lagrange weights: where a cosine lies.
 struct NodeStencil {
-    static constexpr std::size_t kNodes = 6;
+    static constexpr std::size_t kNodes = math::SeriesTable::kNeighbours;
 
     explicit NodeStencil(double mu);
     /// Any function given at the nodes.
@@ -28,7 +30,7 @@ class SmoothPart {
   public:
     static constexpr std::size_t kNodes = 49;
     /// Orders are summed so many at a time.
-    static constexpr std::size_t kLanes = 8;
+    static constexpr std::size_t kLanes = math::kSeriesLanes;
 
     /// The cosines, ascending; the first stands for the horizon.
     static const std::vector<double>& nodes();
@@ -63,9 +65,5 @@ class SmoothPart {
 
 /// Any function given at the nodes, between them.
 double at_cosine(const std::vector<double>& at_nodes, double mu);
-
-/// a_0 + sum a_m cos(m azimuth) by Clenshaw's recurrence over every kLanes-th order.
-/// @param a  a multiple of SmoothPart::kLanes coefficients
-double cosine_sum(const std::vector<double>& a, double cos_azimuth);
 
 }  // namespace miebrdf

@@ -262,7 +262,8 @@ void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride
                     EvaluationScratch& scratch) const {
     smooth.series_at(in_, out_, mu_sum_, scratch.series);
     for (std::size_t d = 0; d < scratch.cos_azimuth.size(); ++d)
-        values[d * stride] += cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
+        values[d * stride] +=
+            math::cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
 }
 
 }  // namespace miebrdf

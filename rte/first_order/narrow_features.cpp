@@ -261,10 +261,13 @@ void NarrowFeatures::reduce_rank() {
     }
 }
 
-Eigen::VectorXd NarrowFeatures::weights_at(double q) const {
-    if (nodes_.count() == 1) return Eigen::VectorXd::Ones(1);
+void NarrowFeatures::weights_at(double q, Eigen::VectorXd& weights) const {
+    if (nodes_.count() == 1) {
+        weights.setOnes(1);
+        return;
+    }
     const double t = (std::log(q) - log_q_middle_) / log_q_half_;
-    return at_nodes_.transpose() * nodes_.weights(t);
+    weights.noalias() = at_nodes_.transpose() * nodes_.weights(t);
 }
 
 void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
@@ -284,10 +287,12 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
     }
     const Eigen::MatrixXd sums = sum_degrees(
         strengths_, Eigen::Map<const Eigen::VectorXd>(angles.data(), Eigen::Index(angles.size())));
+    Eigen::VectorXd weights;
     Eigen::Index k = 0;
     for (const double in : mu_in) {
         for (const double out : mu_out) {
-            const Eigen::VectorXd weights = weights_at(1.0 / in + 1.0 / out) / (4.0 * (in + out));
+            weights_at(1.0 / in + 1.0 / out, weights);
+            weights /= 4.0 * (in + out);
             for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k)
                 add_weighted(sums.row(k), weights, &reflection[std::size_t(k) * stacks_]);
         }
@@ -297,16 +302,29 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
 void NarrowFeatures::add_from_table(double* reflection, std::span<const double> mu_in,
                                     std::span<const double> mu_out,
                                     std::span<const double> cos_azimuth) const {
-    Eigen::VectorXd values(strengths_.rows());
+    Scratch scratch;
+    std::vector<double> angles(cos_azimuth.size());
     for (const double in : mu_in) {
         for (const double out : mu_out) {
-            const Eigen::VectorXd weights = weights_at(1.0 / in + 1.0 / out) / (4.0 * (in + out));
-            for (const double cosine : cos_azimuth) {
-                table_->evaluate(std::acos(cos_scattering_angle(in, out, cosine)), values);
-                add_weighted(values, weights, reflection);
-                reflection += stacks_;
-            }
+            std::transform(
+                cos_azimuth.begin(), cos_azimuth.end(), angles.begin(),
+                [&](double cosine) { return std::acos(cos_scattering_angle(in, out, cosine)); });
+            add_at(reflection, in, out, angles, scratch);
+            reflection += angles.size() * stacks_;
         }
+    }
+}
+
+void NarrowFeatures::add_at(double* reflection, double mu_in, double mu_out,
+                            std::span<const double> scattering_angles, Scratch& scratch) const {
+    if (none()) return;
+    scratch.values.resize(strengths_.rows());
+    weights_at(1.0 / mu_in + 1.0 / mu_out, scratch.weights);
+    scratch.weights /= 4.0 * (mu_in + mu_out);
+    for (const double angle : scattering_angles) {
+        table_->evaluate(angle, scratch.values);
+        add_weighted(scratch.values, scratch.weights, reflection);
+        reflection += stacks_;
     }
 }
 

@@ -52,6 +52,15 @@ class NarrowFeatures {
     void add_to(double* reflection, std::span<const double> mu_in, std::span<const double> mu_out,
                 std::span<const double> cos_azimuth) const;
 
+    /// Memory of one sum that the next one can use.
+    struct Scratch {
+        Eigen::VectorXd values, weights;
+    };
+    /// The same after tabulate() at one pair of cosines, where the angles of scattering are known:
+    /// reflection[a * stacks() + stack].
+    void add_at(double* reflection, double mu_in, double mu_out,
+                std::span<const double> scattering_angles, Scratch& scratch) const;
+
   private:
     /// The coefficients of P_l at as many nodes in log q as the tolerance needs.
     void find_strengths(std::span<const std::vector<ScaledMedium>> stacks);
@@ -60,7 +69,7 @@ class NarrowFeatures {
     void add_from_table(double* reflection, std::span<const double> mu_in,
                         std::span<const double> mu_out, std::span<const double> cos_azimuth) const;
     /// The functions of q.
-    Eigen::VectorXd weights_at(double q) const;
+    void weights_at(double q, Eigen::VectorXd& weights) const;
 
     std::size_t stacks_ = 0;
     double log_q_middle_ = 0.0;

@@ -1,7 +1,6 @@
 #include "rte/math/chebyshev.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -12,6 +11,10 @@ namespace {
 using std::numbers::pi;
 constexpr int kNodes = AngleTable::kNodes;
 constexpr int kFirstPanels = 48;
+/// Cells for each panel at most: their indices take half of the memory of one function then.
+constexpr std::size_t kMostCellsPerPanel = 8;
+/// In t: what rounding may do to an angle at the border of two panels, where both are right.
+constexpr double kBorder = 1e-9;
 
 using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
 
@@ -36,6 +39,34 @@ bool has_converged(const Eigen::MatrixXd& coefficients, const AngleTolerance& to
     const Eigen::ArrayXd tail = coefficients.rightCols(2).cwiseAbs().rowwise().maxCoeff();
     const Eigen::ArrayXd largest = coefficients.cwiseAbs().rowwise().maxCoeff();
     return (tail <= tolerance.absolute + tolerance.relative * largest).all();
+}
+
+using ChebyshevValues = Eigen::Array<double, kNodes, 1>;
+
+// Of all degrees at t, by products of lower ones (T_a T_b = (T_{a+b} + T_{a-b}) / 2): what is
+// needed next is ready sooner than after steps of one degree.
+ChebyshevValues chebyshev_values(double t) {
+    static_assert(kNodes == 8);
+    const double t2 = 2.0 * t * t - 1.0, t3 = 2.0 * t * t2 - t;
+    const double t4 = 2.0 * t2 * t2 - 1.0, t5 = 2.0 * t2 * t3 - t;
+    const double t6 = 2.0 * t3 * t3 - 1.0, t7 = 2.0 * t3 * t4 - t;
+    ChebyshevValues values;
+    values << 1.0, t, t2, t3, t4, t5, t6, t7;
+    return values;
+}
+
+/// Functions that are summed in registers.
+constexpr int kTogether = 4;
+
+// Some neighbouring functions of `count`.
+template <int n>
+Eigen::Matrix<double, n, 1> sum_of(const ChebyshevValues& chebyshev, const double* coefficients,
+                                   Eigen::Index count) {
+    using Values = Eigen::Matrix<double, n, 1>;
+    Values sum = Eigen::Map<const Values>(coefficients);
+    for (int k = 1; k < kNodes; ++k)
+        sum += chebyshev[k] * Eigen::Map<const Values>(coefficients + k * count);
+    return sum;
 }
 
 }  // namespace
@@ -93,8 +124,7 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
         const Eigen::MatrixXd coefficients =
             values.middleRows(Eigen::Index(p) * kNodes, kNodes).transpose() * analysis;
         if (upper - lower <= narrowest || has_converged(coefficients, tolerance)) {
-            lower_.push_back(lower);
-            upper_.push_back(upper);
+            panels_.push_back(panels[p]);
             coefficients_.insert(coefficients_.end(), coefficients.data(),
                                  coefficients.data() + coefficients.size());
         } else {
@@ -107,53 +137,56 @@ std::vector<AngleTable::Panel> AngleTable::refine(const std::vector<Panel>& pane
 }
 
 void AngleTable::sort_panels() {
-    std::vector<std::size_t> order(upper_.size());
+    std::vector<std::size_t> order(panels_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return upper_[a] < upper_[b]; });
-    std::vector<double> lower, upper;
+              [&](std::size_t a, std::size_t b) { return panels_[a].upper < panels_[b].upper; });
+    std::vector<Panel> panels;
     std::vector<double> coefficients;
     coefficients.reserve(coefficients_.size());
     const auto size = std::ptrdiff_t(kNodes) * function_count_;
     for (const std::size_t p : order) {
-        lower.push_back(lower_[p]);
-        upper.push_back(upper_[p]);
+        panels.push_back(panels_[p]);
         const auto own = coefficients_.begin() + std::ptrdiff_t(p) * size;
         coefficients.insert(coefficients.end(), own, own + size);
     }
-    lower_ = std::move(lower);
-    upper_ = std::move(upper);
+    panels_ = std::move(panels);
     coefficients_ = std::move(coefficients);
 }
 
 void AngleTable::index_panels() {
-    first_of_cell_.resize(upper_.size());
+    double narrowest = pi;
+    for (const auto& [lower, upper] : panels_) {
+        places_.push_back({0.5 * (lower + upper), 2.0 / (upper - lower)});
+        narrowest = std::min(narrowest, upper - lower);
+    }
+    const auto cells =
+        std::min(std::size_t(std::llround(pi / narrowest)), kMostCellsPerPanel * panels_.size());
     std::size_t panel = 0;
-    for (std::size_t cell = 0; cell < upper_.size(); ++cell) {
-        const double start = pi * double(cell) / double(upper_.size());
-        while (upper_[panel] <= start) ++panel;
-        first_of_cell_[cell] = std::uint32_t(panel);
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+        const double start = pi * double(cell) / double(cells) + kBorder * narrowest;
+        while (panels_[panel].upper <= start) ++panel;
+        first_of_cell_.push_back(std::uint32_t(panel));
     }
 }
 
 void AngleTable::evaluate(double angle, Eigen::Ref<Eigen::VectorXd> values) const {
-    const auto cell = std::size_t(angle * (double(upper_.size()) / pi));
-    std::size_t panel = first_of_cell_[std::min(cell, upper_.size() - 1)];
-    while (panel > 0 && lower_[panel] > angle) --panel;  // rounding, at the border of two cells
-    while (panel + 1 < upper_.size() && upper_[panel] < angle) ++panel;
-    const double t =
-        (2.0 * angle - lower_[panel] - upper_[panel]) / (upper_[panel] - lower_[panel]);
-    std::array<double, kNodes> chebyshev = {1.0, t};
-    for (std::size_t k = 2; k < kNodes; ++k)
-        chebyshev[k] = 2.0 * t * chebyshev[k - 1] - chebyshev[k - 2];
-    const auto count = std::size_t(function_count_);
-    const double* coefficients = &coefficients_[panel * kNodes * count];
-    double* const sums = values.data();
-    for (std::size_t f = 0; f < count; ++f) sums[f] = coefficients[f];
-    for (std::size_t k = 1; k < kNodes; ++k) {
-        coefficients += count;
-        for (std::size_t f = 0; f < count; ++f) sums[f] += chebyshev[k] * coefficients[f];
+    const auto cell = std::size_t(angle * (double(first_of_cell_.size()) / pi));
+    std::size_t panel = first_of_cell_[std::min(cell, first_of_cell_.size() - 1)];
+    const auto place = [&] { return (angle - places_[panel].middle) * places_[panel].scale; };
+    double t = place();
+    for (; t > 1.0 + kBorder && panel + 1 < places_.size(); t = place()) ++panel;
+    const ChebyshevValues chebyshev = chebyshev_values(t);
+    const Eigen::Index count = function_count_;
+    const double* const coefficients = &coefficients_[panel * std::size_t(kNodes * count)];
+    if (count == 1) {
+        values[0] = (chebyshev * Eigen::Map<const ChebyshevValues>(coefficients)).sum();
+        return;
     }
+    Eigen::Index f = 0;
+    for (; f + kTogether <= count; f += kTogether)
+        values.segment<kTogether>(f) = sum_of<kTogether>(chebyshev, coefficients + f, count);
+    for (; f < count; ++f) values[f] = sum_of<1>(chebyshev, coefficients + f, count)[0];
 }
 
 }  // namespace miebrdf::math

@@ -44,7 +44,7 @@ class AngleTable {
     AngleTable(const Functions& functions, double narrowest, const AngleTolerance& tolerance);
 
     int function_count() const { return function_count_; }
-    std::size_t panel_count() const { return upper_.size(); }
+    std::size_t panel_count() const { return panels_.size(); }
 
     /// The functions at one angle.
     /// @param angle   in [0, pi]
@@ -55,6 +55,10 @@ class AngleTable {
     struct Panel {
         double lower, upper;
     };
+    /// Angles become t = (angle - middle) * scale, in [-1, 1] within the panel.
+    struct Place {
+        double middle, scale;
+    };
     std::vector<Panel> first_panels() const;
     /// Keeps what has converged, returns the halves of the others.
     std::vector<Panel> refine(const std::vector<Panel>& panels, const Functions& functions,
@@ -63,11 +67,12 @@ class AngleTable {
     void index_panels();
 
     int function_count_ = 0;
-    std::vector<double> upper_;  ///< ascending, last = pi
-    std::vector<double> lower_;
+    std::vector<Panel> panels_;  ///< ascending, from 0 to pi
+    std::vector<Place> places_;  ///< of the panels
     /// [(panel * kNodes + degree) * function_count() + function]
     std::vector<double> coefficients_;
-    /// Of as many equal cells of [0, pi] as there are panels: the first panel that reaches into it.
+    /// Of equal cells of [0, pi], each within one panel unless there would be too many: the first
+    /// panel that reaches into it.
     std::vector<std::uint32_t> first_of_cell_;
 };
 

@@ -80,3 +80,29 @@ TEST_CASE("a relative tolerance follows the height of each panel", "[math][angle
     // Relative to the largest coefficient of a panel; no panel spans more than a factor of 10.
     CHECK(largest <= 20 * tolerance);
 }
+
+TEST_CASE("functions of a table do not change by those beside them", "[math][angle_table]") {
+    // Seven are summed four at a time and one by one; one alone in another way.
+    const auto functions = [](const Eigen::VectorXd& angles) {
+        Eigen::MatrixXd values(angles.size(), 7);
+        for (int f = 0; f < 7; ++f) values.col(f) = ((f + 1.0) * angles.array()).cos();
+        return values;
+    };
+    // As narrow as the first panels: no others are made.
+    const math::AngleTable together(functions, pi, {});
+    Eigen::VectorXd found(7), own(1);
+    for (int f = 0; f < 7; ++f) {
+        const math::AngleTable alone(
+            [&](const Eigen::VectorXd& angles) -> Eigen::MatrixXd {
+                return functions(angles).col(f);
+            },
+            pi, {});
+        for (int i = 0; i <= 960; ++i) {  // borders of panels among them
+            const double angle = pi * i / 960;
+            together.evaluate(angle, found);
+            alone.evaluate(angle, own);
+            CAPTURE(f, angle);
+            CHECK(std::abs(found[f] - own[0]) <= 1e-15 * 8);  // rounding of eight terms below 1
+        }
+    }
+}

@@ -20,7 +20,12 @@ def test_layers_are_those_of_scenes():
 
 def test_films_keep_energy():
     found = miebrdf.layer_albedos(
-        1.0, 0.5, optical_depth=[0.1, 1.0, 10.0], host_index=1.5, ground_albedo=0.2, mu_in=0.5,
+        1.0,
+        0.5,
+        optical_depth=[0.1, 1.0, 10.0],
+        host_index=1.5,
+        ground_albedo=0.2,
+        mu_in=0.5,
         tolerance=1e-6,
     )
     # What is not reflected arrives in the ground: the layers absorb nothing.

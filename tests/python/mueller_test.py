@@ -74,7 +74,9 @@ def test_polarised_files_are_written(tmp_path):
     files = solved.export(tmp_path / "gas.pbsdf", resolution=12)
     assert files[0]["bytes"] > 25 * 13 * 13 * 2 * 16 * 4
     assert files[0]["rms_deviation"]["mu > 0.2"] < 0.05
-    GAS.solve(500, stokes=3).export(tmp_path / "gas.npz", mu_in=[0.5], mu_out=[0.3], azimuth_deg=[0])
+    GAS.solve(500, stokes=3).export(
+        tmp_path / "gas.npz", mu_in=[0.5], mu_out=[0.3], azimuth_deg=[0]
+    )
     with np.load(tmp_path / "gas.npz") as arrays:
         assert arrays["mueller"].shape == (1, 1, 1, 1, 3, 3)
         assert arrays["mueller"][0, 0, 0, 0, 0, 0] == pytest.approx(arrays["brdf"].item())

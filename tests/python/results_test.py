@@ -222,7 +222,9 @@ def test_colour_differences():
     np.testing.assert_allclose(
         miebrdf.colour.delta_e_2000(first, second), [2.0425, 0.9082], atol=5e-5
     )
-    np.testing.assert_allclose(miebrdf.colour.delta_e_76([50, 0, 0], [[50, 3, 4], [51, 0, 0]]), [5, 1])
+    np.testing.assert_allclose(
+        miebrdf.colour.delta_e_76([50, 0, 0], [[50, 3, 4], [51, 0, 0]]), [5, 1]
+    )
     assert miebrdf.colour.delta_e_2000(np.zeros((4, 1, 3)), np.zeros((5, 3))).shape == (4, 5)
     with pytest.raises(miebrdf.UsageError, match="last axis"):
         miebrdf.colour.delta_e_2000([1, 2], [1, 2, 3])

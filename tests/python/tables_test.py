@@ -4,11 +4,10 @@ import subprocess
 
 import numpy as np
 import pytest
+from conftest import PROGRAM
 
 import miebrdf
 from miebrdf import _core
-
-from conftest import PROGRAM
 
 pytestmark = pytest.mark.skipif(not _core.has_netcdf(), reason="this build has no NetCDF")
 
@@ -72,9 +71,9 @@ def test_listed_axes_are_labelled(table):
 def test_refusals_name_what_there_is(table, tmp_path):
     with pytest.raises(miebrdf.UsageError, match="outside of the table"):
         miebrdf.lookup(table, albedo=0.95)
-    with pytest.raises(miebrdf.UsageError, match="no axis 'radius'.*albedo"):
+    with pytest.raises(miebrdf.UsageError, match=r"no axis 'radius'.*albedo"):
         miebrdf.lookup(table, radius=3)
-    with pytest.raises(miebrdf.UsageError, match="no variable 'brdf'.*spherical_albedo"):
+    with pytest.raises(miebrdf.UsageError, match=r"no variable 'brdf'.*spherical_albedo"):
         miebrdf.lookup(table, variables="brdf")
     with pytest.raises(miebrdf.UsageError, match="one value"):
         miebrdf.lookup(table, albedo=[0.1, 0.2])

@@ -38,7 +38,7 @@ def main():
     tables = ["calm.csv", "killed.csv"]
     command = [program, "sweep", str(folder / "sweep.toml"), "-q", "-o"]
     start = time.monotonic()
-    subprocess.run(command + [str(folder / tables[0])], check=True)
+    subprocess.run([*command, str(folder / tables[0])], check=True)
     calm = time.monotonic() - start
 
     parts = folder / (tables[1] + ".parts")
@@ -55,7 +55,7 @@ def main():
 
     while kills < wanted:
         runs += 1
-        running = subprocess.Popen(command + [str(folder / tables[1])])
+        running = subprocess.Popen([*command, str(folder / tables[1])])
         # Early kills meet the start, late ones the table and the removal of the parts.
         try:
             running.wait(timeout=chance.uniform(0.0, 0.4 * calm + 0.02))
@@ -76,11 +76,11 @@ def main():
                 (folder / tables[1]).unlink()
                 shutil.rmtree(parts, ignore_errors=True)
                 known.clear()
-    subprocess.run(command + [str(folder / tables[1])], check=True)
+    subprocess.run([*command, str(folder / tables[1])], check=True)
     if not same(folder, tables):
         sys.exit("the table differs from that of an undisturbed run")
     left = sorted(file.name for file in folder.iterdir())
-    if left != sorted(tables + ["sweep.toml"]):
+    if left != sorted([*tables, "sweep.toml"]):
         sys.exit(f"left behind: {left}")
     if replaced:
         sys.exit(f"{replaced} finished chunks were computed again")

@@ -40,7 +40,7 @@ function(miebrdf_library name)
     miebrdf_fast_build(${target} ${how})
     if(kind STREQUAL "SHARED")
         if(ARG_PRECOMPILE)
-            miebrdf_headers_of_others(${target} ${ARG_PRECOMPILE})
+            miebrdf_headers_of_others(${target} HEADERS ${ARG_PRECOMPILE} LINK ${ARG_PRIVATE})
         endif()
         miebrdf_for_other_processors(${target} SOURCES ${sources} ${ARG_SOURCES} FAST ${how}
             LINK PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:miebrdf_flags>)

@@ -50,9 +50,10 @@ def write_obj(path, balls):
         first = 1
         for vertices, faces in parts:
             for position, normal, u in vertices:
-                obj.write("v %.6f %.6f %.6f\nvt %.6f 0.5\nvn %.6f %.6f %.6f\n" % (*position, u, *normal))
+                (x, y, z), (nx, ny, nz) = position, normal
+                obj.write(f"v {x:.6f} {y:.6f} {z:.6f}\nvt {u:.6f} 0.5\nvn {nx:.6f} {ny:.6f} {nz:.6f}\n")
             for face in faces:
-                obj.write("f " + " ".join("%d/%d/%d" % (first + v, first + v, first + v) for v in face) + "\n")
+                obj.write("f " + " ".join(f"{first + v}/{first + v}/{first + v}" for v in face) + "\n")
             first += len(vertices)
 
 

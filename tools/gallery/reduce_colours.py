@@ -9,7 +9,9 @@ for pixels and for means over 8 x 8 of them. Only Python's standard library is n
 
 Usage: reduce_colours.py FILE.png ...
 """
+import bisect
 import collections
+import itertools
 import os
 import struct
 import sys
@@ -81,11 +83,7 @@ class Box:
         a, b, c = self.AXES[self.axis]
         self.colours.sort(key=lambda entry: a * entry[0][0] + b * entry[0][1] + c * entry[0][2])
         squares = self.squares_along(self.AXES[self.axis])
-        done, half = 0.0, 0.5 * sum(squares)
-        for i, square in enumerate(squares):
-            done += square
-            if done >= half:
-                break
+        i = bisect.bisect_left(list(itertools.accumulate(squares)), 0.5 * sum(squares))
         i = min(max(i, 1), len(self.colours) - 1)
         return Box(self.colours[:i]), Box(self.colours[i:])
 

@@ -16,8 +16,8 @@
 namespace miebrdf::python {
 namespace {
 
-/// Directions that are brought into an order together: about one for each cell of the table.
-constexpr py::ssize_t kOrdered = 2048;
+/// Directions that are brought into an order together: some for each cell of the table.
+constexpr py::ssize_t kOrdered = 8192;
 /// Directions at a time: few enough for their values to stay in the processor's cache.
 constexpr py::ssize_t kChunk = 256;
 /// Fewer directions than this are done before a thread of their own would have started.

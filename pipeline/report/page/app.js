@@ -175,7 +175,7 @@ const App = (() => {
         stage.append(canvas);
         card.append(tag('h3', {}, scene.name), stage);
         $('lobes').append(card);
-        lobes.push({ scene, lobe: new LobeView.View(canvas) });
+        lobes.push({ scene, canvas });
         const turn = (dx, dy) => {
           view.lobeYaw -= dx;
           view.lobePitch = Math.min(89, Math.max(-20, view.lobePitch + dy));
@@ -208,6 +208,7 @@ const App = (() => {
 
     let amounts = [];
     function drawLobes(again) {
+      lobes.forEach((each) => { each.lobe ||= new LobeView.View(each.canvas); });
       if (again) {
         const all = lobes.map(({ scene }) => LobeView.values(scene.solved, view.thetaIn, scene.near(view.wavelength)));
         const top = Math.max(...all.map((values) => values.reduce((a, b) => Math.max(a, b), 0))) || 1;
@@ -217,9 +218,25 @@ const App = (() => {
       lobes.forEach(({ lobe }, i) => lobe.draw(amounts[i], view.thetaIn, view, view));
     }
 
+    // What is below the screen is drawn when it is nearly there, or printed: the first picture comes sooner.
+    const sectionOf = { lobe: 'lobes', albedo: 'albedo-charts', media: 'media-charts' }, unseen = new Set(Object.keys(sectionOf));
+    function draw(...what) {
+      what.forEach((w) => { unseen.delete(w); dirty.add(w); });
+      update();
+    }
+    const drawAll = () => draw(...unseen);
+    function drawWhatIsSeen() {
+      const inSection = new Map(Array.from(unseen, (what) => [$(sectionOf[what]).closest('section'), what]));
+      const observer = new IntersectionObserver((entries) => {
+        draw(...entries.filter((e) => e.isIntersecting).map((e) => inSection.get(e.target)).filter((what) => unseen.has(what)));
+      }, { rootMargin: '200px' });
+      for (const section of inSection.keys()) observer.observe(section);
+      window.addEventListener('beforeprint', drawAll);
+    }
+
     const light = coloured ? lightOf : null;
     function update() {
-      const wanted = new Set(dirty);
+      const wanted = new Set(Array.from(dirty).filter((what) => !unseen.has(what === 'mark' ? 'lobe' : what)));
       dirty.clear();
       view.wholeThetaIn = Math.min(89, Math.round(view.thetaIn));
       if (wanted.has('facts')) {
@@ -251,16 +268,13 @@ const App = (() => {
     }
 
     window.addEventListener('resize', () => changed('picture', 'mark'));
-    // First what is seen first; the rest when that is on the screen.
-    const later = [['facts', 'picture'], ['point'], ['lobe'], ['albedo', 'media']];
     const drawn = (async () => {
-      for (const some of later) {
-        some.forEach((what) => dirty.add(what));
-        update();
-        await new Promise((done) => setTimeout(done, 0));
-      }
+      draw('facts', 'picture');
+      await new Promise((done) => setTimeout(done, 0));
+      draw('point');
+      drawWhatIsSeen();
     })();
-    return { drawn, view, scenes, objects, changed, update, parts, lightOf, pictureWeights };
+    return { drawn, drawAll, view, scenes, objects, changed, update, parts, lightOf, pictureWeights };
   }
 
   function chooseTheme() {
@@ -277,11 +291,9 @@ const App = (() => {
     chooseTheme();
     try {
       const three = document.getElementById('three').textContent;
-      if (three.trim()) {
-        const source = new TextDecoder().decode(await Data.inflate(three, 'gzip'));
-        (0, eval)(source);
-      }
-      const { root, store } = await Data.load(document.getElementById('data').textContent);
+      const [library, { root, store }] = await Promise.all([three.trim() && Data.inflate(three, 'gzip'),
+        Data.load(document.getElementById('data').textContent)]);
+      if (library) (0, eval)(new TextDecoder().decode(library));
       const page = build(root, store);
       await page.drawn;
       document.body.dataset.ready = Math.round(performance.now());

@@ -3,7 +3,8 @@ const Data = (() => {
   'use strict';
 
   async function inflate(base64, format) {
-    const bytes = Uint8Array.from(atob(base64.trim()), (c) => c.charCodeAt(0));
+    const text = atob(base64.trim()), bytes = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);  // Uint8Array.from takes 20 times as long
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format));
     return new Response(stream).arrayBuffer();
   }

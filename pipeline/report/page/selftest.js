@@ -65,6 +65,7 @@ const SelfTest = (() => {
     const asked = new URLSearchParams(location.search).get('selftest');
     if (asked === null) return;
     const { view, scenes, objects, parts, changed, update } = page;
+    page.drawAll();
     const frame = () => new Promise((done) => setTimeout(done, 0));
     const result = { ready_ms: Number(document.body.dataset.ready), three: typeof THREE !== 'undefined', is3d: objects.map((o) => o.is3d), values: [] };
     const set = (id, value) => {

@@ -122,9 +122,7 @@ class Brdf(Albedos):
         if 0 in axes.shape:
             return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
                         theta_out_deg=theta_out_deg, part=part)  # fmt: skip
-        return exact_brdf(
-            self._solved, self.wavelengths_nm, self._single, axes, part, self._call
-        )
+        return exact_brdf(self._solved, self.wavelengths_nm, self._single, axes, part, self._call)
 
     def mueller(
         self,

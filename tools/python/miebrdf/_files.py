@@ -60,6 +60,7 @@ def formats() -> list[dict[str, Any]]:
         if each["brdf"]
     ]
 
+
 def needs_whole_matrix(format: str) -> bool:
     """Whether a format of `Brdf.export` holds Mueller matrices."""
     return any(each["name"] == format and each["whole_matrix"] for each in _core.formats())

@@ -91,8 +91,7 @@ def layer_albedos(
     options = _core.SolverOptions()
     options.tolerance = tolerance
     columns = {
-        name: flat(given, array)
-        for (name, given), array in zip(axes.given.items(), axes.arrays)
+        name: flat(given, array) for (name, given), array in zip(axes.given.items(), axes.arrays)
     }
     with Call(threads, progress, False) as call:
         found = _core.layer_albedos(

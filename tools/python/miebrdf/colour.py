@@ -17,8 +17,8 @@ from .errors import UsageError
 
 __all__ = [
     "colour_error",
-    "delta_e_2000",
     "delta_e_76",
+    "delta_e_2000",
     "encode_srgb",
     "lab",
     "lch",
