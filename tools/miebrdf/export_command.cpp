@@ -16,13 +16,6 @@
 namespace miebrdf::program {
 namespace {
 
-/// "-78 % at mu_in 0.5, mu_out 0.5, azimuth 180".
-std::string worst_of(const RegionDeviation& region) {
-    return fmt::format("{:+.2g} % at mu_in {:.3g}, mu_out {:.3g}, azimuth {:.4g}",
-                       100.0 * region.worst, region.where.mu_in, region.where.mu_out,
-                       region.where.azimuth_deg);
-}
-
 /// One line for the file, and one for each region of what was read back.
 std::string describe(const ExportedFile& file) {
     std::string text = file.path.string();
