@@ -36,8 +36,8 @@ double mie_seconds(const MieWork& work) {
     struct Fit {
         double seconds, size, tolerance, width, clear, gamma, log_normal, absorption, contrast;
     };
-    constexpr Fit kWhole = {2.4e-4, 1.035, 0.339, 0.518, 0.58, 2.67, 1.71, -0.468, 0.476};
-    constexpr Fit kMomentsAlone = {6.3e-4, 0.428, 0.405, 0.333, 0.021, 1.55, 1.18, -0.585, 0.74};
+    constexpr Fit kWhole = {2.4e-4, 1.035, 0.339, 0.518, 0.58, 1.9, 1.71, -0.468, 0.476};
+    constexpr Fit kMomentsAlone = {6.3e-4, 0.428, 0.405, 0.333, 0.35, 1.2, 1.18, -0.45, 0.74};
     const Fit& fit = work.whole_phase ? kWhole : kMomentsAlone;
     const double size = 2.0e3 * std::numbers::pi * work.sizes.effective_radius_um *
                         work.host_index / work.wavelength_nm;
