@@ -81,7 +81,7 @@ std::string regions_of(const Deviation& deviation) {
 
 /// The next finer resolution to try: twice as fine, or less where that is ten times the bytes
 /// (levels of a tree).
-int finer(const Format& format, const ExportJob& job, int resolution) {
+int next_finer(const Format& format, const ExportJob& job, int resolution) {
     int next = std::min(2 * resolution, format.resolution.finest);
     if (format.expected_bytes == nullptr) return next;
     const auto bytes = [&](int fineness) {
@@ -105,7 +105,7 @@ bool may_suffice(const Format& format, const ExportJob& job, int resolution, dou
                  double now) {
     constexpr double near = 3.0;  // they may fall faster later
     double expected = now;
-    for (int r = resolution; r < format.resolution.finest; r = finer(format, job, r))
+    for (int r = resolution; r < format.resolution.finest; r = next_finer(format, job, r))
         expected *= now / before;
     return expected <= near;
 }
@@ -120,7 +120,7 @@ std::string advice(const Format& format, const FormatFile& part, const ExportJob
                            names_of_tables());
     }
     while (options.resolution < finest) {
-        options.resolution = finer(format, job, options.resolution);
+        options.resolution = next_finer(format, job, options.resolution);
         std::ostringstream out;
         const ExportJob finer_job{job.spectral, job.rgb, options, job.control};
         part.write(finer_job, out);

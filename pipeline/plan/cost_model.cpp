@@ -16,7 +16,7 @@ constexpr double kNodeCubed_s = 1.2e-9;  // times n^2 (n + cosines), for each la
 constexpr double kMoment_s = 2e-9;       // times n^2 times moments, for each layer of particles
 constexpr double kOrder_s = 5e-6;
 // The numbers of nodes that were tried before, and the coarser one for the error estimate.
-constexpr double kAttempts = 2.0;
+constexpr double kStreamAttempts = 2.0;
 constexpr double kValue_s = 2.5e-7;
 constexpr double kTerm_s = 1.5e-8;  // of the sum over orders
 constexpr double kLobe_s = 1e-7;
@@ -83,7 +83,7 @@ double share_scattered(double depth_above, double depth) {
 }
 
 /// Size parameter of the largest particles.
-double size_parameter(const ResolvedMedium& medium) {
+double largest_size_parameter(const ResolvedMedium& medium) {
     double largest = 0.0;
     for (const ResolvedSpecies& species : medium.species) {
         if (!species.needs_mie()) continue;
@@ -130,7 +130,7 @@ Visible look_at(const ResolvedScene& scene, std::size_t lowest, double tolerance
         const ResolvedMedium& medium = scene.media[m];
         if (medium.needs_mie()) {
             visible.particles = true;
-            visible.size = std::max(visible.size, share * size_parameter(medium));
+            visible.size = std::max(visible.size, share * largest_size_parameter(medium));
         } else {
             const auto optics = compute_optics(scene, m, 0, {});
             visible.orders =
@@ -178,7 +178,7 @@ double order_seconds(const TransferSize& size, std::size_t layers, std::size_t c
     const double n = size.streams, moments = size.particles ? 4.0 * n : 0.0;
     const double nodes = n + static_cast<double>(cosines);
     const double each = kNodeCubed_s * nodes + kMoment_s * moments;
-    return kAttempts * (kOrder_s + static_cast<double>(layers) * n * n * each);
+    return kStreamAttempts * (kOrder_s + static_cast<double>(layers) * n * n * each);
 }
 
 double value_seconds(int orders) { return 2.0 * (kValue_s + kTerm_s * orders); }

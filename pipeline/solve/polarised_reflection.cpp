@@ -21,7 +21,7 @@ bool is_worse(const SolverReport& one, const SolverReport& other) {
     return !(one.error_estimate <= other.error_estimate);
 }
 
-void add_report(SolverReport& all, const SolverReport& one, double share, bool is_first) {
+void add_block_report(SolverReport& all, const SolverReport& one, double share, bool is_first) {
     const double within = all.share_within_tolerance;
     const bool converged = all.converged && one.converged;
     const SolverReport before = all;
@@ -38,7 +38,7 @@ void add_report(SolverReport& all, const SolverReport& one, double share, bool i
     all.converged = converged;
 }
 
-void append(std::vector<double>& list, const std::vector<double>& more) {
+void append_values(std::vector<double>& list, const std::vector<double>& more) {
     list.insert(list.end(), more.begin(), more.end());
 }
 
@@ -81,12 +81,13 @@ UnpolarisedReflection reflect_unpolarised(const rte::Stack& stack, const Directi
             const double whole = double(ins) * double(outs);
             const double share =
                 whole > 0.0 ? double(block.mu_in.size() * block.mu_out.size()) / whole : 1.0;
-            add_report(all.report, table.report, share, is_first);
+            add_block_report(all.report, table.report, share, is_first);
             is_first = false;
             if (out > 0) continue;  // what goes with an incidence alone
-            append(all.plane_albedo, table.plane_albedo);
-            append(all.polarised_plane_albedo, table.polarised_plane_albedo);
-            append(all.mirror_reflectance, unpolarised_part(table.mirror_reflection, elements));
+            append_values(all.plane_albedo, table.plane_albedo);
+            append_values(all.polarised_plane_albedo, table.polarised_plane_albedo);
+            append_values(all.mirror_reflectance,
+                          unpolarised_part(table.mirror_reflection, elements));
         }
     }
     return all;
