@@ -2,11 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/math/policies/policy.hpp>
 #include <cmath>
 
 #include "mie/sizes/size_law.h"
 
 namespace miebrdf::mie {
+
+/// Boost's functions in double. By default they compute in long double, whose powers made quantiles
+/// of gamma distributions take longer than Mie theory of small spheres; radii need no such digits.
+using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 /// The radii between which all but `tail` is scattered on either side.
 ///

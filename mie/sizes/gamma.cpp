@@ -8,7 +8,7 @@
 namespace miebrdf::mie {
 namespace {
 
-using Gamma = boost::math::gamma_distribution<>;
+using Gamma = boost::math::gamma_distribution<double, InDouble>;
 
 // n r^2 is a gamma density of shape 1/b and scale a b.
 Gamma gamma_area(const SizeDistribution& d) {

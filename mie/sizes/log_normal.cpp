@@ -8,7 +8,7 @@
 namespace miebrdf::mie {
 namespace {
 
-using LogNormal = boost::math::lognormal_distribution<>;
+using LogNormal = boost::math::lognormal_distribution<double, InDouble>;
 
 // n r^2 is again log-normal, its location moved by 2 s.
 LogNormal log_normal_area(const SizeDistribution& d) {

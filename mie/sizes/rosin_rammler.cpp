@@ -28,20 +28,20 @@ struct Complement {
 };
 Complement complement(const PowerOfGamma& law, double value) { return {law, value}; }
 double cdf(const PowerOfGamma& law, double radius) {
-    return boost::math::gamma_p(law.shape, law.to_gamma(radius));
+    return boost::math::gamma_p(law.shape, law.to_gamma(radius), InDouble());
 }
 double cdf(const Complement& c) {
-    return boost::math::gamma_q(c.law.shape, c.law.to_gamma(c.value));
+    return boost::math::gamma_q(c.law.shape, c.law.to_gamma(c.value), InDouble());
 }
 double quantile(const PowerOfGamma& law, double share) {
-    return law.from_gamma(boost::math::gamma_p_inv(law.shape, share));
+    return law.from_gamma(boost::math::gamma_p_inv(law.shape, share, InDouble()));
 }
 double quantile(const Complement& c) {
-    return c.law.from_gamma(boost::math::gamma_q_inv(c.law.shape, c.value));
+    return c.law.from_gamma(boost::math::gamma_q_inv(c.law.shape, c.value, InDouble()));
 }
 double pdf(const PowerOfGamma& law, double radius) {
     const double t = law.to_gamma(radius);
-    return law.power / radius * t * boost::math::gamma_p_derivative(law.shape, t);
+    return law.power / radius * t * boost::math::gamma_p_derivative(law.shape, t, InDouble());
 }
 
 // s from x / sin x = 1 + v_eff, x = pi/s in (0, pi).

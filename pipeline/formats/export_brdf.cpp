@@ -79,31 +79,65 @@ std::string regions_of(const Deviation& deviation) {
     return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+/// The next finer resolution to try: twice as fine, or less where that is ten times the bytes
+/// (levels of a tree).
+int next_finer(const Format& format, const ExportJob& job, int resolution) {
+    int next = std::min(2 * resolution, format.resolution.finest);
+    if (format.expected_bytes == nullptr) return next;
+    const auto bytes = [&](int fineness) {
+        ExportOptions options = job.options;
+        options.resolution = fineness;
+        return format.expected_bytes(options, job.spectral.wavelength_nm().size());
+    };
+    constexpr std::uintmax_t kMostGrowth = 10;
+    while (next > resolution + 1 && bytes(next) > kMostGrowth * bytes(resolution)) --next;
+    return next;
+}
+
+/// How often the bound of its region a deviation is.
+double excess_of(const RegionDeviation& region, const AcceptedErrors& accepted) {
+    return region.rms / accepted.of(region.kind);
+}
+
+/// Whether errors that fall as they did between two resolutions come near their bounds at the
+/// finest one: what will not help is not computed, for each step takes several times as long.
+bool may_suffice(const Format& format, const ExportJob& job, int resolution, double before,
+                 double now) {
+    constexpr double near = 3.0;  // they may fall faster later
+    double expected = now;
+    for (int r = resolution; r < format.resolution.finest; r = next_finer(format, job, r))
+        expected *= now / before;
+    return expected <= near;
+}
+
 /// Tries finer and finer files, in memory, for a resolution that would do.
 std::string advice(const Format& format, const FormatFile& part, const ExportJob& job,
-                   const AcceptedErrors& accepted) {
+                   const AcceptedErrors& accepted, RegionDeviation reached) {
     ExportOptions options = job.options;
     const int finest = format.resolution.finest;
     if (options.resolution >= finest) {
         return fmt::format("the format has no finer one; a table ({}) can hold it",
                            names_of_tables());
     }
-    RegionDeviation reached;
     while (options.resolution < finest) {
-        options.resolution = std::min(2 * options.resolution, finest);
+        options.resolution = next_finer(format, job, options.resolution);
         std::ostringstream out;
-        const ExportJob finer{job.spectral, job.rgb, options, job.control};
-        part.write(finer, out);
+        const ExportJob finer_job{job.spectral, job.rgb, options, job.control};
+        part.write(finer_job, out);
         const Deviation found =
             compare(*read_brdf_file(std::move(out).str(), format.name, {&format, 1}), part, job);
         const RegionDeviation* miss = worst_region(found, accepted);
         if (miss == nullptr)
             return fmt::format("resolution {} reaches {:.2g}", options.resolution,
                                std::max(found.rms[0], found.lobe));
+        const double before = excess_of(reached, accepted), now = excess_of(*miss, accepted);
         reached = *miss;
+        if (!may_suffice(format, job, options.resolution, before, now)) break;
     }
-    return fmt::format("resolution {} reaches no less than {:.2g} at {}; a table ({}) can hold it",
-                       options.resolution, reached.rms, reached.name, names_of_tables());
+    return fmt::format(
+        "resolution {} reaches no less than {:.2g} at {}{}; a table ({}) can hold it",
+        options.resolution, reached.rms, reached.name,
+        options.resolution < finest ? ", and finer ones gain too little" : "", names_of_tables());
 }
 
 [[noreturn]] void refuse(const Format& format, const FormatFile& part, const ExportJob& job,
@@ -115,7 +149,8 @@ std::string advice(const Format& format, const FormatFile& part, const ExportJob
         "and near mirror, {:.2g} at retro-reflection and zenith, {:.2g} at mu < 0.2; {}",
         format.name, job.options.resolution, worst.name, worst.rms, 100.0 * worst.worst,
         worst.where.mu_in, worst.where.mu_out, worst.where.azimuth_deg, regions_of(found),
-        accepted.plain, accepted.peaks, accepted.grazing, advice(format, part, job, accepted)));
+        accepted.plain, accepted.peaks, accepted.grazing,
+        advice(format, part, job, accepted, worst)));
 }
 
 /// A file that has passed, and waits for those that belong to it.

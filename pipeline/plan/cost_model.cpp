@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "pipeline/solve/rules.h"
+#include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf {
 namespace {
 
 // Fitted to `miebrdf` on one core of a 2.6 GHz server processor, native build.
 constexpr double kNodeCubed_s = 1.2e-9;  // times n^2 (n + cosines), for each layer
+constexpr double kMoment_s = 2e-9;       // times n^2 times moments, for each layer of particles
 constexpr double kOrder_s = 5e-6;
+// The numbers of nodes that were tried before, and the coarser one for the error estimate.
+constexpr double kStreamAttempts = 2.0;
 constexpr double kValue_s = 2.5e-7;
 constexpr double kTerm_s = 1.5e-8;  // of the sum over orders
 constexpr double kLobe_s = 1e-7;
@@ -27,18 +32,14 @@ double mie_bytes(const MieWork& work) {
     return (work.whole_phase ? whole : moments) * x;
 }
 
-// Powers of size, tolerance and width, and factors, fitted by least squares of logarithms to 835
-// random size averages (radius 0.05 to 30 um, variance 0.02 to 0.3, index 1.2 to 2.6, k 0 to 1,
-// tolerance 1e-4 to 1e-2), then brought to the native build on an otherwise idle machine. Of those
-// that take 3 ms or more 77 % lie within a factor of 2 where the phase function is wanted, 50 %
-// where it is not: there narrow resonances decide, which no smooth formula knows.
-double mie_seconds(const MieWork& work) {
-    struct Fit {
-        double seconds, size, tolerance, width, clear, gamma, log_normal, absorption, contrast;
-    };
-    constexpr Fit kWhole = {2.4e-4, 1.035, 0.339, 0.518, 0.58, 2.67, 1.71, -0.468, 0.476};
-    constexpr Fit kMomentsAlone = {6.3e-4, 0.428, 0.405, 0.333, 0.021, 1.55, 1.18, -0.585, 0.74};
-    const Fit& fit = work.whole_phase ? kWhole : kMomentsAlone;
+namespace {
+
+/// Powers and factors of a fit to run times.
+struct MieFit {
+    double seconds, size, tolerance, width, clear, gamma, log_normal, absorption, contrast;
+};
+
+double seconds_of(const MieFit& fit, const MieWork& work) {
     const double size = 2.0e3 * std::numbers::pi * work.sizes.effective_radius_um *
                         work.host_index / work.wavelength_nm;
     // Beyond the sizes of the fit rays take over, whose number grows slowly (50 to 100 um
@@ -59,18 +60,125 @@ double mie_seconds(const MieWork& work) {
     return seconds;
 }
 
-int expected_streams(const ResolvedScene& scene, const rte::SolverOptions& solver) {
-    if (solver.streams > 0) return solver.streams;
-    if (most_fourier_orders(scene) > 0) return 8;
-    return solver.tolerance >= 1e-3 ? 24 : 48;
+}  // namespace
+
+// Powers of size, tolerance and width, and factors, fitted by least squares of logarithms to 835
+// random size averages (radius 0.05 to 30 um, variance 0.02 to 0.3, index 1.2 to 2.6, k 0 to 1,
+// tolerance 1e-4 to 1e-2), then brought to the native build on an otherwise idle machine. Of those
+// that take 3 ms or more 77 % lie within a factor of 2 where the phase function is wanted, 50 %
+// where it is not: there narrow resonances decide, which no smooth formula knows. Factors of gamma
+// sizes, and of clear and absorbing spheres in moments, are from 150 random scenes since.
+double mie_seconds(const MieWork& work) {
+    constexpr MieFit kWhole = {2.4e-4, 1.035, 0.339, 0.518, 0.58, 1.9, 1.71, -0.468, 0.476};
+    constexpr MieFit kMomentsAlone = {6.3e-4, 0.428, 0.405, 0.333, 0.35, 1.2, 1.18, -0.45, 0.74};
+    const double whole = seconds_of(kWhole, work);
+    return work.whole_phase ? whole : std::min(whole, seconds_of(kMomentsAlone, work));
 }
 
-double order_seconds(int streams, std::size_t layers, std::size_t cosines) {
-    const double n = streams;
-    // The coarser solution that estimates the error has 2/3 of the nodes.
-    const double both = 1.0 + std::pow(2.0 / 3.0, 3);
-    return both * (kOrder_s + kNodeCubed_s * static_cast<double>(layers) * n * n *
-                                  (n + static_cast<double>(cosines)));
+namespace {
+
+/// Share of the light that a layer scatters first, of what comes in and goes out vertically.
+double share_scattered(double depth_above, double depth) {
+    return std::exp(-2.0 * depth_above) * -std::expm1(-2.0 * depth);
+}
+
+/// Size parameter of the largest particles.
+double largest_size_parameter(const ResolvedMedium& medium) {
+    double largest = 0.0;
+    for (const ResolvedSpecies& species : medium.species) {
+        if (!species.needs_mie()) continue;
+        const Particles& at = species.particles.front();
+        largest = std::max(largest, 2.0e3 * std::numbers::pi * species.sizes.effective_radius_um *
+                                        at.host_index / at.wavelength_nm);
+    }
+    return largest;
+}
+
+/// Fourier orders of a given phase function: up to the moment that no longer shows, less than half.
+int orders_of(const std::vector<double>& chi, double share, double tolerance) {
+    constexpr double part = 0.45;
+    const double least = 0.25 * tolerance;
+    std::size_t last = 0;
+    for (std::size_t l = 0; l < chi.size(); ++l) {
+        if (share * std::abs(chi[l]) > least) last = l;
+    }
+    return 2 + static_cast<int>(part * static_cast<double>(last));
+}
+
+double least_of(const std::vector<double>& cosines) {
+    return cosines.empty() ? 1.0 : *std::min_element(cosines.begin(), cosines.end());
+}
+
+/// What shows of the media that are there, from the top down.
+struct Visible {
+    double size = 0.0;  ///< largest size parameter, times the share that its layer scatters first
+    int orders = 1;     ///< of given phase functions
+    bool particles = false;
+};
+
+Visible look_at(const ResolvedScene& scene, std::size_t lowest, double tolerance) {
+    Visible visible;
+    double above = 0.0;
+    for (std::size_t m = scene.media.size(); m-- > lowest;) {
+        // Columns of particles have no depth before their optics are known: as if they hid the
+        // rest.
+        const bool is_base = m == 0;
+        const bool unknown = is_base || scene.depths[m - 1].column_um.has_value();
+        const double depth =
+            unknown ? std::numeric_limits<double>::infinity() : scene.depths[m - 1].optical_depth;
+        const double share = share_scattered(above, depth);
+        const ResolvedMedium& medium = scene.media[m];
+        if (medium.needs_mie()) {
+            visible.particles = true;
+            visible.size = std::max(visible.size, share * largest_size_parameter(medium));
+        } else {
+            const auto optics = compute_optics(scene, m, 0, {});
+            visible.orders =
+                std::max(visible.orders, orders_of(optics.optics.chi, share, tolerance));
+        }
+        above += depth;
+    }
+    return visible;
+}
+
+}  // namespace
+
+// Powers fitted by least squares of logarithms to 210 random scenes of particles (radius 0.05 to 30
+// um, tolerance 1e-4 to 1e-2); the rms of the logarithm is 0.38 for streams and 0.57 for orders.
+TransferSize expected_size(const ResolvedScene& scene, std::size_t lowest,
+                           const rte::SolverOptions& solver, const rte::Directions& directions) {
+    constexpr int fewest = 12, most = 128, fewest_orders = 4, many_orders = 20, simple = 8;
+    const Visible visible = look_at(scene, lowest, solver.tolerance);
+    const double finer = 1e-3 / solver.tolerance, x = 1.0 + visible.size;
+    // Scattering angles begin here: the forward peak shows near the horizon.
+    const double least_angle =
+        std::max(0.05, std::numbers::pi - std::acos(least_of(directions.mu_in)) -
+                           std::acos(least_of(directions.mu_out)));
+    TransferSize size;
+    size.particles = visible.particles;
+    size.orders = visible.orders;
+    size.streams = size.orders > many_orders        ? 16
+                   : most_fourier_orders(scene) > 0 ? simple
+                                                    : fewest;
+    if (visible.particles) {
+        const double streams =
+            9.12 * std::pow(x, 0.287) * std::pow(finer, 0.165) * std::pow(least_angle, -0.07);
+        const double orders =
+            3.39 * std::pow(x, 0.47) * std::pow(finer, 0.115) * std::pow(least_angle, -0.5);
+        size.streams = std::max(size.streams, std::min(most, static_cast<int>(streams)));
+        size.orders = std::max({size.orders, fewest_orders, static_cast<int>(orders)});
+    }
+    if (directions.mu_out.empty()) size.streams = std::min(size.streams, fewest);  // albedos
+    if (solver.streams > 0) size.streams = solver.streams;
+    size.orders = std::min(size.orders, 2 * size.streams);
+    return size;
+}
+
+double order_seconds(const TransferSize& size, std::size_t layers, std::size_t cosines) {
+    const double n = size.streams, moments = size.particles ? 4.0 * n : 0.0;
+    const double nodes = n + static_cast<double>(cosines);
+    const double each = kNodeCubed_s * nodes + kMoment_s * moments;
+    return kStreamAttempts * (kOrder_s + static_cast<double>(layers) * n * n * each);
 }
 
 double value_seconds(int orders) { return 2.0 * (kValue_s + kTerm_s * orders); }

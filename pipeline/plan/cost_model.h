@@ -31,11 +31,20 @@ inline constexpr double kProgramBytes = 13e6;
 inline constexpr double kValueBytes = 8.0;
 inline constexpr double kValueSolverBytes = 48.0;
 
-/// Nodes that will probably be used: those asked for, or what `auto` begins with.
-int expected_streams(const ResolvedScene& scene, const rte::SolverOptions& solver);
+/// How fine radiative transfer will probably have to be.
+struct TransferSize {
+    int streams = 8;
+    int orders = 1;          ///< Fourier orders, of directions at any azimuth
+    bool particles = false;  ///< phase functions with 4 moments for each stream
+};
 
-/// One Fourier order of a half-space and its coats, on two numbers of nodes.
-double order_seconds(int streams, std::size_t layers, std::size_t cosines);
+/// What `auto` ends at, by the narrowest phase function that shows; streams that are asked for as
+/// they are. @param lowest  index of the lowest medium that shows
+TransferSize expected_size(const ResolvedScene& scene, std::size_t lowest,
+                           const rte::SolverOptions& solver, const rte::Directions& directions);
+
+/// One Fourier order of a half-space and its coats, on all the numbers of nodes that are tried.
+double order_seconds(const TransferSize& size, std::size_t layers, std::size_t cosines);
 
 /// Exact first order and sum over orders, for one pair of directions and azimuth.
 double value_seconds(int orders);

@@ -12,17 +12,9 @@
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
-namespace {
-
-// Orders that listed directions need when nothing is known of the phase function: what 50 um
-// spheres and hg:0.9,0.85 take at tolerance 1e-3.
-constexpr int kTypicalOrders = 30;
-
-}  // namespace
-
 int Planner::all_orders() const {
     const int known = most_fourier_orders(scene_);
-    return known > 0 ? known : std::min(kTypicalOrders, 2 * streams_);
+    return known > 0 ? known : size_.orders;
 }
 
 int Planner::orders() const {
@@ -33,7 +25,7 @@ int Planner::orders() const {
 double Planner::transfer_cost(int orders, std::size_t layers) const {
     const double values =
         is_albedo() ? 0.0 : static_cast<double>(distinct_.computed()) * value_seconds(orders);
-    return orders * order_seconds(streams_, layers, cosines()) + values;
+    return orders * order_seconds(size_, layers, cosines()) + values;
 }
 
 void Planner::radiative_transfer() {
@@ -45,7 +37,8 @@ void Planner::radiative_transfer() {
                      counted(static_cast<std::size_t>(orders()), "order"),
                      shows_substrate() ? "" : "a half-space and ",
                      counted(coats(), shows_substrate() ? "layer" : "coat"),
-                     solver_.streams > 0 ? "" : "about ", streams_, counted(cosines(), "cosine")),
+                     solver_.streams > 0 ? "" : "about ", size_.streams,
+                     counted(cosines(), "cosine")),
          jobs_.size(), jobs() * transfer_cost(orders(), layers())});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
@@ -90,8 +83,8 @@ void Planner::polarisation() {
         plan_.steps.push_back(
             {"polarisation",
              "scattering matrices; with them it is known whether 3 components are needed, which "
-             "would take 10 times as long as 1",
-             unknown, static_cast<double>(unknown) * matrix_cost()});
+             "takes 10 times as long as 1 and is counted here: small spheres mostly need them",
+             unknown, static_cast<double>(unknown) * (matrix_cost() + more)});
     }
     for (const auto& [reason, count] : scalar)
         leave_out("polarisation", reason, static_cast<double>(count) * more);
@@ -127,15 +120,15 @@ void Planner::leave_out_orders() {
             "few orders",
             fmt::format("the moments of these media end: {} at most",
                         counted(static_cast<std::size_t>(most_fourier_orders(scene_)), "order")),
-            jobs() * std::max(0.0, transfer_cost(kTypicalOrders, layers()) -
+            jobs() * std::max(0.0, transfer_cost(2 * size_.streams, layers()) -
                                        transfer_cost(orders(), layers())));
     } else {
         leave_out("listed directions",
                   fmt::format("orders end where they no longer show at {}, within {} of the "
                               "tolerance",
                               counted(distinct_.computed(), "direction"), kFourierTailShare),
-                  jobs() * std::max(0, 2 * streams_ - orders()) *
-                      order_seconds(streams_, layers(), cosines()));
+                  jobs() * std::max(0, 2 * size_.streams - orders()) *
+                      order_seconds(size_, layers(), cosines()));
     }
 }
 
@@ -144,13 +137,13 @@ void Planner::leave_out_solutions() {
         leave_out("one half-space",
                   fmt::format("{} coats on one base: its half-space is solved once", coats()),
                   jobs() * orders() * static_cast<double>(coats() - 1) *
-                      order_seconds(streams_, 1, cosines()));
+                      order_seconds(size_, 1, cosines()));
     }
     if (scatters_nothing(scene_.media[lowest_].medium)) {
         leave_out("nothing scatters",
                   fmt::format("{} scatters nothing: a black ground",
                               describe(scene_.media[lowest_].medium)),
-                  jobs() * orders() * order_seconds(streams_, 1, cosines()));
+                  jobs() * orders() * order_seconds(size_, 1, cosines()));
     }
 }
 
@@ -177,7 +170,7 @@ void Planner::surface() {
     // Albedos want rho for the mean over incidences too, and at the nodes of both solutions.
     constexpr double mean_nodes = 32.0;
     const double more =
-        is_albedo() ? wavelengths * mean_nodes + jobs() * streams_ * 5.0 / 3.0 : 0.0;
+        is_albedo() ? wavelengths * mean_nodes + jobs() * size_.streams * 5.0 / 3.0 : 0.0;
     const double rho =
         whole ? (static_cast<double>(cosines()) * wavelengths + more) * rho_seconds() : 0.0;
     const bool lobe = is_albedo() ? scene_.surface.has_value() : wants_lobe(scene_, parts_);

@@ -58,8 +58,8 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
       request_{scene_, distinct_.directions(), solver_, quantity},
       demand_(demand_of(solver_, scene_.particles.tolerance, phase_demand(quantity))),
       needs_layers_(is_albedo() || wants_layers(parts)),
-      streams_(expected_streams(scene_, solver_)),
-      lowest_(scene_.first_medium()) {}
+      lowest_(scene_.first_medium()),
+      size_(expected_size(scene_, lowest_, solver_, distinct_.directions())) {}
 
 Plan Planner::plan() {
     list_jobs();
@@ -170,7 +170,7 @@ void Planner::list_jobs() {
 }
 
 void Planner::leave_out_layer(const Layer& layer) {
-    double saved = jobs() * orders() * order_seconds(streams_, 1, cosines());
+    double saved = jobs() * orders() * order_seconds(size_, 1, cosines());
     if (needs_mie(layer.medium)) {
         for (const LayerJob& job : jobs_) saved += typical_mie_cost(job.wavelength);
     }
@@ -200,7 +200,7 @@ void Planner::hide_layers() {
         }
         const auto optics = compute_optics(scene_, m, jobs_.front().wavelength, {});
         if (!rte::hides_what_is_below(optics.optics, depth, directions, tolerance)) continue;
-        double saved = jobs() * orders() * order_seconds(streams_, m, cosines());
+        double saved = jobs() * orders() * order_seconds(size_, m, cosines());
         for (std::size_t below = 0; below < m; ++below) saved += mie_cost(below);
         leave_out(
             "hidden layers",

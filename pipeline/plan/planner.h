@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/plan/cost_model.h"
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/layers.h"
 
@@ -72,8 +73,8 @@ class Planner {
     LayerRequest request_;  ///< without repeated directions
     OpticsDemand demand_;
     bool needs_layers_ = true;
-    int streams_ = 0;
-    std::size_t lowest_;          ///< index of the lowest medium that shows
+    std::size_t lowest_;  ///< index of the lowest medium that shows
+    TransferSize size_;
     std::vector<LayerJob> jobs_;  ///< that need work
     Plan plan_;
 };

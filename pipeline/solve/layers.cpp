@@ -16,13 +16,13 @@
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_errors.h"
 #include "pipeline/solve/polarisation.h"
+#include "pipeline/solve/polarised_reflection.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
-#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 namespace {
@@ -99,13 +99,6 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-/// Element 11 of Mueller matrices, one after the other.
-std::vector<double> unpolarised_part(const std::vector<double>& matrices, std::size_t elements) {
-    std::vector<double> values;
-    for (std::size_t i = 0; i < matrices.size(); i += elements) values.push_back(matrices[i]);
-    return values;
-}
-
 /// Light with its polarisation; what is wanted is the part of unpolarised light.
 LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optics, int components) {
     SolverOptions solver = request.solver;
@@ -113,14 +106,13 @@ LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optic
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
     slice.report.stokes = components;
-    const auto elements = static_cast<std::size_t>(components * components);
     if (request.quantity == LayerQuantity::reflection) {
-        rte::MuellerTable table =
-            rte::reflect_polarised(optics.stack, request.directions, components, solver);
-        slice.values = unpolarised_part(table.reflection, elements);
+        UnpolarisedReflection table =
+            reflect_unpolarised(optics.stack, request.directions, components, solver);
+        slice.values = std::move(table.reflection);
         slice.plane_albedo = std::move(table.plane_albedo);
         slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
-        slice.mirror_reflectance = unpolarised_part(table.mirror_reflection, elements);
+        slice.mirror_reflectance = std::move(table.mirror_reflectance);
         slice.report.solver = table.report;
         remove_rounding(slice.plane_albedo);
     } else {

@@ -35,6 +35,73 @@ TEST_CASE("what export writes passes check, alone and against its scene", "[prog
     CAPTURE(compared.out, compared.err);
     CHECK(compared.exit_code == 0);
     CHECK_THAT(compared.out, Catch::Contains("deviation_rms (mu > 0.2)"));
+    // The command in the file's metadata says the same scene: not a number differs.
+    const auto own = support::run_program("check " + file + " --own-scene");
+    CAPTURE(own.out, own.err);
+    CHECK(own.exit_code == 0);
+    const auto rows = [](const std::string& text) { return text.substr(text.find("quantity,")); };
+    CHECK(rows(own.out) == rows(compared.out));
+}
+
+TEST_CASE("a file's own scene is read from its command: quoted words, surface, component",
+          "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string format = GENERATE("pbrt", "radiance", "merl", "csv");
+    const std::string scene =
+        " --base hg:0.9,0.4 --coat 'isotropic:0.5@0.1[450nm]' --roughness 0.4 --surface-index 1.5 "
+        "--component subsurface --wavelengths 450,550,650 ";
+    const std::string file = folder / "it is.file";
+    const std::string list = format == "csv" ? "--mu-in 0.3,1 --mu-out 0.5,1 --azimuth 0,90 " : "";
+    const auto exported =
+        support::run_program("export --format " + format + scene + list + "-o '" + file + "'");
+    CAPTURE(format, exported.err);
+    REQUIRE(exported.exit_code == 0);
+    const auto own = support::run_program("check '" + file + "' --own-scene");
+    CAPTURE(own.out, own.err);
+    CHECK(own.exit_code == 0);
+    CHECK_THAT(own.out, Catch::Contains("deviation_rms (mu > 0.2)"));
+    CHECK_THAT(own.err, Catch::Contains("isotropic:0.5@0.1[450nm]"));
+}
+
+TEST_CASE("check says of a file alone that lost peaks do not show, and finds them in its scene",
+          "[program][export]") {
+    const support::TemporaryFolder folder;
+    // The glory of 50 um spheres is narrower than any cell of the format.
+    REQUIRE(
+        support::run_program("export --format rgl --base TiO2 --wavelengths 620 --resolution 24 "
+                             "--incident-angles 8 --accept-error -o " +
+                             (folder / "a.bsdf"))
+            .exit_code != support::kUsage);
+    const std::string file = folder / "a_rgb.bsdf";
+    const auto alone = support::run_program("check " + file);
+    CAPTURE(alone.out, alone.err);
+    CHECK_THAT(alone.out, Catch::Contains("cannot be seen from the file alone: peaks narrower") &&
+                              Catch::Contains("--own-scene") &&
+                              Catch::Contains("not judged without a scene"));
+    const auto own = support::run_program("check " + file + " --own-scene");
+    CAPTURE(own.out, own.err);
+    CHECK_THAT(own.out, Catch::Contains("# worst at retro-reflection: -"));
+    CHECK_THAT(own.err, Catch::Contains("retro-reflection: a peak narrower than the file's cells"));
+    CHECK_THAT(own.out, !Catch::Contains("not judged without a scene"));
+}
+
+TEST_CASE("--own-scene refuses a scene beside it, and files that do not say theirs",
+          "[program][export]") {
+    const support::TemporaryFolder folder;
+    REQUIRE(support::run_program("export --format csv" + kScene + "-o " + (folder / "a.csv"))
+                .exit_code == 0);
+    check_one_line(support::run_program("check " + (folder / "a.csv") + " --own-scene" + kScene),
+                   support::kUsage, {"--own-scene", "--base"});
+    std::string text = support::read_file(folder / "a.csv");
+    const std::size_t at = text.find("# command: ");
+    REQUIRE(at != text.npos);
+    const std::size_t end = text.find('\n', at);
+    folder.write("b.csv", text.substr(0, at) + text.substr(end + 1));
+    check_one_line(support::run_program("check " + (folder / "b.csv") + " --own-scene"),
+                   support::kBadInput, {"b.csv", "does not say", "--base"});
+    folder.write("c.csv", text.replace(at, end - at, "# command: miebrdf run paint.toml"));
+    check_one_line(support::run_program("check " + (folder / "c.csv") + " --own-scene"),
+                   support::kBadInput, {"miebrdf run paint.toml", "--base"});
 }
 
 TEST_CASE("tables of glories and rainbows pass check; brighter than possible they do not",

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """How well `miebrdf plan` knows what random requests cost: time and memory planned and measured.
 
-    plan_against_runs.py PROGRAM [--scenes 100] [--seed 1] [--runs 3] [-o scenes.csv]
+    plan_against_runs.py PROGRAM [--scenes 100] [--seed 1] [--runs 3] [--longest 60] [-o scenes.csv]
 
 Each scene is planned, then computed on one thread without the cache. Time is that of the processor
-(the smallest of some runs) without the program's start, memory the largest resident set. Prints how many scenes lie within a factor of 2, and the rest.
+(the smallest of some runs) without the program's start, memory the largest resident set. Prints how
+many scenes lie within a factor of 2, the median of planned to measured time, and the worst. Scenes
+that are planned to take longer than --longest seconds are counted and left out.
 """
 import argparse
 import csv
@@ -89,6 +91,7 @@ def main():
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--longest", type=float, default=60, help="seconds planned; more is left out")
     parser.add_argument("-o", "--output", help="CSV of every scene")
     options = parser.parse_args()
     rng = random.Random(options.seed)
@@ -97,12 +100,15 @@ def main():
              "1", "--no-cache", "--threads", "1"]
     starts = [used([program, *empty]) for _ in range(5)]
     start_s = min(s for s, _ in starts)
-    rows = []
+    rows, too_long = [], 0
     while len(rows) < options.scenes:
         command, words = request(rng)
         plan = planned(program, command, words)
         if plan is None:
             continue  # a combination that is refused
+        if plan[0] > options.longest:
+            too_long += 1
+            continue
         runs = [used([program, command, *words, "--no-cache", "--threads", "1"])
                 for _ in range(options.runs)]
         if None in runs:
@@ -119,6 +125,7 @@ def main():
             writer.writerow(["command", "request", "planned_s", "measured_s", "planned_mb",
                              "measured_mb", "steps"])
             writer.writerows(rows)
+    print(f"{too_long} scenes left out: planned to take more than {options.longest:g} s")
     report(rows)
 
 
@@ -131,6 +138,10 @@ def report(rows):
     def miss(row):
         a, b = max(row[2], least_s), max(row[3], least_s)
         return max(a / b, b / a)
+    ratios = sorted(max(row[2], least_s) / max(row[3], least_s) for row in done)
+    if ratios:
+        print(f"planned to measured time: median {ratios[len(ratios) // 2]:.2f}, "
+              f"{ratios[0]:.2f} to {ratios[-1]:.2f}")
     for factor in (2, 3, 10):
         within = sum(miss(row) <= factor for row in done)
         print(f"time within a factor of {factor} (both at least {least_s} s): {within} of {len(done)}")

@@ -8,6 +8,7 @@
 #include <miebrdf/formats.h>
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
+#include "tools/miebrdf/file_origin.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -20,6 +21,7 @@ constexpr double kLargestAlbedo = 1.005;
 struct CheckArguments {
     std::string file;
     SceneArguments scene;
+    bool own_scene = false;
     std::string component = "total";
     std::string rgb = "auto";
     double largest_asymmetry = 0.05;
@@ -54,17 +56,37 @@ class Verdict {
     bool good_ = true;
 };
 
+/// What the file shall be compared with: its own scene, or that of the options.
+SceneOfFile scene_to_compare(const CheckArguments& arguments, const Shell& shell) {
+    if (!arguments.own_scene) {
+        SceneOfFile typed{arguments.scene.parse(), arguments.component, arguments.rgb};
+        if (!arguments.scene.given("coupling"))
+            typed.request.scene.coupling = rte::SurfaceCoupling::reciprocal;  // as export does
+        return typed;
+    }
+    for (const std::string& word : shell.scene_words()) {
+        if (!arguments.scene.given(word)) continue;
+        throw UsageError(fmt::format(
+            "--own-scene takes the scene from the file, and --{0} says it too; leave one of them "
+            "out",
+            word));
+    }
+    SceneOfFile own = scene_of_file(arguments.file);
+    shell.note("compared with the scene of its own command: " + command_of_file(arguments.file));
+    return own;
+}
+
+/// A peak that a file has lost passes the bound of its region's rms; it is said all the same.
+constexpr double kLostPeak = 0.3;
+
 /// How far the file is from the scene that it is said to hold.
 void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell& shell,
-             Verdict& verdict) {
-    Request request = arguments.scene.parse();
-    if (!arguments.scene.given("coupling"))
-        request.scene.coupling = rte::SurfaceCoupling::reciprocal;  // as export does
-    if (!file.wavelength_nm().empty()) request.wavelength_nm = file.wavelength_nm();
-    const BrdfTable source =
-        solved(request, shell.control())
-            .table({parse_brdf_part(arguments.component), shell.command_line()});
-    const FileComparison found = compare_file(file, source, arguments.rgb);
+             Verdict& verdict, Table& table) {
+    SceneOfFile said = scene_to_compare(arguments, shell);
+    if (!file.wavelength_nm().empty()) said.request.wavelength_nm = file.wavelength_nm();
+    const BrdfTable source = solved(said.request, shell.control())
+                                 .table({parse_brdf_part(said.component), shell.command_line()});
+    const FileComparison found = compare_file(file, source, said.rgb);
     AcceptedErrors accepted = find_format(file.format()).accepted;
     if (arguments.largest_deviation > 0.0)
         accepted = accepted.with_plain(arguments.largest_deviation);
@@ -72,8 +94,29 @@ void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell&
         verdict.at_most(fmt::format("deviation_rms ({})", region.name), region.rms,
                         found.only_listed ? accepted.plain : accepted.of(region.kind));
         verdict.tell(fmt::format("deviation_worst ({})", region.name), region.worst);
+        table.facts.emplace_back(fmt::format("worst at {}", region.name), worst_of(region));
+        if (region.kind == RegionKind::peaks && !(std::abs(region.worst) <= kLostPeak)) {
+            shell.note(fmt::format("{}: a peak narrower than the file's cells, up to {}",
+                                   region.name, worst_of(region)));
+        }
     }
     verdict.tell("directional_albedo_error", found.albedo_error);
+}
+
+/// Of a file alone nobody can say what it should hold between its nodes.
+void tell_what_is_not_seen(const BrdfFile& file, const CheckArguments& arguments, Table& table) {
+    const bool sampled = find_format(file.format()).content == FormatContent::sampled;
+    const bool says_scene = !command_of_file(arguments.file).empty();
+    table.facts.emplace_back(
+        "cannot be seen from the file alone",
+        fmt::format("{}; compare with the scene: miebrdf check FILE {}",
+                    sampled
+                        ? "peaks narrower than its cells (retro-reflection of large spheres, "
+                          "sharp lobes at mirror directions, grazing directions)"
+                        : "whether its values are the scene's, and peaks between its directions",
+                    says_scene ? "--own-scene" : "--base ..."));
+    table.rows.push_back({std::string("deviation (all regions)"), Cell(), Cell(),
+                          std::string("not judged without a scene")});
 }
 
 std::vector<std::pair<std::string, Cell>> facts(const BrdfFile& file, const std::string& path,
@@ -120,7 +163,10 @@ int run_check(const CheckArguments& arguments, const Shell& shell) {
         verdict.at_most("sampled_albedo_error", *check.sampled_albedo_error,
                         arguments.largest_sampling_error);
     }
-    if (arguments.scene.given()) compare(*file, arguments, shell, verdict);
+    if (arguments.own_scene || arguments.scene.given() || arguments.scene.given("substrate"))
+        compare(*file, arguments, shell, verdict, table);
+    else
+        tell_what_is_not_seen(*file, arguments, table);
     shell.write(std::move(table));
     if (check.largest_albedo && *check.largest_albedo > 1.0 &&
         *check.largest_albedo <= arguments.largest_albedo + check.largest_albedo_error) {
@@ -165,6 +211,8 @@ void add_check(CLI::App& command, Shell& shell) {
         ->add_option("--max-sampling-error", arguments->largest_sampling_error,
                      "of the albedo found by the file's importance sampling")
         ->capture_default_str();
+    command.add_flag("--own-scene", arguments->own_scene,
+                     "compare with the scene of the command in the file's metadata, solved anew");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional);
     default_to_reciprocal(command);
     command.add_option("--component", arguments->component, "of the scene to compare with")
@@ -173,7 +221,8 @@ void add_check(CLI::App& command, Shell& shell) {
         ->capture_default_str();
     shell.add_common_options(command);
     command.footer(
-        "Example:\n  miebrdf check paint.bsdf\n  miebrdf check paint_spec.bsdf --base TiO2 --coat "
+        "Example:\n  miebrdf check paint.bsdf --own-scene\n  miebrdf check paint_spec.bsdf --base "
+        "TiO2 --coat "
         "AlGaAs7@0.1");
     shell.on_run(command, [arguments, &shell] { return run_check(*arguments, shell); });
 }

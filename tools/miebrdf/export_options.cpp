@@ -186,6 +186,12 @@ ExportOptions ExportArguments::file() const {
     return options;
 }
 
+std::string worst_of(const RegionDeviation& region) {
+    return fmt::format("{:+.3g} % at mu_in {:.3g}, mu_out {:.3g}, azimuth {:.4g}",
+                       100.0 * region.worst, region.where.mu_in, region.where.mu_out,
+                       region.where.azimuth_deg);
+}
+
 std::vector<std::string> ignored_options_of(const std::string& format) {
     const Format& known = find_format(format);
     const std::vector<std::string> taken = file_options_of(known);

@@ -52,6 +52,9 @@ class ExportArguments {
 /// Says in the help of a command that --coupling defaults to reciprocal there.
 void default_to_reciprocal(CLI::App& command);
 
+/// "-78 % at mu_in 0.5, mu_out 0.5, azimuth 180": a region's worst value.
+std::string worst_of(const RegionDeviation& region);
+
 /// Options (with their dashes) that a format has no use for: those of other formats, and for
 /// spectra and single-scattering tables parts of the scene's.
 /// @throws UsageError  for an unknown format, with the nearest names
