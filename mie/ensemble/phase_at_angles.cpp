@@ -29,7 +29,6 @@ constexpr double kRayDeviations = 2;
 constexpr double kRayShare = 0.5;       // of what is allowed, for their bias
 constexpr double kRayFloor = 0.5;       // the bias is relative to max(P, this)
 constexpr double kRayPartShare = 0.25;  // of what is allowed, for one part of several
-constexpr double kBackward_deg = 165, kBackwardBias = 3;  // phase_panel.cpp
 
 struct SingleAngle {
     std::size_t index = 0;  // in the list of angles
@@ -78,11 +77,15 @@ struct SingleAngle {
     }
 
     // rms, by rays
-    double bias(double ray_bias) const {
-        return ray_bias * (theta_deg > kBackward_deg ? kBackwardBias : 1) *
-               std::max(value(), kRayFloor);
-    }
+    double bias(double ray_bias) const { return ray_bias * std::max(value(), kRayFloor); }
 };
+
+SizeFamilies::Method method_of(const SizeDistribution& distribution,
+                               const PhaseTabulationOptions& options) {
+    using Method = SizeFamilies::Method;
+    if (!options.by_rays) return Method::sizes;
+    return distribution.kind.law().has_ends ? Method::rays_without_ends : Method::rays;
+}
 
 // All angles take their levels together.
 class AngleSeries {
@@ -92,7 +95,8 @@ class AngleSeries {
                 const PhaseTabulationOptions& options, const std::vector<double>& allowed,
                 PhaseValues& result)
         // Single angles may go to the finest level of all: most_work is their bound.
-        : sizes_(relative_index, distribution, range, wave_number_per_um, kFinest, options.by_rays),
+        : sizes_(relative_index, distribution, range, wave_number_per_um, kFinest,
+                 method_of(distribution, options)),
           options_(options),
           allowed_(allowed),
           result_(result),

@@ -34,7 +34,7 @@ constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
 constexpr int kMostSizes = 128;
 
 // P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
-constexpr double kPhaseBias = 0.5;
+constexpr double kPhaseBias = 0.5, kPhaseBiasWithoutEnds = 0.02;
 constexpr double kLargestPhaseBound = 1e-3;
 constexpr int kLeastRipples = 240;
 
@@ -80,7 +80,7 @@ RayBound ray_bound(const EnsembleProblem& problem) {
     return bound;
 }
 
-double phase_ray_bias(const EnsembleProblem& problem) {
+double phase_ray_bias(const EnsembleProblem& problem, bool without_ends) {
     const RayBound bound = ray_bound(problem);
     const double k = problem.wave_number_per_um;
     const double width = k * (problem.range.largest_um - problem.range.smallest_um);
@@ -88,7 +88,8 @@ double phase_ray_bias(const EnsembleProblem& problem) {
         coarsest_even_count(problem.relative_index.real(), width) < kLeastRipples) {
         return 0;
     }
-    return kPhaseBias / (k * effective_radius_of(problem.sizes));
+    return (without_ends ? kPhaseBiasWithoutEnds : kPhaseBias) /
+           (k * effective_radius_of(problem.sizes));
 }
 
 std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
