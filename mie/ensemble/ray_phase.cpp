@@ -158,14 +158,14 @@ Block& kept_block() {
 
 }  // namespace
 
-std::vector<RayGroup> ray_groups(double index, bool windowed) {
+std::vector<RayGroup> ray_groups(double index, bool exact) {
     // The even rule of n + 1 sizes has n: the one at the end has no weight. Below n = 2 the rays of
     // two ways have a rainbow.
     const RayGroup two_ways =
         index < 2 ? RayGroup{2, 2, {41, 49}, false} : RayGroup{2, 2, {25, 33}, false};
-    if (windowed) {
+    if (exact) {
         return {{0, 0, {33, 41}, false}, {1, 1, {17, 25}, false},  two_ways,
-                {3, 4, {33, 41}, false}, {5, 16, {33, 41}, false}, {17, 0, {33, 41}, false}};
+                {3, 4, {33, 41}, false}, {5, 16, {33, 41}, false}, {17, 0, {17, 25}, false}};
     }
     return {{0, 0, {33, 41}, false},
             {1, 1, {8, 8}, true},

@@ -28,8 +28,9 @@ struct RayGroup {
 /// phases phi, which leaves the products of rays `phases` ways apart; the phases of the next size
 /// are shifted, so that these average out, too. Counts: half a per cent of max(P, 1/2), rms over
 /// the angles, for each group (docs/internals/mie-log.md).
-/// @param windowed  sizes are weighted by a RayWindow: no rule for smooth integrands
-std::vector<RayGroup> ray_groups(double index, bool windowed = false);
+/// @param exact  far rays in closed form, and no rules for smooth integrands: sizes may be weighted
+///               by a RayWindow
+std::vector<RayGroup> ray_groups(double index, bool exact = false);
 
 /// A weight of sizes that falls from 1 to 0 at both ends of a range, with its first three
 /// derivatives: the product of two rays whose phases differ by 2 (n - 1) x or more averages out to

@@ -38,11 +38,12 @@ struct FamilyIntensity {
 /// Only in single precision. Without rays there is one part.
 ///
 /// Where a distribution ends sharply, rays of different ways do not average out there: what they
-/// leave is the error of P by rays. With `rays_without_ends` each ray is weighted by RayWindow, and
-/// what the window leaves of the sizes at both ends is one more part, of whole spheres.
+/// leave is the error of P by rays. With `exact_rays` each ray is weighted by RayWindow, and what
+/// the window leaves of the sizes at both ends is one more part, of whole spheres; far rays are
+/// summed in closed form (far_rays.h). That takes longer for many angles.
 class SizeFamilies {
   public:
-    enum class Method { sizes, rays, rays_without_ends };
+    enum class Method { sizes, rays, exact_rays };
 
     /// @param size_tolerance  of points of P; the finest level follows it
     SizeFamilies(std::complex<double> relative_index, const SizeDistribution& distribution,
