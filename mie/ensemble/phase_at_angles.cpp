@@ -22,7 +22,7 @@ constexpr double kFinest = 1e-6;
 constexpr double kSpheresAsAngles = 16;  // the partial waves themselves cost as much as so many
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple (phase_panel.cpp).
 constexpr double kSlowestGain = 0.5;
-constexpr double kRayGain = 0.2;  // times that: rays leave a tenth or less
+constexpr double kRayGain = 0.2;                // times that: rays leave a tenth or less
 constexpr double kLeastSingleTolerance = 1e-4;  // single precision errs by 1e-5
 
 // Rays may differ at single angles by more than their bias, an rms over all.
@@ -57,6 +57,9 @@ struct SingleAngle {
             sums.intensity += parts[i].intensity;
             for (const int f : {0, 1}) sums.scattered[f] += parts[i].scattered[f];
         }
+        // Parts are on levels of their own: what they scatter together would err as the coarsest.
+        if (parts.size() > 1 && scattering_efficiency > 0)
+            sums.scattered[0] = sums.scattered[1] = scattering_efficiency / 2;
         double doubt = sizes.rippled() && level > 0 ? kSlowestGain : 0.0;
         if (parts.size() > 1) doubt *= kRayGain;
         // Parts err independently of each other; that of their sum may be small by chance.
