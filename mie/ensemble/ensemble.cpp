@@ -298,8 +298,13 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     options.floor = request.phase_floor;
     options.most_work = request.phase_work;
     options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
-    options.ray_bias = phase_ray_bias(problem_of(request));
+    const EnsembleProblem problem = problem_of(request);
+    options.ray_bias = phase_ray_bias(problem, true);
     options.by_rays = options.ray_bias > 0;
+    if (options.by_rays && !(q_sca > 0)) {
+        const auto rays = average_over_rays(problem, 1, request.tolerance, pieces);
+        if (rays) options.scattering_efficiency = rays->q_sca * problem.share;
+    }
     return phase_at_angles(relative_index_of(request), request.sizes, range,
                            wave_number_per_um(request), options, request.angles_deg,
                            request.phase_allowed, pieces);

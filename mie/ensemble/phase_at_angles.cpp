@@ -22,6 +22,7 @@ constexpr double kFinest = 1e-6;
 constexpr double kSpheresAsAngles = 16;  // the partial waves themselves cost as much as so many
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple (phase_panel.cpp).
 constexpr double kSlowestGain = 0.5;
+constexpr double kRayGain = 0.2;                // times that: rays leave a tenth or less
 constexpr double kLeastSingleTolerance = 1e-4;  // single precision errs by 1e-5
 
 // Rays may differ at single angles by more than their bias, an rms over all.
@@ -29,7 +30,6 @@ constexpr double kRayDeviations = 2;
 constexpr double kRayShare = 0.5;       // of what is allowed, for their bias
 constexpr double kRayFloor = 0.5;       // the bias is relative to max(P, this)
 constexpr double kRayPartShare = 0.25;  // of what is allowed, for one part of several
-constexpr double kBackward_deg = 165, kBackwardBias = 3;  // phase_panel.cpp
 
 struct SingleAngle {
     std::size_t index = 0;  // in the list of angles
@@ -57,13 +57,25 @@ struct SingleAngle {
             sums.intensity += parts[i].intensity;
             for (const int f : {0, 1}) sums.scattered[f] += parts[i].scattered[f];
         }
-        double differs = sums.scattered[1] > 0 ? kFewNodes * difference(sums) : 0.0;
-        part_noise.clear();
-        for (const FamilyIntensity& part : parts) part_noise.push_back(difference(part));
+        // Parts are on levels of their own: what they scatter together would err as the coarsest.
+        if (parts.size() > 1 && scattering_efficiency > 0)
+            sums.scattered[0] = sums.scattered[1] = scattering_efficiency / 2;
+        double doubt = sizes.rippled() && level > 0 ? kSlowestGain : 0.0;
+        if (parts.size() > 1) doubt *= kRayGain;
+        // Parts err independently of each other; that of their sum may be small by chance.
+        part_noise.resize(parts.size(), 0.0);
+        double squares = 0;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (added[i].intensity.size() > 0)
+                part_noise[i] = std::max(difference(parts[i]), doubt * part_noise[i]);
+            squares += part_noise[i] * part_noise[i];
+        }
+        double differs = difference(sums);
+        if (parts.size() > 1) differs = std::max(differs, std::sqrt(squares));
+        differs *= kFewNodes;
         double missed = 0;
         if (scattering_efficiency > 0)
             missed = std::abs(scattered() / scattering_efficiency - 1) * value();
-        const double doubt = sizes.rippled() && level > 0 ? kSlowestGain : 0.0;
         noise = std::max({differs, doubt * differed, missed});
         differed = differs;
     }
@@ -78,10 +90,7 @@ struct SingleAngle {
     }
 
     // rms, by rays
-    double bias(double ray_bias) const {
-        return ray_bias * (theta_deg > kBackward_deg ? kBackwardBias : 1) *
-               std::max(value(), kRayFloor);
-    }
+    double bias(double ray_bias) const { return ray_bias * std::max(value(), kRayFloor); }
 };
 
 // All angles take their levels together.
@@ -92,7 +101,8 @@ class AngleSeries {
                 const PhaseTabulationOptions& options, const std::vector<double>& allowed,
                 PhaseValues& result)
         // Single angles may go to the finest level of all: most_work is their bound.
-        : sizes_(relative_index, distribution, range, wave_number_per_um, kFinest, options.by_rays),
+        : sizes_(relative_index, distribution, range, wave_number_per_um, kFinest,
+                 options.by_rays ? SizeFamilies::Method::exact_rays : SizeFamilies::Method::sizes),
           options_(options),
           allowed_(allowed),
           result_(result),
@@ -155,10 +165,11 @@ class AngleSeries {
         result_.phase[angle.index] = angle.value();
         result_.error[angle.index] = error;
         if (too_biased) return Verdict::not_by_rays;
-        const bool is_first = level == 0 && sizes_.rippled() && !options_.by_rays;
+        const bool is_first = level == 0 && sizes_.rippled();
         if (sizes_.resolves(level) && !is_first && error <= enough(angle)) return Verdict::done;
         if (level < sizes_.last_level()) return Verdict::more;
-        return options_.by_rays ? Verdict::not_by_rays : Verdict::done;
+        // Sizes that sample the ripple would take longer yet.
+        return Verdict::done;
     }
 
     // The parts of P whose families differ too much, at all nodes.
@@ -176,10 +187,11 @@ class AngleSeries {
             }
             return {sizes_.level(level, AngularFunctions(nodes_deg, terms_, run), run)};
         }
-        std::vector<int> wanted(sizes_.part_count(), level == 0 ? 0 : -1);
+        // Three nodes see much the same: that two families agree says little before the next level.
+        std::vector<int> wanted(sizes_.part_count(), level <= 1 ? level : -1);
         part_levels_.resize(wanted.size(), 0);
         for (const SingleAngle& angle : active) {
-            if (level == 0) break;
+            if (level <= 1) break;
             const auto& noise = angle.part_noise;
             const double largest = *std::max_element(noise.begin(), noise.end());
             for (std::size_t i = 0; i < wanted.size(); ++i) {

@@ -17,9 +17,8 @@ constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 // before better than that does so by chance.
 constexpr double kSlowestGain = 0.5;
 
-// Rays of different ways that leave backward differ little in length beside their own glories.
+// Where glories are.
 constexpr double kBackward = 165 * std::numbers::pi / 180;
-constexpr double kBackwardBias = 3;
 
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
@@ -121,7 +120,7 @@ void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
-    const double bias = options.ray_bias * (is_backward() ? kBackwardBias : 1);
+    const double bias = options.ray_bias;
     noise_ = std::max({relative_, doubt * relative_before, missed}) + bias;
     worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + bias;
     rms_ = std::max(rms, missed * largest);

@@ -83,7 +83,7 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
                                  double wave_number_per_um, const PhaseTabulationOptions& options,
                                  const Executor& run)
     : sizes_(relative_index, distribution, range, wave_number_per_um, options.size_tolerance,
-             options.by_rays),
+             options.by_rays ? SizeFamilies::Method::rays : SizeFamilies::Method::sizes),
       options_(options),
       run_(run),
       terms_(number_of_terms(wave_number_per_um * range.largest_um)),

@@ -34,7 +34,10 @@ constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
 constexpr int kMostSizes = 128;
 
 // P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
-constexpr double kPhaseBias = 0.5;
+constexpr double kPhaseBias = 0.5, kExactPhaseBias = 0.005;
+// Below this index bright rays of p and p + 1 ways are of one length at some angle, and coherent:
+// ways p (m - s) > 1 + s, s^2 = m^2 - 1, that is p = 4 at 1.25, 6 at 1.46, 18 at 2.6.
+constexpr double kCrossingIndex = 1.4, kCrossingPhaseBias = 1.5;
 constexpr double kLargestPhaseBound = 1e-3;
 constexpr int kLeastRipples = 240;
 
@@ -80,7 +83,7 @@ RayBound ray_bound(const EnsembleProblem& problem) {
     return bound;
 }
 
-double phase_ray_bias(const EnsembleProblem& problem) {
+double phase_ray_bias(const EnsembleProblem& problem, bool exact) {
     const RayBound bound = ray_bound(problem);
     const double k = problem.wave_number_per_um;
     const double width = k * (problem.range.largest_um - problem.range.smallest_um);
@@ -88,7 +91,10 @@ double phase_ray_bias(const EnsembleProblem& problem) {
         coarsest_even_count(problem.relative_index.real(), width) < kLeastRipples) {
         return 0;
     }
-    return kPhaseBias / (k * effective_radius_of(problem.sizes));
+    const double x = k * effective_radius_of(problem.sizes);
+    if (!exact) return kPhaseBias / x;
+    return problem.relative_index.real() < kCrossingIndex ? kCrossingPhaseBias / x
+                                                          : kExactPhaseBias / x + bound.spread;
 }
 
 std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,

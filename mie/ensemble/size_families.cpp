@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "mie/ensemble/ray_phase.h"
 #include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -21,6 +20,7 @@ constexpr int kLeastUnit = 32;  // without ripple: of each
 constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
 
 constexpr int kLastRayLevel = 6;
+constexpr double kEndSpacing = 0.5;  // in x, of one family of sizes at sharp ends
 
 constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
@@ -60,14 +60,13 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
 
 SizeFamilies::SizeFamilies(std::complex<double> relative_index,
                            const SizeDistribution& distribution, const RadiusRange& range,
-                           double wave_number_per_um, double size_tolerance, bool by_rays)
+                           double wave_number_per_um, double size_tolerance, Method method)
     : relative_index_(relative_index),
       distribution_(distribution),
       range_(range),
       wave_number_per_um_(wave_number_per_um),
       rippled_(
-          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)),
-      by_rays_(by_rays) {
+          !(relative_index.imag() * wave_number_per_um * effective_radius_of(distribution) > 1)) {
     if (distribution.kind.law().single_size) {
         family_count_ = 1;
         return;
@@ -87,7 +86,13 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     const double finer = std::min(1.0, std::pow(size_tolerance / kDefaultTolerance, 1 / 1.5));
     const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
-    if (by_rays_) last_level_ = kLastRayLevel;
+    if (method == Method::sizes) return;
+    last_level_ = kLastRayLevel;
+    groups_ = ray_groups(relative_index.real(), method == Method::exact_rays);
+    if (method == Method::exact_rays && distribution.kind.law().has_ends) {
+        window_.emplace(relative_index.real(), wave_number_per_um * range.smallest_um,
+                        wave_number_per_um * range.largest_um);
+    }
 }
 
 WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
@@ -138,34 +143,37 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
 }
 
 int SizeFamilies::part_count() const {
-    return by_rays_ ? static_cast<int>(ray_groups(relative_index_.real()).size()) : 1;
+    if (groups_.empty()) return 1;
+    return static_cast<int>(groups_.size()) + (window_ ? 1 : 0);
 }
 
 std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels,
                                                   const AngularFunctionsOf<float>& angular,
                                                   const Executor& run) const {
-    if (by_rays_) return levels_of_rays(levels, angular, run);
+    if (!groups_.empty()) return levels_of_rays(levels, angular, run);
     return {level(levels.front(), angular, run)};
 }
 
 std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
                                                           const AngularFunctionsOf<float>& angular,
                                                           const Executor& run) const {
-    const std::vector<RayGroup> groups = ray_groups(relative_index_.real());
     struct Piece {
         std::size_t group;
         int family, first, count;
     };
     std::vector<Piece> pieces;
-    std::vector<std::vector<WeightedSizes>> sizes(groups.size());
-    for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::vector<std::vector<WeightedSizes>> sizes(groups_.size());
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
         if (levels[g] < 0) continue;
         const int most =
-            std::max(1, kMostRayColumns / (kLaneCount * groups[g].columns())) * kLaneCount;
+            std::max(1, kMostRayColumns / (kLaneCount * groups_[g].columns())) * kLaneCount;
         for (const int family : {0, 1}) {
-            sizes[g].push_back(ray_sizes(groups[g], distribution_, range_, wave_number_per_um_,
+            sizes[g].push_back(ray_sizes(groups_[g], distribution_, range_, wave_number_per_um_,
                                          family, levels[g]));
-            const int count = static_cast<int>(sizes[g].back().parameters.size());
+            WeightedSizes& own = sizes[g].back();
+            const int count = static_cast<int>(own.parameters.size());
+            for (int i = 0; window_ && i < count; ++i)
+                own.weights[i] *= window_->at(own.parameters[i]);
             for (int first = 0; first < count; first += most) {
                 pieces.push_back({g, family, first, std::min(most, count - first)});
             }
@@ -175,10 +183,10 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
     run(static_cast<int>(pieces.size()), [&](int job) {
         const auto& [g, family, first, count] = pieces[job];
         sums[job] =
-            intensity_of_rays(relative_index_, groups[g], sizes[g][family], first, count, angular);
+            intensity_of_rays(relative_index_, groups_[g], sizes[g][family], first, count, angular);
     });
-    std::vector<FamilyIntensity> parts(groups.size());
-    for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::vector<FamilyIntensity> parts(levels.size());
+    for (std::size_t g = 0; g < parts.size(); ++g) {
         if (levels[g] >= 0) parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
     }
     for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -186,7 +194,44 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
         part.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
         part.scattered[pieces[i].family] += sums[i].scattered / 2;
     }
+    if (window_ && levels.back() >= 0) add_ends(levels.back(), angular, run, parts.back());
     return parts;
+}
+
+void SizeFamilies::add_ends(int level, const AngularFunctionsOf<float>& angular,
+                            const Executor& run, FamilyIntensity& to) const {
+    struct Piece {
+        int family;
+        WeightedSizes sizes;
+        std::vector<SizeChunks::Block> blocks;
+    };
+    std::vector<Piece> pieces;
+    const double width_um = window_->width() / wave_number_per_um_;
+    for (const int family : {0, 1}) {
+        const int count = std::max(
+            kLeastFamilyChunk,
+            static_cast<int>(std::lround(kFamilyShare[family] * window_->width() / kEndSpacing)));
+        for (const RadiusRange& end :
+             {RadiusRange{range_.smallest_um, range_.smallest_um + width_um},
+              RadiusRange{range_.largest_um - width_um, range_.largest_um}}) {
+            WeightedSizes sizes(nested_size_nodes(distribution_, end, count, level),
+                                wave_number_per_um_);
+            for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
+                sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
+            const SizeChunks chunks(static_cast<int>(sizes.parameters.size()), kMostChunksOfFamily,
+                                    kLeastFamilyChunk);
+            for (int i = 0; i < chunks.count(); ++i)
+                pieces.push_back({family, sizes, chunks.blocks(i)});
+        }
+    }
+    std::vector<Intensity> sums(pieces.size());
+    run(static_cast<int>(pieces.size()), [&](int job) {
+        sums[job] = intensity_of(relative_index_, pieces[job].sizes, pieces[job].blocks, angular);
+    });
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        to.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
+        to.scattered[pieces[i].family] += sums[i].scattered / 2;
+    }
 }
 
 template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<float>&,

@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
+#include "mie/ensemble/ray_phase.h"
 #include "mie/ensemble/size_sums.h"
 
 namespace miebrdf::mie {
@@ -34,12 +36,19 @@ struct FamilyIntensity {
 /// By rays (ray_phase.h), P is a sum over parts, one for each group of rays, and the sizes of each
 /// part form two such families: what they differ by is what interference within a group leaves.
 /// Only in single precision. Without rays there is one part.
+///
+/// Where a distribution ends sharply, rays of different ways do not average out there: what they
+/// leave is the error of P by rays. With `exact_rays` each ray is weighted by RayWindow, and what
+/// the window leaves of the sizes at both ends is one more part, of whole spheres; far rays are
+/// summed in closed form (far_rays.h). That takes longer for many angles.
 class SizeFamilies {
   public:
+    enum class Method { sizes, rays, exact_rays };
+
     /// @param size_tolerance  of points of P; the finest level follows it
     SizeFamilies(std::complex<double> relative_index, const SizeDistribution& distribution,
                  const RadiusRange& range, double wave_number_per_um, double size_tolerance,
-                 bool by_rays = false);
+                 Method method = Method::sizes);
 
     int count() const { return family_count_; }  ///< 2; 1 for a single size
     /// Whether resonances narrower than any level's spacing are left.
@@ -76,11 +85,16 @@ class SizeFamilies {
                                                 const AngularFunctionsOf<float>& angular,
                                                 const Executor& run) const;
 
+    void add_ends(int level, const AngularFunctionsOf<float>& angular, const Executor& run,
+                  FamilyIntensity& to) const;
+
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;
     RadiusRange range_;
     double wave_number_per_um_;
-    bool rippled_, by_rays_;
+    bool rippled_;
+    std::vector<RayGroup> groups_;          // none: not by rays
+    std::optional<RayWindow> window_ = {};  // of rays without ends
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;

@@ -135,6 +135,18 @@ void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& bloc
 }
 
 template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_forms(double weight, const Matrix& plus, const Matrix& minus,
+                                           int first, Eigen::VectorXd& intensity) const {
+    const auto add = [&](const Matrix& functions, const Matrix& form) {
+        const auto here = functions.middleCols(first, form.cols());
+        const Matrix rows = here * form;
+        intensity += weight * rows.cwiseProduct(here).rowwise().sum().template cast<double>();
+    };
+    add(plus_, plus);
+    add(minus_, minus);
+}
+
+template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_products(const SphereBlockOf<Scalar>& block,
                                               Eigen::ArrayXXd& products) const {
     const int first = block.first_term, count = block.terms - first + 1, size = block.size;

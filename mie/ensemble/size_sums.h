@@ -37,11 +37,16 @@ class AngularFunctionsOf {
     /// all of the scattering matrix.
     void add_products(const SphereBlockOf<Scalar>& block, Eigen::ArrayXXd& products) const;
 
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+    /// Adds weight times the same of waves that are known by their products: plus(i, j) of U_n and
+    /// U_m*, n = first + i, m = first + j, minus of V; as far as quadratic forms tell.
+    void add_forms(double weight, const Matrix& plus, const Matrix& minus, int first,
+                   Eigen::VectorXd& intensity) const;
+
   private:
     void fill(const Eigen::ArrayXd& mu, const Executor& run);
     void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
-
-    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
     void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
                      int first, int terms, int columns, Eigen::VectorXd& intensity) const;

@@ -20,6 +20,7 @@
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
+#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
@@ -194,6 +195,28 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     return all;
 }
 
+/// Nodes that `auto` begins with where the tolerance leaves it the choice
+/// (rte/grid/discretisation).
+int first_streams(double tolerance) { return tolerance >= 2e-4 ? 12 : 16; }
+
+/// What those first nodes make use of: moments of Mie theory cost more than the square of their
+/// number, and few media need more nodes.
+OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
+    OpticsDemand demand = whole;
+    const int streams = first_streams(request.solver.tolerance);
+    if (request.solver.streams == 0 && !whole.whole_phase_function) {
+        demand.highest_moment =
+            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
+    }
+    return demand;
+}
+
+bool has_cut_moments(const rte::Stack& stack) {
+    return (stack.base_kind == rte::BaseKind::half_space && stack.base.has_more_moments) ||
+           std::any_of(stack.coats.begin(), stack.coats.end(),
+                       [](const rte::Coat& coat) { return coat.optics.has_more_moments; });
+}
+
 std::vector<double> packed(const LayerSlice& slice) {
     const auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] =
         slice;
@@ -249,7 +272,7 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     const LayerJobs list = list_layer_jobs(reduced);
     const std::vector<LayerJob>& jobs = list.jobs;
     std::vector<LayerSlice> solved(jobs.size());
-    std::vector<std::size_t> missing, missing_wavelengths;
+    std::vector<std::size_t> missing;
     for (std::size_t j = 0; j < solved.size(); ++j) {
         std::optional<std::vector<double>> known;
         if (jobs[j].closed_form) {
@@ -258,7 +281,6 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
             solved[j] = unpacked(*known);
         } else {
             missing.push_back(j);
-            missing_wavelengths.push_back(jobs[j].wavelength);
         }
     }
     const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
@@ -266,16 +288,34 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     // What passes the layers is wanted too: only what lets nothing through hides a ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
     const double hiding = transmits ? 0.0 : request.solver.tolerance;
-    const std::vector<LightChoice> light =
-        choose_light(reduced, missing_wavelengths, hiding, demand, control);
-    const auto optics = optics_in(light, reduced, missing_wavelengths, hiding, demand, control);
     tbb::enumerable_thread_specific<rte::StackMemory> memories;
-    run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
-        const LayerJob& job = jobs[missing[i]];
-        solved[missing[i]] = solve(reduced, optics[i], job.wavelength, demand, light[i],
-                                   pieces_of_job(control), memories.local());
-        if (control.cache != nullptr) control.cache->store(job.hash, packed(solved[missing[i]]));
-    });
+    // Returns the jobs that want more moments than these.
+    const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
+        std::vector<std::size_t> wavelengths;
+        for (const std::size_t j : places) wavelengths.push_back(jobs[j].wavelength);
+        const std::vector<LightChoice> light =
+            choose_light(reduced, wavelengths, hiding, own, control);
+        const auto optics = optics_in(light, reduced, wavelengths, hiding, own, control);
+        std::vector<char> wants_more(places.size(), 0);
+        run_parallel("radiative transfer", places.size(), control, [&](std::size_t i) {
+            const LayerJob& job = jobs[places[i]];
+            LayerSlice& slice = solved[places[i]];
+            slice = solve(reduced, optics[i], job.wavelength, own, light[i], pieces_of_job(control),
+                          memories.local());
+            wants_more[i] = own.highest_moment < demand.highest_moment &&
+                            light[i].components == 1 && has_cut_moments(optics[i].stack) &&
+                            slice.report.solver.streams > first_streams(request.solver.tolerance);
+            if (control.cache != nullptr && !wants_more[i])
+                control.cache->store(job.hash, packed(slice));
+        });
+        std::vector<std::size_t> left;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            if (wants_more[i]) left.push_back(places[i]);
+        }
+        return left;
+    };
+    missing = solve_with(first_demand(request, demand), missing);
+    if (!missing.empty()) solve_with(demand, missing);
     std::vector<LayerSlice> slices;
     std::vector<int> uses(jobs.size(), 0);
     for (const std::size_t job : list.serving) ++uses[job];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -157,6 +158,7 @@ bool any_noisy(const std::vector<PhaseLayer>& layers) {
 /// P of one layer at one angle, anew.
 struct Point {
     double allowed = std::numeric_limits<double>::infinity();
+    double excess = 0.0;  ///< of the table's noise, over what is allowed
     double change = 0.0;  ///< against the table
     double noise = 0.0;   ///< rms
 };
@@ -189,8 +191,25 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
         // A bounded number of sizes may do worse than the table.
         const double of_table =
             part.table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
-        if (!(point.noise < of_table)) point = {point.allowed, 0.0, of_table};
+        if (!(point.noise < of_table)) point = {point.allowed, point.excess, 0.0, of_table};
         ++at;
+    }
+}
+
+/// Leaves the points whose tables exceed what is allowed the most.
+void keep_worst(Points& points) {
+    std::vector<double> excess;
+    for (const auto& layer : points) {
+        for (const auto& part : layer) {
+            for (const auto& [angle, point] : part) excess.push_back(point.excess);
+        }
+    }
+    if (excess.size() <= kMostAngles) return;
+    const auto last = excess.begin() + static_cast<std::ptrdiff_t>(kMostAngles);
+    std::nth_element(excess.begin(), last, excess.end(), std::greater<>());
+    for (auto& layer : points) {
+        for (auto& part : layer)
+            std::erase_if(part, [&](const auto& entry) { return entry.second.excess <= *last; });
     }
 }
 
@@ -256,24 +275,24 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
     }
     // An rms; parts err independently of each other.
     const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(parts)));
-    std::size_t count = 0;
     for_each_direction(
         layers, index, solved.directions, reflection,
         [&](std::size_t, double cos_theta, const std::vector<double>& weights, double brightest) {
             for (std::size_t i = 0; i < layers.size(); ++i) {
-                for (std::size_t p = 0; p < layers[i].parts.size() && count <= kMostAngles; ++p) {
+                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     const PhasePart& part = layers[i].parts[p];
                     const double weight = weights[i] * part.factor(cos_theta);
                     if (!(weight > 0.0)) continue;
                     const double enough = share * std::max(brightest, 0.0) / weight;
-                    if (part.table->noise(cos_theta) <= enough) continue;
-                    const auto [point, is_new] = points[i][p].try_emplace(angle_of(cos_theta));
-                    point->second.allowed = std::min(point->second.allowed, enough);
-                    count += is_new ? 1 : 0;
+                    const double noise = part.table->noise(cos_theta);
+                    if (noise <= enough) continue;
+                    Point& point = points[i][p][angle_of(cos_theta)];
+                    point.allowed = std::min(point.allowed, enough);
+                    point.excess = std::max(point.excess, noise / enough);
                 }
             }
         });
-    if (count > kMostAngles) return noise_left(layers, index, solved.directions, reflection, {});
+    keep_worst(points);
     for (std::size_t i = 0; i < layers.size(); ++i) {
         // The layers that show are the scene's topmost.
         const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - i];
