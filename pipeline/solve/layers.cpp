@@ -195,15 +195,17 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     return all;
 }
 
-/// Nodes that `auto` begins with where the tolerance leaves it the choice
-/// (rte/grid/discretisation).
-int first_streams(double tolerance) { return tolerance >= 2e-4 ? 12 : 16; }
+/// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
+/// half).
+int first_streams(const LayerRequest& request) {
+    return rte::first_streams(0.5 * request.solver.tolerance);
+}
 
 /// What those first nodes make use of: moments of Mie theory cost more than the square of their
 /// number, and few media need more nodes.
 OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
     OpticsDemand demand = whole;
-    const int streams = first_streams(request.solver.tolerance);
+    const int streams = first_streams(request);
     if (request.solver.streams == 0 && !whole.whole_phase_function) {
         demand.highest_moment =
             std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
@@ -304,7 +306,7 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
                           memories.local());
             wants_more[i] = own.highest_moment < demand.highest_moment &&
                             light[i].components == 1 && has_cut_moments(optics[i].stack) &&
-                            slice.report.solver.streams > first_streams(request.solver.tolerance);
+                            slice.report.solver.streams > first_streams(request);
             if (control.cache != nullptr && !wants_more[i])
                 control.cache->store(job.hash, packed(slice));
         });

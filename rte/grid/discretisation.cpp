@@ -91,7 +91,7 @@ std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) 
 std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
     const bool simple = most_moments(stack) <= 8;
-    const int start = simple ? 8 : options.tolerance >= 1e-4 ? 12 : 16;
+    const int start = simple ? 8 : first_streams(options.tolerance);
     std::vector<int> ladder;
     for (const int n : steps) {
         if (n >= start) ladder.push_back(n);
@@ -223,6 +223,8 @@ double work_of(int streams, int fourier_orders) {
 }
 
 }  // namespace
+
+int first_streams(double tolerance) { return tolerance >= 1e-4 ? 12 : 16; }
 
 int moments_per_node(int streams) { return streams < 4 ? 2 : streams < 12 ? 3 : 4; }
 

@@ -22,6 +22,9 @@ struct Discretisation {
 /// (NodeProjection). Few nodes gain little, and lose the sign of the faintest light.
 int moments_per_node(int streams);
 
+/// Nodes that the automatic choice begins with for media of more than a few moments.
+int first_streams(double tolerance);
+
 /// Grid and moments for a given number of nodes. Of moments that fall off no more are kept than the
 /// tolerance shows.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);

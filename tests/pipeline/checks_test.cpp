@@ -139,7 +139,7 @@ TEST_CASE("the physics of a table: defect among pairs that are there both ways, 
 }
 
 TEST_CASE(
-    "layers are reciprocal to rounding and keep energy; the paper's coupling is not reciprocal",
+    "layers are reciprocal to rounding and keep energy, the paper's coupling is not reciprocal",
     "[pipeline][physics]") {
     Scene scene = under_surface(scene_of("index:1.7,0.01,radius=2", {"hg:0.8,0.6@0.5"}), 0.3,
                                 std::complex(1.7, 0.01));

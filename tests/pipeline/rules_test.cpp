@@ -312,7 +312,7 @@ TEST_CASE("same direction: repeated and mirrored directions are computed once",
     }
 }
 
-TEST_CASE("surface alone: no layers; no surface: no lobe", "[pipeline][rules]") {
+TEST_CASE("surface alone: no layers, no surface: no lobe", "[pipeline][rules]") {
     const Scene bare = scene_of("index:1.5,0.01,radius=1"), scene = under_surface(bare);
     CHECK(leaves_out(bare, "no surface"));
     CHECK_FALSE(leaves_out(scene, "no surface"));

@@ -86,7 +86,7 @@ TEST_CASE("the estimate bounds the error of a smooth function within a factor", 
     }
 }
 
-TEST_CASE("axes that are not asked are listed; nodes that failed stay alone", "[sweep][lookup]") {
+TEST_CASE("axes that are not asked are listed, nodes that failed stay alone", "[sweep][lookup]") {
     FunctionTable table;
     const double none = std::numeric_limits<double>::quiet_NaN();
     table.f = [&](double x, double y) { return x == 7 ? none : x + std::log10(y); };

@@ -66,7 +66,7 @@ struct Work {
 
 }  // namespace
 
-TEST_CASE("a run goes on where one ended; damaged chunks are computed again", "[sweep][parts]") {
+TEST_CASE("a run goes on where one ended, damaged chunks are computed again", "[sweep][parts]") {
     const support::TemporaryFolder folder;
     Work calm(folder, "calm"), work(folder, "work");
     CHECK(calm.run().computed_scenes == 6);

@@ -85,7 +85,7 @@ TEST_CASE("check says of a file alone that lost peaks do not show, and finds the
     CHECK_THAT(own.out, !Catch::Contains("not judged without a scene"));
 }
 
-TEST_CASE("--own-scene refuses a scene beside it, and files that do not say theirs",
+TEST_CASE("the option --own-scene refuses a scene beside it, and files that do not say theirs",
           "[program][export]") {
     const support::TemporaryFolder folder;
     REQUIRE(support::run_program("export --format csv" + kScene + "-o " + (folder / "a.csv"))
@@ -104,7 +104,7 @@ TEST_CASE("--own-scene refuses a scene beside it, and files that do not say thei
                    support::kBadInput, {"miebrdf run paint.toml", "--base"});
 }
 
-TEST_CASE("tables of glories and rainbows pass check; brighter than possible they do not",
+TEST_CASE("tables of glories and rainbows pass check, brighter than possible they do not",
           "[program][export]") {
     // 50 um spheres on 16 cosines and 19 azimuths: interpolated, the table would reflect 1.018.
     const std::string scene = " --base TiO2 --coat AlGaAs7@0.1 --wavelengths 620 ";
@@ -128,7 +128,7 @@ TEST_CASE("tables of glories and rainbows pass check; brighter than possible the
     CHECK(support::run_program("check " + (folder / "bright.json") + scene).exit_code == 1);
 }
 
-TEST_CASE("tables may go to a device; what is read back may not", "[program][export]") {
+TEST_CASE("tables may go to a device, what is read back may not", "[program][export]") {
     const std::string table = GENERATE("csv", "json", "npz");
     const auto written = support::run_program("export --format " + table + kScene + "-o /dev/null");
     CAPTURE(written.err);
@@ -234,7 +234,7 @@ TEST_CASE("check says which coupling is reciprocal where a file is not", "[progr
     CHECK_THAT(reciprocal.out, Catch::Contains("reciprocity_error_rms (mu > 0.2)"));
 }
 
-TEST_CASE("grazing directions of a table that miss are a warning; requested values that miss are 4",
+TEST_CASE("grazing directions of a table that miss are a warning, requested values that miss are 4",
           "[program][export]") {
     const support::TemporaryFolder folder;
     const std::string scene = " --base TiO2 --wavelengths 620 --no-cache ";

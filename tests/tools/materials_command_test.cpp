@@ -206,7 +206,7 @@ TEST_CASE("scenes take n and k between and beyond the rows as nk does", "[progra
     check_error(support::run_program(optics + "551 --interpolation magic"), kUsage, "pchip");
 }
 
-TEST_CASE("permittivity and group index beside n and k; formulas as tables",
+TEST_CASE("permittivity and group index beside n and k, formulas as tables",
           "[program][materials]") {
     const Bench bench;
     const support::CsvOutput nk(
@@ -226,7 +226,7 @@ TEST_CASE("permittivity and group index beside n and k; formulas as tables",
           support::CsvOutput(bench.run("nk NaCl --wavelengths 500").out).number(0, "n"));
 }
 
-TEST_CASE("bare columns and bad rows on request; remove shows what it would do",
+TEST_CASE("bare columns and bad rows on request, remove shows what it would do",
           "[program][materials]") {
     const Bench bench;
     const std::string bare = bench.folder.write("bare.txt", "0.4 1.5 0\n0.5 1.6 0\n");

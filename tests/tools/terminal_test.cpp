@@ -254,16 +254,17 @@ TEST_CASE("a run that is interrupted keeps the wavelengths it has finished",
 }
 
 TEST_CASE("programs that share a new cache neither fail nor disagree", "[program][cache]") {
-    const support::TemporaryFolder folder, cache;
+    const support::TemporaryFolder folder, cache, cache_of_one;
+    const auto start = [&](const std::string& name, const support::TemporaryFolder& its_cache) {
+        return Background(
+            {"albedo", "--base=index:1.5,0.01", "--effective-radius=1", "--wavelengths=400:700:10",
+             "--threads=1", "--quiet", "-o", folder / name},
+            its_cache.path(), folder / ("err" + name));
+    };
     std::vector<Background> programs;
-    for (int p = 0; p < 6; ++p) {
-        const std::string name = std::to_string(p);
-        programs.push_back(
-            Background({"albedo", "--base=index:1.5,0.01", "--effective-radius=1",
-                        "--wavelengths=400:700:10", "--threads=1", "--quiet", "-o", folder / name},
-                       cache.path(), folder / ("err" + name)));
-    }
+    for (int p = 0; p < 6; ++p) programs.push_back(start(std::to_string(p), cache));
     for (Background& program : programs) CHECK(program.wait() == 0);
+    CHECK(start("alone", cache_of_one).wait() == 0);
     const auto rows = [&](int p) {
         const std::string text = support::read_file(folder / std::to_string(p));
         return text.substr(text.find("wavelength_nm,mu_in"));
@@ -272,6 +273,8 @@ TEST_CASE("programs that share a new cache neither fail nor disagree", "[program
         CHECK(rows(p) == rows(0));
         CHECK(support::read_file(folder / ("err" + std::to_string(p))).empty());
     }
-    // For each wavelength the single scattering of the medium and the layers.
-    CHECK(ResultCache(cache / kCacheFile).info().entries == 62);
+    // At least the single scattering of the medium and the layers for each wavelength.
+    const auto entries = ResultCache(cache_of_one / kCacheFile).info().entries;
+    CHECK(entries >= 62);
+    CHECK(ResultCache(cache / kCacheFile).info().entries == entries);
 }
