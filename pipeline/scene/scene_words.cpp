@@ -18,7 +18,10 @@ const WordValue& one_value(const SceneWord& word, WordValues values) {
 
 std::string comma_separated(WordValues values) {
     std::string text;
-    for (const WordValue& value : values) text += (text.empty() ? "" : ",") + text_of(value);
+    for (const WordValue& value : values) {
+        if (!text.empty()) text += ',';
+        text += text_of(value);
+    }
     return text;
 }
 
