@@ -111,6 +111,19 @@ function(miebrdf_fast_build target)
     endif()
 endfunction()
 
+# miebrdf_headers(TARGET LINK words ... FAST words ...): a target that is there for the headers it
+# precompiles, which others take PRECOMPILED_BY it. LINK: what they need; FAST: as of miebrdf_fast_build.
+function(miebrdf_headers target)
+    cmake_parse_arguments(ARG "" "" "LINK;FAST" ${ARGN})
+    set(empty "${PROJECT_BINARY_DIR}/generated/${target}.cpp")
+    file(CONFIGURE OUTPUT "${empty}" CONTENT "// Carries precompiled headers.\n")
+    add_library(${target} OBJECT "${empty}")
+    target_link_libraries(${target} PRIVATE ${ARG_LINK} $<BUILD_INTERFACE:miebrdf_flags>)
+    set_target_properties(${target} PROPERTIES
+        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    miebrdf_fast_build(${target} ${ARG_FAST})
+endfunction()
+
 # miebrdf_late_library(TARGET MACRO PREFIX name): the library `name`, which pkg_check_modules has found
 # as PREFIX, is loaded when it is used first (pipeline/io/late_library.h), not linked to. MACRO: what
 # the loader calls it.

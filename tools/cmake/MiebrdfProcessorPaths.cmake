@@ -54,14 +54,7 @@ endfunction()
 # with other flags (of what TARGET is linked to, too) cannot serve.
 function(miebrdf_headers_of_others target)
     cmake_parse_arguments(ARG "" "" "HEADERS;LINK" ${ARGN})
-    set(empty "${PROJECT_BINARY_DIR}/generated/${target}_headers.cpp")
-    file(CONFIGURE OUTPUT "${empty}" CONTENT "// Carries precompiled headers.\n")
-    add_library(${target}_headers OBJECT "${empty}")
-    target_link_libraries(${target}_headers PRIVATE ${target} ${ARG_LINK}
-                                                    $<BUILD_INTERFACE:miebrdf_flags>)
-    set_target_properties(${target}_headers PROPERTIES
-        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-    miebrdf_fast_build(${target}_headers PRECOMPILE ${ARG_HEADERS})
+    miebrdf_headers(${target}_headers LINK ${target} ${ARG_LINK} FAST PRECOMPILE ${ARG_HEADERS})
 endfunction()
 
 # miebrdf_for_other_processors(TARGET sources ... FAST words ... LINK words ...): the library TARGET
