@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/ray_waves.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mie/ensemble/far_rays.h"
+#include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/ray_waves.h"
 #include "mie/sphere/vectors.h"

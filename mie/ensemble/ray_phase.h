@@ -1,13 +1,17 @@
 // The phase function of broad distributions by rays of the Debye series.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <vector>
 
-#include "mie/ensemble/size_sums.h"
 #include "mie/sizes/size_law.h"
 
 namespace miebrdf::mie {
+
+template <typename Scalar>
+class AngularFunctionsOf;
+struct WeightedSizes;
 
 /// Rays that leave after first_way ... last_way ways through the sphere, and how many sizes they
 /// take at level 0, in each of two families.

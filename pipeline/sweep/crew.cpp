@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "pipeline/cache/job_key.h"
+#include "pipeline/sweep/layout.h"
+#include "pipeline/sweep/run.h"
 
 namespace miebrdf::sweep {
 namespace {

@@ -10,9 +10,16 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/sweep/run.h"
+namespace miebrdf {
+struct Control;
+}
 
 namespace miebrdf::sweep {
+
+class Parts;
+struct Layout;
+struct RunReport;
+struct Sweep;
 
 struct Crew {
     std::string launch;      ///< names this start: the same for all of them, another one next time

@@ -10,6 +10,7 @@
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/io/table.h"
 #include "pipeline/solve/resolved_scene.h"
+#include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/parts.h"
 #include "pipeline/sweep/table_writer.h"
 

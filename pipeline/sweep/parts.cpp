@@ -16,6 +16,7 @@
 #include "pipeline/cache/job_key.h"
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/solve/resolved_scene.h"
+#include "pipeline/sweep/layout.h"
 
 namespace miebrdf::sweep {
 namespace {

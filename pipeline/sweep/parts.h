@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/sweep/layout.h"
-
 namespace miebrdf::sweep {
+
+struct Layout;
+struct SceneResult;
+struct Sweep;
 
 /// Consecutive scenes that are computed and stored together.
 struct Chunk {

@@ -11,6 +11,7 @@
 #include "pipeline/scene/number_list.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
+#include "pipeline/sweep/layout.h"
 
 namespace miebrdf::sweep {
 namespace {

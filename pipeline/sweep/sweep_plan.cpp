@@ -15,6 +15,7 @@
 #include "pipeline/cache/job_key.h"
 #include "pipeline/solve/layers.h"
 #include "pipeline/solve/optics_memo.h"
+#include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/run.h"
 
 namespace miebrdf::sweep {

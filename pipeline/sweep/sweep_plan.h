@@ -3,9 +3,14 @@
 
 #include <cstddef>
 
-#include "pipeline/sweep/parts.h"
+namespace miebrdf {
+struct Control;
+}
 
 namespace miebrdf::sweep {
+
+struct Layout;
+struct Sweep;
 
 struct SweepPlan {
     std::size_t scenes = 0, groups = 0, chunks = 0;

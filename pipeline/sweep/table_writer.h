@@ -1,13 +1,16 @@
 // Where the scenes of a sweep go: a file that appears whole or not at all.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "pipeline/sweep/layout.h"
-
 namespace miebrdf::sweep {
+
+struct Layout;
+struct SceneResult;
+struct Sweep;
 
 class TableWriter {
   public:

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "rte/grid/directions.h"
-#include "rte/grid/node_projection.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {

@@ -1,4 +1,4 @@
-#include "rte/grid/node_projection.h"
+#include "rte/grid/directions.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,15 @@
 #include <Eigen/Core>
 
 #include <miebrdf/solver.h>
-#include "rte/fourier/fourier_mode.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
+
+struct FourierMedium;
+struct FourierMode;
+struct FourierWork;
+struct RequestedDirections;
+struct ZenithGrid;
 
 /// How much of a reflector its user needs besides `multiple`, the BRDF.
 enum class ReflectorParts {
@@ -75,8 +81,6 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
 
 /// Nothing below: black.
 void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested, Reflector& none);
-
-struct FourierWork;
 
 /// Solves Ambartsumian's equation (Chen et al. 2013, eq. 3) for one Fourier order.
 ///

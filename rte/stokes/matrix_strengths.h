@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#include "rte/phase/scaled_medium.h"
-
 namespace miebrdf::rte {
+
+struct ScaledMedium;
 
 /// alpha' times the expansion coefficients of the scattering matrix after delta-M (2l + 1
 /// included), and the block of I and Q in its own axes:

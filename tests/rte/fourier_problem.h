@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
 #include "rte/phase/scaled_medium.h"
 

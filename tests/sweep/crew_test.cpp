@@ -4,6 +4,8 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/sweep/crew.h"
+#include "pipeline/sweep/layout.h"
+#include "pipeline/sweep/run.h"
 #include "pipeline/sweep/sweep_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

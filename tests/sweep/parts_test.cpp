@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/run.h"
 #include "pipeline/sweep/slurm.h"
 #include "pipeline/sweep/sweep_file.h"

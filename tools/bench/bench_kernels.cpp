@@ -7,6 +7,7 @@
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
 #include <miebrdf/surface.h>
+#include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"

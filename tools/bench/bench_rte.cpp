@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"

@@ -8,6 +8,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/sweep/crew.h"
+#include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 #include "pipeline/sweep/run.h"
 #include "pipeline/sweep/slurm.h"

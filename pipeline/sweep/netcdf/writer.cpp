@@ -11,6 +11,7 @@
 
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/sweep/eradiate.h"
+#include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/netcdf/handle.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 
