@@ -125,6 +125,31 @@ TEST_CASE("rgl: nothing stored is negative, even beside a lobe that the grid doe
     CHECK(least("luminance") > 0.0f);
 }
 
+TEST_CASE("rgl: near the horizon the lobe of a surface stays where it is", "[formats][rgl]") {
+    // Mirrored at the horizon, half vectors far outside the lobe may get into it: what the table
+    // continues below the horizon is not to reach what is stored above it.
+    const support::SharpMaterial sharp(support::seven_wavelengths(), 0.1);
+    const auto file = read_brdf_file(written_file("rgl", sharp), "lobe");
+    const double mu_in = GENERATE(0.0857, 0.1, 0.15);
+    std::vector<double> found(7), expected(7);
+    double largest = 0.0, light = 0.0, truth = 0.0;
+    constexpr int kCosines = 200, kAzimuths = 720;
+    for (int i = 0; i < kCosines; ++i) {
+        const double x = (i + 0.5) / kCosines, mu_out = x * x;  // dense at the horizon
+        for (int j = 0; j < kAzimuths; ++j) {
+            const Direction direction{mu_in, mu_out, (j + 0.5) * 180.0 / kAzimuths};
+            file->evaluate(direction, found);
+            sharp.evaluate({&direction, 1}, expected);
+            light += found[3] * mu_out * x;
+            truth += expected[3] * mu_out * x;
+            if (mu_out > 0.02) largest = std::max(largest, found[3] / expected[3]);
+        }
+    }
+    CAPTURE(mu_in, light / truth);
+    CHECK(std::abs(light / truth - 1.0) <= 0.004);
+    CHECK(largest <= 2.0);  // 3.8 to 7 with the lobe continued
+}
+
 TEST_CASE("rgl: the RGB file names its channels", "[formats][rgl]") {
     const auto read = read_brdf_file(written_file("rgl", material(), {.resolution = 8}, 1), "test");
     CHECK(read->channels() == std::vector<std::string>{"R", "G", "B"});

@@ -324,3 +324,16 @@ TEST_CASE("spectra and single-scattering tables are exports too", "[program][exp
     CHECK_THAT(support::read_file(folder / "irregular"), Catch::Contains("450, 550, 650"));
     CHECK_THAT(support::read_file(folder / "scattering"), Catch::Contains("lm_a1.npy"));
 }
+
+TEST_CASE("a reflectance that ends within the visible is black beyond, and export says so",
+          "[program][export]") {
+    const support::TemporaryFolder folder;
+    const std::string format = GENERATE("spd", "irregular");
+    const std::string start =
+        "export --format " + format + " --base hg:0.9,0.4 -o " + (folder / "x") + " --wavelengths ";
+    const auto narrow = support::run_program(start + "rgb");
+    CHECK(narrow.exit_code == 0);
+    CHECK_THAT(narrow.err, Catch::Contains("0 outside 480 to 620 nm"));
+    CHECK_THAT(support::run_program(start + "410:700:10").err, Catch::Contains("410 to 700 nm"));
+    CHECK_THAT(support::run_program(start + "400:700:50").err, !Catch::Contains("outside"));
+}

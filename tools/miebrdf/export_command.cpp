@@ -100,6 +100,17 @@ void tell_written(bool converged, const Shell& shell) {
                         .rows = {{shell.common().output}}});
 }
 
+/// Renderers take a reflectance for 0 where its file says nothing. Grey comes out as grey within
+/// 0.5 % from these on, and green from the default of 480 to 620 nm.
+void warn_of_narrow_range(const std::vector<double>& wavelength_nm, const Shell& shell) {
+    constexpr double kFirst_nm = 400.0, kLast_nm = 700.0;
+    if (wavelength_nm.front() <= kFirst_nm && wavelength_nm.back() >= kLast_nm) return;
+    shell.note(
+        fmt::format("warning: Mitsuba 3 and pbrt-v4 take 0 outside {} to {} nm, where the "
+                    "file ends; colours need --wavelengths {}:{}:10",
+                    wavelength_nm.front(), wavelength_nm.back(), kFirst_nm, kLast_nm));
+}
+
 int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shell) {
     const AlbedoValues values = brdf.albedo({1.0});
     ReflectanceSpectrum spectrum;
@@ -112,6 +123,7 @@ int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shel
         spectrum.comments.push_back("source: " + source);
     export_spectrum(spectrum, format, shell.common().output);
     tell_written(values.converged(), shell);
+    warn_of_narrow_range(spectrum.wavelength_nm, shell);
     return values.converged() ? kGood : kNotConverged;
 }
 

@@ -68,8 +68,29 @@ void HalfVectorTable::weigh_cells() {
 }
 
 void HalfVectorTable::fit(std::span<double> values) const {
+    limit_continuation(values);
     keep_cell_means(values);
     settle_horizon(values);
+}
+
+/// What is continued below the horizon is the light at the mirrored direction, which may be in the
+/// lobe of a surface where the lit neighbours are far outside it. A curve that goes through zero at
+/// the horizon is no larger there than at lit nodes as near.
+void HalfVectorTable::limit_continuation(std::span<double> values) const {
+    constexpr std::size_t kNear = 2;  // nodes
+    for (const std::size_t node : needed_) {
+        if (lit(node)) continue;
+        const std::size_t x = node % n_, y = node / n_;
+        const std::size_t left = x > kNear ? x - kNear : 0, right = std::min(x + kNear, n_ - 1);
+        double largest = 0.0;
+        for (std::size_t step = 0; step <= 2 * kNear; ++step) {
+            // The first and the last row are the same half vectors: n - 1 steps around.
+            const std::size_t row = (y + step + n_ - 1 - kNear) % (n_ - 1);
+            for (std::size_t column = left; column <= right; ++column)
+                if (lit(row * n_ + column)) largest = std::max(largest, values[row * n_ + column]);
+        }
+        values[node] = std::max(values[node], -largest);
+    }
 }
 
 /// Between nodes, a straight line is above a curve that bends up: by h^2 f'' / 12 on average. Nodes

@@ -38,6 +38,7 @@ class HalfVectorTable {
     double unit(std::size_t i) const { return double(i) / double(n_ - 1); }
     bool lit(std::size_t node) const { return cosine_[node] > 0.0; }
     void weigh_cells();
+    void limit_continuation(std::span<double> values) const;
     void keep_cell_means(std::span<double> values) const;
     void settle_horizon(std::span<double> values) const;
 
