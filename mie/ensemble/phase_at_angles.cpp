@@ -27,6 +27,7 @@ constexpr double kFewNodes = 1.5;  // three agree by chance more often than the 
 // Times the error that decides, as far as that is allowed: what is stated costs nothing. 5.8 rms of
 // three independent differences (nodes, families, levels) are exceeded by one in a hundred.
 constexpr double kStated = 5.8 / (kDeviations * kFewNodes);
+constexpr double kJustAllowed = 1 - 1e-12;  // relative errors are rounded once more
 constexpr double kFinest = 1e-6;
 constexpr double kSpheresAsAngles = 16;  // the partial waves themselves cost as much as so many
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple (phase_panel.cpp).
@@ -221,7 +222,8 @@ class AngleSeries {
         result_.error[angle.index] = error;
         // Who says what is allowed adds up errors of several points, by their rms.
         if (allowed_.empty())
-            result_.error[angle.index] = std::max(error, std::min(kStated * error, enough(angle)));
+            result_.error[angle.index] =
+                std::max(error, std::min(kStated * error, kJustAllowed * enough(angle)));
         if (too_biased) return Verdict::not_by_rays;
         const bool is_first = level == 0 && sizes_.rippled();
         if (sizes_.resolves(level) && !is_first && error <= enough(angle)) return Verdict::done;
