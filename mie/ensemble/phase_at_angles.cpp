@@ -1,6 +1,7 @@
-// P at single angles: each is judged by itself and two angles close by, so that its value and its
+// P at single angles: each is judged by itself and an angle on each side, so that its value and its
 // error do not depend on which other angles are asked for.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -13,16 +14,33 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kNodes = 3;  // the angle itself and one on each side
+// The angle itself and one on each side, in quarters of a period of the fastest wave in P. Not
+// equally far: straight forward and back, where P is even, both sides would be one.
+constexpr std::array kAside = {-3, 0, 4};
+constexpr int kNodes = int(kAside.size());
+constexpr int kMiddle = 1;
+constexpr double kDarkest = 1e3;  // sides count as no darker than the angle itself over this
 constexpr double kWidest = 0.5 * std::numbers::pi / 180;
 // An rms of three nodes that see much the same spheres: twice that is exceeded by one in twenty.
 constexpr double kDeviations = 2;
 constexpr double kFewNodes = 1.5;  // three agree by chance more often than the eight of a panel
+// Times the error that decides, as far as that is allowed: what is stated costs nothing. 5.8 rms of
+// three independent differences (nodes, families, levels) are exceeded by one in a hundred.
+constexpr double kStated = 5.8 / (kDeviations * kFewNodes);
+constexpr double kJustAllowed = 1 - 1e-12;  // relative errors are rounded once more
 constexpr double kFinest = 1e-6;
 constexpr double kSpheresAsAngles = 16;  // the partial waves themselves cost as much as so many
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple (phase_panel.cpp).
 constexpr double kSlowestGain = 0.5;
-constexpr double kRayGain = 0.2;                // times that: rays leave a tenth or less
+constexpr double kRayGain = 0.2;  // times that: rays leave a tenth or less
+// Two families may agree by chance. What the new level changes, and what the families of its sizes
+// alone differ by, err by themselves: these shares of them count as noise, too. Where sizes resolve
+// what they sample they are far larger than the error, hence no more than shares; by rays, whose
+// parts seldom agree by chance all together, the change is enough.
+struct Shares {
+    double of_change, of_added;
+};
+constexpr Shares kSharesBySizes = {0.5, 0.5}, kSharesByRays = {0.3, 0};
 constexpr double kLeastSingleTolerance = 1e-4;  // single precision errs by 1e-5
 
 // Rays may differ at single angles by more than their bias, an rms over all.
@@ -40,11 +58,12 @@ struct SingleAngle {
     double noise = 0;           // rms
     double differed = 0;        // half of what the families differ by, rms
 
-    double value() const { return sums.intensity.row(1).sum() / scattered(); }
+    double value() const { return sums.intensity.row(kMiddle).sum() / scattered(); }
     double scattered() const { return sums.scattered[0] + sums.scattered[1]; }
 
     void add_level(int level, const std::vector<FamilyIntensity>& added, const SizeFamilies& sizes,
                    double scattering_efficiency) {
+        const std::vector<FamilyIntensity> before = parts;
         if (level == 0) {
             parts = added;
         } else {
@@ -58,20 +77,32 @@ struct SingleAngle {
             for (const int f : {0, 1}) sums.scattered[f] += parts[i].scattered[f];
         }
         // Parts are on levels of their own: what they scatter together would err as the coarsest.
-        if (parts.size() > 1 && scattering_efficiency > 0)
+        const bool by_rays = parts.size() > 1;
+        if (by_rays && scattering_efficiency > 0)
             sums.scattered[0] = sums.scattered[1] = scattering_efficiency / 2;
-        double doubt = sizes.rippled() && level > 0 ? kSlowestGain : 0.0;
-        if (parts.size() > 1) doubt *= kRayGain;
-        // Parts err independently of each other; that of their sum may be small by chance.
+        const bool is_nested = sizes.rippled() && level > 0;
+        const auto noise_of_part = [&](std::size_t i) {
+            if (!is_nested) return difference(parts[i]);
+            const Shares& shares = by_rays ? kSharesByRays : kSharesBySizes;
+            return std::max({difference(parts[i]), shares.of_change * change(before[i], parts[i]),
+                             shares.of_added * difference(added[i])});
+        };
+        double doubt = is_nested ? kSlowestGain : 0.0;
+        double differs = 0;
         part_noise.resize(parts.size(), 0.0);
-        double squares = 0;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            if (added[i].intensity.size() > 0)
-                part_noise[i] = std::max(difference(parts[i]), doubt * part_noise[i]);
-            squares += part_noise[i] * part_noise[i];
+        if (by_rays) {
+            doubt *= kRayGain;
+            // Parts err independently of each other; that of their sum may be small by chance.
+            double squares = 0;
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                if (added[i].intensity.size() > 0)
+                    part_noise[i] = std::max(noise_of_part(i), doubt * part_noise[i]);
+                squares += part_noise[i] * part_noise[i];
+            }
+            differs = std::max(difference(sums), std::sqrt(squares));
+        } else {
+            differs = noise_of_part(0);
         }
-        double differs = difference(sums);
-        if (parts.size() > 1) differs = std::max(differs, std::sqrt(squares));
         differs *= kFewNodes;
         double missed = 0;
         if (scattering_efficiency > 0)
@@ -83,10 +114,35 @@ struct SingleAngle {
     // Half of what the families differ by.
     double difference(const FamilyIntensity& of) const {
         if (!(sums.scattered[1] > 0)) return 0;
-        return 0.5 *
-               (of.intensity.col(0) / sums.scattered[0] - of.intensity.col(1) / sums.scattered[1])
-                   .norm() /
-               std::sqrt(double(kNodes));
+        const auto family = [&](int f) -> Eigen::VectorXd {
+            return of.intensity.col(f) / scattered_with(of, f);
+        };
+        return 0.5 * rms(family(0) - family(1));
+    }
+
+    // By one more level.
+    double change(const FamilyIntensity& before, const FamilyIntensity& after) const {
+        const auto mean = [&](const FamilyIntensity& of) -> Eigen::VectorXd {
+            return of.intensity.rowwise().sum() / (scattered_with(of, 0) + scattered_with(of, 1));
+        };
+        return rms(mean(after) - mean(before));
+    }
+
+    // A part alone is relative to what all scatter.
+    double scattered_with(const FamilyIntensity& of, int family) const {
+        return (parts.size() > 1 ? sums : of).scattered[family];
+    }
+
+    // Over the nodes. The sides of a glory are dark beside its middle, and err by as much less.
+    double rms(const Eigen::VectorXd& differences) const {
+        const Eigen::VectorXd bright = sums.intensity.rowwise().sum();
+        const double here = bright[kMiddle];
+        double squares = 0;
+        for (Eigen::Index i = 0; i < differences.size(); ++i) {
+            const double darker = here > 0 ? std::clamp(here / bright[i], 1.0, kDarkest) : 1.0;
+            squares += std::pow(darker * differences[i], 2);
+        }
+        return std::sqrt(squares / kNodes);
     }
 
     // rms, by rays
@@ -164,6 +220,10 @@ class AngleSeries {
         }
         result_.phase[angle.index] = angle.value();
         result_.error[angle.index] = error;
+        // Who says what is allowed adds up errors of several points, by their rms.
+        if (allowed_.empty())
+            result_.error[angle.index] =
+                std::max(error, std::min(kStated * error, kJustAllowed * enough(angle)));
         if (too_biased) return Verdict::not_by_rays;
         const bool is_first = level == 0 && sizes_.rippled();
         if (sizes_.resolves(level) && !is_first && error <= enough(angle)) return Verdict::done;
@@ -177,8 +237,10 @@ class AngleSeries {
                                              const Executor& run) {
         std::vector<double> nodes_deg;
         for (const SingleAngle& angle : active) {
-            for (const int node : {-1, 0, 1})
-                nodes_deg.push_back(std::clamp(angle.theta_deg + node * aside_deg_, 0.0, 180.0));
+            for (const int node : kAside) {
+                const double theta_deg = std::abs(angle.theta_deg + node * aside_deg_);
+                nodes_deg.push_back(theta_deg > 180 ? 360 - theta_deg : theta_deg);
+            }
         }
         if (!options_.by_rays) {
             if (options_.size_tolerance >= kLeastSingleTolerance && sizes_.count() == 2) {

@@ -43,9 +43,9 @@ TabulatedPhase tabulate_phase(std::complex<double> relative_index,
                               double wave_number_per_um, const PhaseTabulationOptions& options,
                               const Executor& run);
 
-/// P at single angles, each with levels of sizes until its two families agree there and a quarter
-/// of a period of the fastest wave to both sides: neither its value nor its error depends on the
-/// other angles.
+/// P at single angles, each with levels of sizes until its two families agree there and about a
+/// period of the fastest wave to both sides, and the last level has changed little: neither its
+/// value nor its error depends on the other angles.
 /// @param options  size_tolerance (which also bounds the finest level), floor and
 ///                 scattering_efficiency count
 /// @param allowed  absolute error of P at each angle; empty: size_tolerance, relative to

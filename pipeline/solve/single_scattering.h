@@ -40,7 +40,7 @@ constexpr int kMostMoments = 12'000;
 struct MediumOptics {
     rte::Optics optics;
     std::vector<double> phase;        ///< P at the demanded angles_deg, in their order
-    std::vector<double> phase_error;  ///< of each, absolute (twice an rms)
+    std::vector<double> phase_error;  ///< of each, absolute (mie::PhaseValues)
     double asymmetry = 0.0;           ///< chi_1
     std::optional<double> q_ext;      ///< extinction efficiency; empty if analytic or a mixture
     double error_estimate = 0.0;      ///< relative, of the size average; 0 if analytic

@@ -231,7 +231,7 @@ TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][hon
     CHECK(squares <= stated + 2 * truth);
     CHECK(beyond <= 9);  // one in twenty
 
-    // Single angles, each with an error of its own: twice an rms.
+    // Single angles, each with an error of its own.
     mie::EnsembleRequest request;
     request.sizes = problem.sizes;
     request.refractive_index = problem.relative_index;

@@ -172,12 +172,15 @@ TEST_CASE("a half-space knows neither density nor thickness", "[pipeline][mixtur
 
 TEST_CASE("a species in two halves is the same as whole", "[pipeline][mixture]") {
     const std::string host = " in index:1.5";
-    const Scene whole = scene_of("index:2.6,0.001,radius=0.3,volume=10%" + host,
-                                 {"index:1.8,0.1,radius=0.2,volume=0.04" + host + "@3um"});
-    const Scene halves = scene_of(
+    Scene whole = scene_of("index:2.6,0.001,radius=0.3,volume=10%" + host,
+                           {"index:1.8,0.1,radius=0.2,volume=0.04" + host + "@3um"});
+    Scene halves = scene_of(
         "index:2.6,0.001,radius=0.3,volume=5% + index:2.6,0.001,radius=0.3,volume=5%" + host,
         {"index:1.8,0.1,radius=0.2,volume=0.02 + index:1.8,0.1,radius=0.2,volume=0.02" + host +
          "@3um"});
+    // With tables that leave no point of P to be computed anew: what is asked of one follows the
+    // number of species.
+    whole.particles.tolerance = halves.particles.tolerance = 1e-6;
     CHECK(largest_difference(total(halves), total(whole)) <= 1e-14);
 }
 

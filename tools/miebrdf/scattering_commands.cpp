@@ -122,7 +122,7 @@ int write_phase(MediaSpectra spectra, const Shell& shell) {
     Table table;
     add_facts(table, spectra,
               "wavelength_nm: nm in vacuum; angle_deg: degrees; phase: mean over the sphere = 1; "
-              "error_estimate: of phase, absolute, twice an rms");
+              "error_estimate: of phase, absolute, one in a hundred errs by more");
     table.columns = {"wavelength_nm", "angle_deg", "phase", "error_estimate"};
     const std::vector<double>& angles = spectra.demand.angles_deg;
     for (std::size_t w = 0; w < spectra.optics.size(); ++w) {

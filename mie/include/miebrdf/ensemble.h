@@ -114,7 +114,7 @@ struct EnsembleOptics {
     std::vector<double> phase;                      ///< P at angles_deg; mean over the sphere = 1
     std::shared_ptr<const PhaseTable> phase_table;  ///< null unless asked for
     double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
-    std::vector<double> phase_error;                ///< of each, absolute: twice an rms
+    std::vector<double> phase_error;                ///< of each, as PhaseValues::error
     double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
     int size_nodes = 0;
     /// Both estimates within their tolerances, that of the moments for those of the band: moments
@@ -135,7 +135,7 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request,
 /// P at single angles.
 struct PhaseValues {
     std::vector<double> phase;
-    std::vector<double> error;  ///< absolute: twice an rms
+    std::vector<double> error;  ///< absolute, 1 % err by more; with phase_allowed: twice an rms
 };
 
 /// P at request.angles_deg alone, by as many sizes as each angle needs: no moments, no albedo.
