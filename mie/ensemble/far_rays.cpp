@@ -88,9 +88,8 @@ struct OneSize {
             }
             sum.scattered += 0.5 * weight * share(first + n);
         }
-        plus.conservativeResize(count, Eigen::NoChange);
-        minus.conservativeResize(count, Eigen::NoChange);
-        angular.add_forms(0.25 * weight, plus, minus, first, sum.at_angles);
+        angular.add_forms(0.25 * weight, plus.topRows(count), minus.topRows(count), first,
+                          sum.at_angles);
     }
 };
 
