@@ -75,21 +75,27 @@ struct OneSize {
         for (double faint = 0; last > first && (faint += share(last)) < kFaint * light;) --last;
         if (first > last) return;
         const int count = last - first + 1;
-        const int padded = (count + kLaneCount - 1) / kLaneCount * kLaneCount;
-        // |U|^2 and |V|^2 of a pair: aa + bb +- 2 ab, each quadratic form symmetric.
-        Eigen::MatrixXf plus(padded, count), minus(padded, count);
+        // |U|^2 and |V|^2 of a pair of orders: aa + bb +- (ab + ba).
+        thread_local TriangularForm<float> plus, minus;
+        plus.make_room(count);
+        minus.make_room(count);
         for (int n = 0; n < count; ++n) {
-            for (int m = 0; m < padded; m += kLaneCount) {
+            float *of_plus = plus.row(n), *of_minus = minus.row(n);
+            for (int m = 0; m <= n; m += kLaneCount) {
                 const Row same =
                     product_of(a, first + n, a, first + m) + product_of(b, first + n, b, first + m);
-                const Row crossed = 2 * product_of(a, first + n, b, first + m);
-                plus.col(n).segment<kLaneCount>(m) = same + crossed;
-                minus.col(n).segment<kLaneCount>(m) = same - crossed;
+                const Row crossed =
+                    product_of(a, first + n, b, first + m) + product_of(b, first + n, a, first + m);
+                Eigen::Map<Row>(of_plus + m) = 2 * (same + crossed);
+                Eigen::Map<Row>(of_minus + m) = 2 * (same - crossed);
+            }
+            for (float* row : {of_plus, of_minus}) {
+                row[n] *= 0.5F;
+                std::fill(row + n + 1, row + TriangularForm<float>::piece_end(n), 0.0F);
             }
             sum.scattered += 0.5 * weight * share(first + n);
         }
-        angular.add_forms(0.25 * weight, plus.topRows(count), minus.topRows(count), first,
-                          sum.at_angles);
+        angular.add_forms(0.25 * weight, plus, minus, first, sum.at_angles);
     }
 };
 

@@ -219,20 +219,13 @@ WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribut
                          wave_number_per_um);
 }
 
-RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
-                               const WeightedSizes& sizes, int first_size, int size_count,
-                               const AngularFunctionsOf<float>& angular) {
-    if (group.is_closed()) {
-        return intensity_of_far_rays(relative_index, group.first_way, sizes, first_size, size_count,
-                                     angular);
-    }
+double waves_of_rays(Complex relative_index, const RayGroup& group, const WeightedSizes& sizes,
+                     int first_size, int size_count, Block& block) {
     const int vectors = (size_count + kLaneCount - 1) / kLaneCount;
     const int columns_of_vector = kLaneCount * group.columns();
     const int terms = number_of_terms(sizes.parameters[first_size + size_count - 1]);
-    Block& block = kept_block();
     block.make_room(terms, vectors * columns_of_vector);
-    RayIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
-    double light = 0;
+    double light = 0, scattered = 0;
     for (int vector = 0; vector < vectors; ++vector) {
         Lanes x, weight;
         for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -245,13 +238,27 @@ RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
         light += here;
         GroupColumns columns(group, block, vector * columns_of_vector,
                              first_size + vector * kLaneCount, weight);
-        std::vector<double> energy = relative_index.imag() == 0
-                                         ? fill_eight(relative_index.real(), x, columns)
-                                         : fill_eight(relative_index, x, columns);
+        const std::vector<double> energy = relative_index.imag() == 0
+                                               ? fill_eight(relative_index.real(), x, columns)
+                                               : fill_eight(relative_index, x, columns);
         columns.leave_out_faint(energy, kFaintShare * here);
-        for (const double share : energy) sum.scattered += 2 * share;
+        for (const double share : energy) scattered += 2 * share;
     }
-    if (!(sum.scattered < kNothing * light)) angular.add_intensity(block, sum.at_angles);
+    if (scattered < kNothing * light) block.make_room(0, 0);
+    return scattered;
+}
+
+RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
+                               const WeightedSizes& sizes, int first_size, int size_count,
+                               const AngularFunctionsOf<float>& angular) {
+    if (group.is_closed()) {
+        return intensity_of_far_rays(relative_index, group.first_way, sizes, first_size, size_count,
+                                     angular);
+    }
+    RayIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
+    Block& block = kept_block();
+    sum.scattered = waves_of_rays(relative_index, group, sizes, first_size, size_count, block);
+    angular.add_intensity(block, sum.at_angles);
     return sum;
 }
 

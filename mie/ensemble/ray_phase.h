@@ -59,4 +59,10 @@ RayIntensity intensity_of_rays(std::complex<double> relative_index, const RayGro
                                const WeightedSizes& sizes, int first_size, int size_count,
                                const AngularFunctionsOf<float>& angular);
 
+/// The waves alone, of a group that is not in closed form; none where nothing is scattered.
+/// @return what they scatter
+double waves_of_rays(std::complex<double> relative_index, const RayGroup& group,
+                     const WeightedSizes& sizes, int first_size, int size_count,
+                     SphereBlockOf<float>& block);
+
 }  // namespace miebrdf::mie

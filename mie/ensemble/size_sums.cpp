@@ -67,6 +67,23 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
 }  // namespace
 
 template <typename Scalar>
+int TriangularForm<Scalar>::piece_end(int column) {
+    constexpr int piece = 2 * kRegisterSize<Scalar>;
+    return (column / piece + 1) * piece;
+}
+
+template <typename Scalar>
+void TriangularForm<Scalar>::make_room(int count) {
+    count_ = count;
+    row_size_ = piece_end(count - 1);
+    const std::size_t size = static_cast<std::size_t>(count) * row_size_;
+    if (values_.size() < size) values_.resize(size);
+}
+
+template class TriangularForm<float>;
+template class TriangularForm<double>;
+
+template <typename Scalar>
 AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_deg, int terms,
                                                const Executor& run) {
     make_room(static_cast<Eigen::Index>(angles_deg.size()), terms);
@@ -209,28 +226,29 @@ typename AngularFunctionsOf<Scalar>::Waves AngularFunctionsOf<Scalar>::amplitude
     return result;
 }
 
-// Row = order, column = angle.
 template <typename Scalar>
-typename AngularFunctionsOf<Scalar>::Matrix AngularFunctionsOf<Scalar>::at_orders(
-    const Matrix& functions, int first, Eigen::Index count) const {
-    Matrix result(count, angle_count_);
-    for (int tile = 0; tile < tile_count(); ++tile) {
-        const Eigen::Index angles = angles_in(tile);
-        result.middleCols(tile * kAnglesPerTile, angles) =
-            functions.block(0, tile * Eigen::Index(terms_ + 1) + first, angles, count).transpose();
-    }
-    return result;
-}
-
-template <typename Scalar>
-void AngularFunctionsOf<Scalar>::add_forms(double weight, const Eigen::Ref<const Matrix>& plus,
-                                           const Eigen::Ref<const Matrix>& minus, int first,
+void AngularFunctionsOf<Scalar>::add_forms(double weight, const TriangularForm<Scalar>& plus,
+                                           const TriangularForm<Scalar>& minus, int first,
                                            Eigen::VectorXd& intensity) const {
-    const auto add = [&](const Matrix& functions, const Eigen::Ref<const Matrix>& form) {
-        const Matrix here = at_orders(functions, first, form.cols());
-        const Matrix formed = form * here;
-        intensity +=
-            weight * formed.cwiseProduct(here).colwise().sum().transpose().template cast<double>();
+    constexpr int half = kRegisterSize<Scalar>, piece = 2 * half;
+    const auto add = [&](const Matrix& functions, const TriangularForm<Scalar>& form) {
+        for (int column = 0; column < form.count(); column += piece) {
+            const Scalar* start = form.row(column) + column;
+            const int columns = std::min(piece, form.count() - column);
+            for (int tile = 0; tile < tile_count(); ++tile) {
+                const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
+                const Scalar* own = of_tile(functions, tile, first + column);
+                visit_angles(
+                    angles, own, WaveColumns<Scalar, false>{start, start + half}, form.row_size(),
+                    form.count() - column, [&](int angle, const auto& sums) {
+                        if (angle >= angles) return;
+                        double whole = 0;
+                        for (int m = 0; m < columns; ++m)
+                            whole += sums[m / half][m % half] * own[m * kAnglesPerTile + angle];
+                        intensity[first_angle + angle] += weight * whole;
+                    });
+            }
+        }
     };
     add(plus_, plus);
     add(minus_, minus);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,28 @@
 #include "mie/sphere/sphere_block.h"
 
 namespace miebrdf::mie {
+
+/// The lower triangle of a symmetric quadratic form; what is below the diagonal counts twice.
+template <typename Scalar>
+class TriangularForm {
+  public:
+    /// Memory grows; what is in the rows is left.
+    void make_room(int count);
+
+    int count() const { return count_; }
+    int row_size() const { return row_size_; }  ///< count(), in whole pieces of the products
+    /// Columns beyond the diagonal, to the end of the piece at least, are to be zero.
+    Scalar* row(int n) { return values_.data() + n * static_cast<std::ptrdiff_t>(row_size_); }
+    const Scalar* row(int n) const {
+        return values_.data() + n * static_cast<std::ptrdiff_t>(row_size_);
+    }
+    /// End of the piece that a column is in.
+    static int piece_end(int column);
+
+  private:
+    int count_ = 0, row_size_ = 0;
+    std::vector<Scalar> values_;
+};
 
 /// The phase function at listed angles, from the partial waves of the spheres:
 /// S1 +- S2 = sum_n (2n+1)/(n(n+1)) (a_n +- b_n) (pi_n +- tau_n): the tables of the angular part,
@@ -39,10 +62,10 @@ class AngularFunctionsOf {
 
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-    /// Adds weight times the same of waves that are known by their products: plus(i, j) of U_n and
-    /// U_m*, n = first + i, m = first + j, minus of V; as far as quadratic forms tell.
-    void add_forms(double weight, const Eigen::Ref<const Matrix>& plus,
-                   const Eigen::Ref<const Matrix>& minus, int first,
+    /// Adds weight times the same of waves that are known by their products: forms of
+    /// U_n and U_m*, n = first + row, m = first + column, and of V.
+    void add_forms(double weight, const TriangularForm<Scalar>& plus,
+                   const TriangularForm<Scalar>& minus, int first,
                    Eigen::VectorXd& intensity) const;
 
   private:
@@ -60,7 +83,6 @@ class AngularFunctionsOf {
                           const Waves& waves, const Visit& visit) const;
     Waves amplitudes(const Matrix& functions, const SphereBlockOf<Scalar>& block,
                      const Waves& waves) const;
-    Matrix at_orders(const Matrix& functions, int first, Eigen::Index count) const;
 
     int angle_count_ = 0, terms_ = 0;
     // Tile by tile of kAnglesPerTile angles: row = angle of the tile, column = n (0 unused) of the
