@@ -16,8 +16,8 @@ using Row = Eigen::Array<float, kLaneCount, 1>;
 // Orders below and above that scatter less than this share of the light together are left out: 1e-5
 // of P straight back, where all add up in step.
 constexpr double kFaint = 1e-7;
-// Where less than this comes back from the surface, nothing is left after so many ways.
-constexpr double kSteep = 0.1;
+// Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
+constexpr double kSteep = 0.3;
 
 Complex power(Complex z, int exponent) {
     Complex result = 1;
