@@ -17,8 +17,8 @@ using Row = Eigen::Array<float, kLaneCount, 1>;
 // Orders below and above that scatter less than this share of the light together are left out: 1e-5
 // of P straight back, where all add up in step.
 constexpr double kFaint = 1e-7;
-// Where less than this comes back from the surface, nothing is left after so many ways.
-constexpr double kSteep = 0.1;
+// Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
+constexpr double kSteep = 0.3;
 
 Complex power(Complex z, int exponent) {
     Complex result = 1;
@@ -76,21 +76,26 @@ struct OneSize {
         for (double faint = 0; last > first && (faint += share(last)) < kFaint * light;) --last;
         if (first > last) return;
         const int count = last - first + 1;
-        const int padded = (count + kLaneCount - 1) / kLaneCount * kLaneCount;
-        // |U|^2 and |V|^2 of a pair: aa + bb +- 2 ab, each quadratic form symmetric.
-        Eigen::MatrixXf plus(padded, count), minus(padded, count);
+        // |U|^2 and |V|^2 of a pair of orders: aa + bb +- (ab + ba).
+        thread_local TriangularForm<float> plus, minus;
+        plus.make_room(count);
+        minus.make_room(count);
         for (int n = 0; n < count; ++n) {
-            for (int m = 0; m < padded; m += kLaneCount) {
+            float *of_plus = plus.row(n), *of_minus = minus.row(n);
+            for (int m = 0; m <= n; m += kLaneCount) {
                 const Row same =
                     product_of(a, first + n, a, first + m) + product_of(b, first + n, b, first + m);
-                const Row crossed = 2 * product_of(a, first + n, b, first + m);
-                plus.col(n).segment<kLaneCount>(m) = same + crossed;
-                minus.col(n).segment<kLaneCount>(m) = same - crossed;
+                const Row crossed =
+                    product_of(a, first + n, b, first + m) + product_of(b, first + n, a, first + m);
+                Eigen::Map<Row>(of_plus + m) = 2 * (same + crossed);
+                Eigen::Map<Row>(of_minus + m) = 2 * (same - crossed);
+            }
+            for (float* row : {of_plus, of_minus}) {
+                row[n] *= 0.5F;
+                std::fill(row + n + 1, row + TriangularForm<float>::piece_end(n), 0.0F);
             }
             sum.scattered += 0.5 * weight * share(first + n);
         }
-        plus.conservativeResize(count, Eigen::NoChange);
-        minus.conservativeResize(count, Eigen::NoChange);
         angular.add_forms(0.25 * weight, plus, minus, first, sum.at_angles);
     }
 };

@@ -123,7 +123,8 @@ void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
     const double bias = options.ray_bias;
     noise_ = std::max({relative_, doubt * relative_before, missed}) + bias;
     worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + bias;
-    rms_ = std::max(rms, missed * largest);
+    // What parts on coarser levels miss, more sizes of the noisy ones do not mend.
+    rms_ = parts_.size() > 1 ? rms : std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
     tail_ = last_two(P) / largest;

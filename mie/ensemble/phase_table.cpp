@@ -143,11 +143,12 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
     // Each panel in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up to
     // 2 rad per node to rounding.
     constexpr int kPieceNodes = 16;
+    constexpr double kPieceWaves = 2.0 * kPieceNodes;  // rad
     const math::Quadrature rule = math::gauss_legendre(kPieceNodes);
     Samples samples;
     for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
         const double width = parts_.edges[p + 1] - parts_.edges[p];
-        const int pieces = static_cast<int>(std::ceil(width * highest_moment / 16.0 + 0.5));
+        const int pieces = static_cast<int>(std::ceil(width * highest_moment / kPieceWaves + 0.5));
         for (int piece = 0; piece < pieces; ++piece) {
             const double half = 0.5 * width / pieces;
             const double centre = parts_.edges[p] + half * (2 * piece + 1);

@@ -89,6 +89,7 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
       terms_(number_of_terms(wave_number_per_um * range.largest_um)),
       // P is a trigonometric polynomial of degree 2 x: nothing is finer than pi / x.
       narrowest_(std::numbers::pi / (wave_number_per_um * range.largest_um)) {
+    sizes_.keep_waves();
     active_ = graded_panels(narrowest_);
     while (!active_.empty()) add_level(take_next());
 }
@@ -110,11 +111,17 @@ std::vector<PhasePanel> PhaseTabulation::take_next() {
 }
 
 void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
+    std::sort(panels.begin(), panels.end(),
+              [](const PhasePanel& a, const PhasePanel& b) { return a.lower() < b.lower(); });
+    // Neighbours share the node at their edge.
     std::vector<double> angles_deg;
-    for (const PhasePanel& panel : panels) {
-        for (const double theta : panel_nodes(panel.lower(), panel.upper())) {
-            angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
-        }
+    std::vector<Eigen::Index> first;
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        const bool shares = p > 0 && panels[p - 1].upper() == panels[p].lower();
+        first.push_back(static_cast<Eigen::Index>(angles_deg.size()) - (shares ? 1 : 0));
+        const std::vector<double> nodes = panel_nodes(panels[p].lower(), panels[p].upper());
+        for (std::size_t i = shares ? 1 : 0; i < nodes.size(); ++i)
+            angles_deg.push_back(std::clamp(nodes[i] * 180 / std::numbers::pi, 0.0, 180.0));
     }
     // The same parts for all: they have had the same before.
     std::vector<int> levels(sizes_.part_count(), -1);
@@ -125,27 +132,21 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     }
     const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
     const std::vector<FamilyIntensity> sums = sizes_.levels(levels, angular, run_);
-    Eigen::Index first = 0;
-    for (PhasePanel& panel : panels) {
+    for (std::size_t p = 0; p < panels.size(); ++p) {
         std::vector<FamilyIntensity> of_panel(sums.size());
         for (std::size_t i = 0; i < sums.size(); ++i) {
             if (sums[i].intensity.size() == 0) continue;
-            of_panel[i] = {sums[i].intensity.middleRows(first, PhaseTable::kPanelNodes),
+            of_panel[i] = {sums[i].intensity.middleRows(first[p], PhaseTable::kPanelNodes),
                            {sums[i].scattered[0], sums[i].scattered[1]}};
         }
-        panel.add_level(of_panel, sizes_, options_);
-        first += PhaseTable::kPanelNodes;
+        panels[p].add_level(of_panel, sizes_, options_);
     }
-    const std::vector<const PhasePanel*> order = ascending(panels);
-    const std::vector<double> noise = noise_around(order);
-    std::vector<PhasePanel> sorted;
-    sorted.reserve(order.size());
-    for (const PhasePanel* panel : order) sorted.push_back(*panel);
-    for (std::size_t p = 0; p < sorted.size(); ++p) {
-        const int level = sorted[p].level();
+    const std::vector<double> noise = noise_around(ascending(panels));
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        const int level = panels[p].level();
         const bool tells = level > 0 && sizes_.resolves(level);
-        const double judged = tells ? sorted[p].noise() : noise[p];
-        sort_in(std::move(sorted[p]), judged);
+        const double judged = tells ? panels[p].noise() : noise[p];
+        sort_in(std::move(panels[p]), judged);
     }
 }
 

@@ -17,8 +17,9 @@ namespace {
 using Complex = std::complex<double>;
 using Block = SphereBlockOf<float>;
 
-// Orders from 1 on that scatter less than this share of the light together are left out. Straight
-// back the waves of all orders add up in step: there a share of 3e-6 makes 3e-3 of P.
+// Orders from 1 on, and from the last one down, that scatter less than this share of the light
+// together are left out. Straight back the waves of all orders add up in step: there a share of
+// 3e-6 makes 3e-3 of P.
 constexpr double kFaintShare = 1e-9;
 constexpr double kNothing = 1e-11;
 
@@ -83,6 +84,18 @@ class GroupColumns {
         }
     }
 
+    /// Leaves out orders that scatter no more than this together, the lowest and the highest.
+    void leave_out_faint(const std::vector<double>& energy, double least) {
+        Block::Orders orders{1, static_cast<int>(energy.size()) - 1};
+        double faint = 0;
+        while (orders.first < orders.last && (faint += energy[orders.first]) < least)
+            ++orders.first;
+        faint = 0;
+        while (orders.last > orders.first && (faint += energy[orders.last]) < least) --orders.last;
+        const int first = first_column_ / kLaneCount;
+        for (int i = 0; i < group_.columns(); ++i) block_.orders[first + i] = orders;
+    }
+
   private:
     MIEBRDF_VECTOR Vector put_some(int order, const RayResponse& a, const RayResponse& b,
                                    int first) {
@@ -138,18 +151,21 @@ class GroupColumns {
     std::vector<ComplexLanes> turns_;
 };
 
+// Returns what each order scatters.
 template <typename Number>
-void fill_eight(Number m, const Lanes& x, GroupColumns& columns, std::vector<double>& energy) {
+std::vector<double> fill_eight(Number m, const Lanes& x, GroupColumns& columns) {
     Lanes last_order;
     for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(x[lane]);
     const int terms = static_cast<int>(last_order.maxCoeff());
+    std::vector<double> energy(terms + 1, 0.0);
     RayWaves<Number> waves(m, x);
     RayResponse a, b;
     for (int n = 1; n <= terms; ++n) {
         waves.advance(last_order, a, b);
-        energy[n] += (2 * n + 1) * columns.put(n, a, b);
+        energy[n] = (2 * n + 1) * columns.put(n, a, b);
     }
     columns.clear_beyond(terms);
+    return energy;
 }
 
 Block& kept_block() {
@@ -204,20 +220,13 @@ WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribut
                          wave_number_per_um);
 }
 
-RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
-                               const WeightedSizes& sizes, int first_size, int size_count,
-                               const AngularFunctionsOf<float>& angular) {
-    if (group.is_closed()) {
-        return intensity_of_far_rays(relative_index, group.first_way, sizes, first_size, size_count,
-                                     angular);
-    }
+double waves_of_rays(Complex relative_index, const RayGroup& group, const WeightedSizes& sizes,
+                     int first_size, int size_count, Block& block) {
     const int vectors = (size_count + kLaneCount - 1) / kLaneCount;
     const int columns_of_vector = kLaneCount * group.columns();
     const int terms = number_of_terms(sizes.parameters[first_size + size_count - 1]);
-    Block& block = kept_block();
     block.make_room(terms, vectors * columns_of_vector);
-    std::vector<double> energy(terms + 1, 0.0);
-    double light = 0;
+    double light = 0, scattered = 0;
     for (int vector = 0; vector < vectors; ++vector) {
         Lanes x, weight;
         for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -226,25 +235,31 @@ RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
             x[lane] = sizes.parameters[at];
             weight[lane] = i < size_count ? sizes.weights[at] : 0.0;
         }
-        light += (weight * x.square()).sum();
+        const double here = (weight * x.square()).sum();
+        light += here;
         GroupColumns columns(group, block, vector * columns_of_vector,
                              first_size + vector * kLaneCount, weight);
-        if (relative_index.imag() == 0) {
-            fill_eight(relative_index.real(), x, columns, energy);
-        } else {
-            fill_eight(relative_index, x, columns, energy);
-        }
+        const std::vector<double> energy = relative_index.imag() == 0
+                                               ? fill_eight(relative_index.real(), x, columns)
+                                               : fill_eight(relative_index, x, columns);
+        columns.leave_out_faint(energy, kFaintShare * here);
+        for (const double share : energy) scattered += 2 * share;
+    }
+    if (scattered < kNothing * light) block.make_room(0, 0);
+    return scattered;
+}
+
+RayIntensity intensity_of_rays(Complex relative_index, const RayGroup& group,
+                               const WeightedSizes& sizes, int first_size, int size_count,
+                               const AngularFunctionsOf<float>& angular) {
+    if (group.is_closed()) {
+        return intensity_of_far_rays(relative_index, group.first_way, sizes, first_size, size_count,
+                                     angular);
     }
     RayIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
-    for (const double share : energy) sum.scattered += 2 * share;
-    if (sum.scattered < kNothing * light) return sum;
-    block.first_term = 1;
-    double faint = 0;
-    while (block.first_term < terms && (faint += energy[block.first_term]) < kFaintShare * light) {
-        ++block.first_term;
-    }
+    Block& block = kept_block();
+    sum.scattered = waves_of_rays(relative_index, group, sizes, first_size, size_count, block);
     angular.add_intensity(block, sum.at_angles);
-    block.first_term = 1;
     return sum;
 }
 

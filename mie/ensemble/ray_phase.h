@@ -11,6 +11,8 @@ namespace miebrdf::mie {
 
 template <typename Scalar>
 class AngularFunctionsOf;
+template <typename Scalar>
+struct SphereBlockOf;
 struct WeightedSizes;
 
 /// Rays that leave after first_way ... last_way ways through the sphere, and how many sizes they
@@ -62,5 +64,11 @@ struct RayIntensity {
 RayIntensity intensity_of_rays(std::complex<double> relative_index, const RayGroup& group,
                                const WeightedSizes& sizes, int first_size, int size_count,
                                const AngularFunctionsOf<float>& angular);
+
+/// The waves alone, of a group that is not in closed form; none where nothing is scattered.
+/// @return what they scatter
+double waves_of_rays(std::complex<double> relative_index, const RayGroup& group,
+                     const WeightedSizes& sizes, int first_size, int size_count,
+                     SphereBlockOf<float>& block);
 
 }  // namespace miebrdf::mie

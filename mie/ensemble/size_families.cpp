@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
 #include "mie/sphere/lane_math.h"
@@ -26,6 +27,9 @@ constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
 constexpr double kDefaultTolerance = 1e-2;
 
+constexpr double kMostKept = 20e6;                   // bytes
+constexpr double kBytesPerWave = 4 * sizeof(float);  // U and V
+
 struct Chunk {
     int family;
     std::vector<SizeChunks::Block> blocks;
@@ -37,21 +41,41 @@ struct Intensity {
 };
 
 template <typename Scalar>
+double spheres_of(std::complex<double> relative_index, const WeightedSizes& sizes,
+                  SizeChunks::Block of, SphereBlockOf<Scalar>& block) {
+    const std::size_t count = of.count;
+    return 2 * compute_spheres(relative_index, {sizes.parameters.data() + of.first, count},
+                               {sizes.weights.data() + of.first, count}, &block)
+                   .scattered;
+}
+
+int terms_of(const WeightedSizes& sizes, SizeChunks::Block of) {
+    return number_of_terms(sizes.parameters[of.first + of.count - 1]);
+}
+
+// @param places  of the blocks; none: they are not kept
+template <typename Scalar>
 Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes& sizes,
                        const std::vector<SizeChunks::Block>& blocks,
-                       const AngularFunctionsOf<Scalar>& angular) {
-    const auto& last = blocks.back();
+                       const AngularFunctionsOf<Scalar>& angular,
+                       const std::vector<KeptWaves*>& places = {}) {
     SphereBlockOf<Scalar> block;
-    block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
-                    kMostSizesPerBlock);
+    block.make_room(terms_of(sizes, blocks.back()), kMostSizesPerBlock);
     Intensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
-    for (const auto [first, count] : blocks) {
-        const std::size_t here = count;
-        const SphereSums spheres =
-            compute_spheres(relative_index, {sizes.parameters.data() + first, here},
-                            {sizes.weights.data() + first, here}, &block);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        if constexpr (std::is_same_v<Scalar, float>) {
+            if (!places.empty() && places[i] != nullptr) {
+                KeptWaves& kept = *places[i];
+                if (!kept.is_there)
+                    kept.scattered = spheres_of(relative_index, sizes, blocks[i], kept.block);
+                kept.is_there = true;
+                angular.add_intensity(kept.block, sum.at_angles);
+                sum.scattered += kept.scattered;
+                continue;
+            }
+        }
+        sum.scattered += spheres_of(relative_index, sizes, blocks[i], block);
         angular.add_intensity(block, sum.at_angles);
-        sum.scattered += 2 * spheres.scattered;
     }
     return sum;
 }
@@ -112,7 +136,7 @@ int SizeFamilies::sizes_at(int level) const {
 
 template <typename Scalar>
 FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>& angular,
-                                    const Executor& run) const {
+                                    const Executor& run) {
     const int first_family = rippled_ || level == 0 ? 0 : 1;
     std::vector<WeightedSizes> sizes(family_count_);
     std::vector<Chunk> chunks;
@@ -126,12 +150,23 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
     std::stable_sort(chunks.begin(), chunks.end(), [](const Chunk& a, const Chunk& b) {
         return a.blocks.front().first < b.blocks.front().first;
     });
+    std::vector<std::vector<KeptWaves*>> places(chunks.size());
+    if constexpr (std::is_same_v<Scalar, float>) {
+        for (std::size_t i = 0; i < chunks.size(); ++i) {
+            const int family = chunks[i].family;
+            for (const SizeChunks::Block& of : chunks[i].blocks) {
+                places[i].push_back(
+                    place_of(0, family, level, of.first,
+                             kBytesPerWave * of.count * terms_of(sizes[family], of)));
+            }
+        }
+    }
     std::vector<Intensity> parts(chunks.size());
     const int count = static_cast<int>(chunks.size());
     run(count, [&](int job) {
         const int i = chunk_of_job(job, count);
-        parts[i] =
-            intensity_of(relative_index_, sizes[chunks[i].family], chunks[i].blocks, angular);
+        const auto& [family, blocks] = chunks[i];
+        parts[i] = intensity_of(relative_index_, sizes[family], blocks, angular, places[i]);
     });
     FamilyIntensity total{Eigen::MatrixXd::Zero(angular.angle_count(), 2), {0, 0}};
     const int families = family_count_ - first_family;
@@ -149,17 +184,18 @@ int SizeFamilies::part_count() const {
 
 std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels,
                                                   const AngularFunctionsOf<float>& angular,
-                                                  const Executor& run) const {
+                                                  const Executor& run) {
     if (!groups_.empty()) return levels_of_rays(levels, angular, run);
     return {level(levels.front(), angular, run)};
 }
 
 std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
                                                           const AngularFunctionsOf<float>& angular,
-                                                          const Executor& run) const {
+                                                          const Executor& run) {
     struct Piece {
         std::size_t group;
         int family, first, count;
+        KeptWaves* place;
     };
     std::vector<Piece> pieces;
     std::vector<std::vector<WeightedSizes>> sizes(groups_.size());
@@ -175,15 +211,32 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
             for (int i = 0; window_ && i < count; ++i)
                 own.weights[i] *= window_->at(own.parameters[i]);
             for (int first = 0; first < count; first += most) {
-                pieces.push_back({g, family, first, std::min(most, count - first)});
+                const int here = std::min(most, count - first);
+                const double waves =
+                    here * groups_[g].columns() * double(terms_of(own, {first, here}));
+                pieces.push_back({g, family, first, here,
+                                  groups_[g].is_closed()
+                                      ? nullptr
+                                      : place_of(static_cast<int>(g), family, levels[g], first,
+                                                 kBytesPerWave * waves)});
             }
         }
     }
     std::vector<RayIntensity> sums(pieces.size());
     run(static_cast<int>(pieces.size()), [&](int job) {
-        const auto& [g, family, first, count] = pieces[job];
-        sums[job] =
-            intensity_of_rays(relative_index_, groups_[g], sizes[g][family], first, count, angular);
+        const auto& [g, family, first, count, place] = pieces[job];
+        if (place == nullptr) {
+            sums[job] = intensity_of_rays(relative_index_, groups_[g], sizes[g][family], first,
+                                          count, angular);
+            return;
+        }
+        if (!place->is_there) {
+            place->scattered = waves_of_rays(relative_index_, groups_[g], sizes[g][family], first,
+                                             count, place->block);
+            place->is_there = true;
+        }
+        sums[job] = {Eigen::VectorXd::Zero(angular.angle_count()), place->scattered};
+        angular.add_intensity(place->block, sums[job].at_angles);
     });
     std::vector<FamilyIntensity> parts(levels.size());
     for (std::size_t g = 0; g < parts.size(); ++g) {
@@ -235,9 +288,19 @@ void SizeFamilies::add_ends(int level, const AngularFunctionsOf<float>& angular,
 }
 
 template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<float>&,
-                                             const Executor&) const;
+                                             const Executor&);
 template FamilyIntensity SizeFamilies::level(int, const AngularFunctionsOf<double>&,
-                                             const Executor&) const;
+                                             const Executor&);
+
+KeptWaves* SizeFamilies::place_of(int group, int family, int level, int first_size, double bytes) {
+    if (!keeps_waves_) return nullptr;
+    const std::array key = {group, family, level, first_size};
+    const auto known = kept_.find(key);
+    if (known != kept_.end()) return &known->second;
+    if (!(kept_bytes_ + bytes <= kMostKept)) return nullptr;
+    kept_bytes_ += bytes;
+    return &kept_[key];
+}
 
 FamilyIntensity SizeFamilies::with_level(const FamilyIntensity& before,
                                          const FamilyIntensity& level) const {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -17,6 +19,13 @@ namespace miebrdf::mie {
 struct FamilyIntensity {
     Eigen::MatrixXd intensity;
     double scattered[2] = {0, 0};
+};
+
+/// Waves of one block of sizes, once they are computed.
+struct KeptWaves {
+    SphereBlockOf<float> block = {};
+    double scattered = 0;
+    bool is_there = false;
 };
 
 /// Where two rays interfere with a period of just one spacing, which happens at some angles, all
@@ -68,13 +77,17 @@ class SizeFamilies {
     /// @param levels  one for each part; -1: not wanted
     std::vector<FamilyIntensity> levels(const std::vector<int>& levels,
                                         const AngularFunctionsOf<float>& angular,
-                                        const Executor& run) const;
+                                        const Executor& run);
+
+    /// Keeps waves in memory, as far as it goes: for those that take the same levels several times
+    /// at different angles.
+    void keep_waves() { keeps_waves_ = true; }
 
     /// Sums over one level's spheres alone, not by rays; the same bits for any executor. Scalar:
     /// float or double.
     template <typename Scalar>
     FamilyIntensity level(int level, const AngularFunctionsOf<Scalar>& angular,
-                          const Executor& run) const;
+                          const Executor& run);
 
     /// All levels so far, from those `before` and one more `level`; any number of angles.
     FamilyIntensity with_level(const FamilyIntensity& before, const FamilyIntensity& level) const;
@@ -83,7 +96,7 @@ class SizeFamilies {
     WeightedSizes sizes_of(int family, int level) const;
     std::vector<FamilyIntensity> levels_of_rays(const std::vector<int>& levels,
                                                 const AngularFunctionsOf<float>& angular,
-                                                const Executor& run) const;
+                                                const Executor& run);
 
     void add_ends(int level, const AngularFunctionsOf<float>& angular, const Executor& run,
                   FamilyIntensity& to) const;
@@ -98,6 +111,13 @@ class SizeFamilies {
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;
+
+    // Where they are or may be put; null: they are not kept.
+    KeptWaves* place_of(int group, int family, int level, int first_size, double bytes);
+
+    bool keeps_waves_ = false;
+    std::map<std::array<int, 4>, KeptWaves> kept_ = {};  // by group, family, level, first size
+    double kept_bytes_ = 0;
 };
 
 }  // namespace miebrdf::mie

@@ -1,16 +1,18 @@
 #include "mie/ensemble/size_sums.h"
 
 #include <algorithm>
+#include <cstring>
 #include <type_traits>
 
 #include <miebrdf/sphere.h>
+#include "mie/ensemble/amplitude_tiles.h"
 #include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kAnglesPerGroup = 128;
+constexpr int kAnglesPerGroup = 10 * kAnglesPerTile;
 
 constexpr int kMostChunks = 8;
 constexpr int kLeastChunk = 32;
@@ -65,20 +67,64 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
 }  // namespace
 
 template <typename Scalar>
+int TriangularForm<Scalar>::piece_end(int column) {
+    constexpr int piece = 2 * kRegisterSize<Scalar>;
+    return (column / piece + 1) * piece;
+}
+
+template <typename Scalar>
+void TriangularForm<Scalar>::make_room(int count) {
+    count_ = count;
+    row_size_ = piece_end(count - 1);
+    const std::size_t size = static_cast<std::size_t>(count) * row_size_;
+    if (values_.size() < size) values_.resize(size);
+}
+
+template class TriangularForm<float>;
+template class TriangularForm<double>;
+
+template <typename Scalar>
 AngularFunctionsOf<Scalar>::AngularFunctionsOf(std::span<const double> angles_deg, int terms,
-                                               const Executor& run)
-    : plus_(static_cast<Eigen::Index>(angles_deg.size()), terms + 1),
-      minus_(plus_.rows(), terms + 1) {
-    Eigen::ArrayXd mu(plus_.rows());
+                                               const Executor& run) {
+    make_room(static_cast<Eigen::Index>(angles_deg.size()), terms);
+    Eigen::ArrayXd mu(angle_count_);
     for (Eigen::Index i = 0; i < mu.size(); ++i) mu[i] = cosine_of_scattering_angle(angles_deg[i]);
     fill(mu, run);
 }
 
 template <typename Scalar>
 AngularFunctionsOf<Scalar>::AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms,
-                                               const Executor& run)
-    : plus_(cosines.size(), terms + 1), minus_(plus_.rows(), terms + 1) {
+                                               const Executor& run) {
+    make_room(cosines.size(), terms);
     fill(cosines, run);
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::make_room(Eigen::Index angle_count, int terms) {
+    angle_count_ = static_cast<int>(angle_count);
+    terms_ = terms;
+    const Eigen::Index columns = tile_count() * Eigen::Index(terms + 1);
+    plus_.resize(kAnglesPerTile, columns);
+    minus_.resize(kAnglesPerTile, columns);
+    if (angle_count_ % kAnglesPerTile == 0) return;
+    plus_.rightCols(terms + 1).setZero();
+    minus_.rightCols(terms + 1).setZero();
+}
+
+template <typename Scalar>
+int AngularFunctionsOf<Scalar>::tile_count() const {
+    return (angle_count_ + kAnglesPerTile - 1) / kAnglesPerTile;
+}
+
+template <typename Scalar>
+int AngularFunctionsOf<Scalar>::angles_in(int tile) const {
+    return std::min(kAnglesPerTile, angle_count_ - tile * kAnglesPerTile);
+}
+
+template <typename Scalar>
+const Scalar* AngularFunctionsOf<Scalar>::of_tile(const Matrix& functions, int tile,
+                                                  int order) const {
+    return functions.data() + (tile * Eigen::Index(terms_ + 1) + order) * kAnglesPerTile;
 }
 
 template <typename Scalar>
@@ -94,53 +140,115 @@ void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& mu) {
     const Eigen::Index count = mu.size();
-    plus_.col(0).segment(first, count).setZero();
-    minus_.col(0).segment(first, count).setZero();
+    const auto put = [&](const Eigen::ArrayXd& values, int order, Matrix& functions) {
+        for (Eigen::Index at = 0; at < count; at += kAnglesPerTile) {
+            const Eigen::Index tile = (first + at) / kAnglesPerTile;
+            const Eigen::Index here = std::min<Eigen::Index>(kAnglesPerTile, count - at);
+            functions.col(tile * (terms_ + 1) + order).head(here) =
+                values.segment(at, here).matrix().template cast<Scalar>();
+        }
+    };
     Eigen::ArrayXd pi_before = Eigen::ArrayXd::Zero(count), pi = Eigen::ArrayXd::Ones(count);
-    Eigen::ArrayXd s(count), t(count), tau(count);
-    for (Eigen::Index n = 1; n < plus_.cols(); ++n) {
-        const double order = static_cast<double>(n);
+    Eigen::ArrayXd s(count), t(count), tau(count), value(count);
+    put(pi_before, 0, plus_);
+    put(pi_before, 0, minus_);
+    for (int n = 1; n <= terms_; ++n) {
+        const double order = n;
         s = mu * pi;
         t = s - pi_before;
         tau = order * t - pi_before;
         const double weight = (2 * order + 1) / (order * (order + 1));
-        plus_.col(n).segment(first, count) = (weight * (pi + tau)).matrix().template cast<Scalar>();
-        minus_.col(n).segment(first, count) =
-            (weight * (pi - tau)).matrix().template cast<Scalar>();
+        value = weight * (pi + tau);
+        put(value, n, plus_);
+        value = weight * (pi - tau);
+        put(value, n, minus_);
         pi_before.swap(pi);
         pi = s + (order + 1) / order * t;
     }
 }
 
+// Calls visit(angle, first column, registers of sums) for real and imaginary parts of the same
+// spheres together. Spheres of a block differ in size: columns end with their own last order.
 template <typename Scalar>
-void AngularFunctionsOf<Scalar>::add_squares(const Matrix& functions,
-                                             const typename SphereBlockOf<Scalar>::Matrix& waves,
-                                             int first, int terms, int columns,
-                                             Eigen::VectorXd& intensity) const {
-    Matrix amplitude(functions.rows(), columns);
-    const int count = terms - first + 1;
-    amplitude.noalias() =
-        functions.middleCols(first, count) * waves.block(first, 0, count, columns);
-    for (int column = 0; column < columns; ++column) {
-        intensity += amplitude.col(column).template cast<double>().cwiseAbs2();
-    }
+template <typename Visit>
+void AngularFunctionsOf<Scalar>::visit_amplitudes(const Matrix& functions,
+                                                  const SphereBlockOf<Scalar>& block,
+                                                  const Waves& waves, const Visit& visit) const {
+    constexpr int whole = kRegisterSize<Scalar>;
+    const std::ptrdiff_t stride = waves.outerStride();
+    const auto visit_columns = [&]<bool kHalves>(int column, int width) {
+        const auto [first, last] = block.orders_of(column, width);
+        const Scalar* start = waves.data() + first * stride + column;
+        for (int tile = 0; tile < tile_count(); ++tile) {
+            const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
+            visit_angles(angles, of_tile(functions, tile, first),
+                         WaveColumns<Scalar, kHalves>{start, start + block.size}, stride,
+                         last - first + 1, [&](int angle, const auto& sums) {
+                             if (angle < angles) visit(first_angle + angle, column, sums);
+                         });
+        }
+    };
+    int column = 0;
+    for (; column + whole <= block.size; column += whole)
+        visit_columns.template operator()<false>(column, whole);
+    // Sizes come in eights: half a register of sixteen.
+    if (column < block.size) visit_columns.template operator()<true>(column, block.size - column);
 }
 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
                                                Eigen::VectorXd& intensity) const {
-    const int columns = 2 * block.size;
-    add_squares(plus_, block.U, block.first_term, block.terms, columns, intensity);
-    add_squares(minus_, block.V, block.first_term, block.terms, columns, intensity);
+    const auto add = [&](int angle, int, const auto& sums) {
+        auto square = sums[0] * sums[0];
+        if constexpr (std::extent_v < std::remove_reference_t < decltype(sums) >>> 1)
+            square += sums[1] * sums[1];
+        double whole = 0;
+        for (int i = 0; i < kRegisterSize<Scalar>; ++i) whole += square[i];
+        intensity[angle] += whole;
+    };
+    visit_amplitudes(plus_, block, block.U, add);
+    visit_amplitudes(minus_, block, block.V, add);
+}
+
+// Row = angle, columns as those of the waves.
+template <typename Scalar>
+typename AngularFunctionsOf<Scalar>::Waves AngularFunctionsOf<Scalar>::amplitudes(
+    const Matrix& functions, const SphereBlockOf<Scalar>& block, const Waves& waves) const {
+    Waves result(angle_count_, 2 * block.size);
+    visit_amplitudes(functions, block, waves, [&](int angle, int column, const auto& sums) {
+        Scalar* real = result.row(angle).data() + column;
+        Scalar* imaginary = real + block.size;
+        constexpr std::size_t part = sizeof(sums) / 2;
+        const char* from = reinterpret_cast<const char*>(&sums);
+        std::memcpy(real, from, part);
+        std::memcpy(imaginary, from + part, part);
+    });
+    return result;
 }
 
 template <typename Scalar>
-void AngularFunctionsOf<Scalar>::add_forms(double weight, const Matrix& plus, const Matrix& minus,
-                                           int first, Eigen::VectorXd& intensity) const {
-    const auto add = [&](const Matrix& functions, const Matrix& form) {
-        const auto here = functions.middleCols(first, form.cols());
-        const Matrix rows = here * form;
-        intensity += weight * rows.cwiseProduct(here).rowwise().sum().template cast<double>();
+void AngularFunctionsOf<Scalar>::add_forms(double weight, const TriangularForm<Scalar>& plus,
+                                           const TriangularForm<Scalar>& minus, int first,
+                                           Eigen::VectorXd& intensity) const {
+    constexpr int half = kRegisterSize<Scalar>, piece = 2 * half;
+    const auto add = [&](const Matrix& functions, const TriangularForm<Scalar>& form) {
+        for (int column = 0; column < form.count(); column += piece) {
+            const Scalar* start = form.row(column) + column;
+            const int columns = std::min(piece, form.count() - column);
+            for (int tile = 0; tile < tile_count(); ++tile) {
+                const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
+                const Scalar* own = of_tile(functions, tile, first + column);
+                visit_angles(
+                    angles, own, WaveColumns<Scalar, false>{start, start + half}, form.row_size(),
+                    form.count() - column, [&](int angle, const auto& sums) {
+                        if (angle >= angles) return;
+                        double whole = 0;
+                        for (int m = 0; m < columns; ++m)
+                            whole += sums[m / half][m % half] * own[m * kAnglesPerTile + angle];
+                        intensity[first_angle + angle] += weight * whole;
+                    });
+            }
+        }
     };
     add(plus_, plus);
     add(minus_, minus);
@@ -149,12 +257,10 @@ void AngularFunctionsOf<Scalar>::add_forms(double weight, const Matrix& plus, co
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_products(const SphereBlockOf<Scalar>& block,
                                               Eigen::ArrayXXd& products) const {
-    const int first = block.first_term, count = block.terms - first + 1, size = block.size;
-    Matrix sum(angle_count(), 2 * size), difference(angle_count(), 2 * size);
-    sum.noalias() = plus_.middleCols(first, count) * block.U.block(first, 0, count, 2 * size);
-    difference.noalias() =
-        minus_.middleCols(first, count) * block.V.block(first, 0, count, 2 * size);
-    const auto dot = [&](const Matrix& a, int of_a, const Matrix& b, int of_b) {
+    const int size = block.size;
+    const Waves sum = amplitudes(plus_, block, block.U);
+    const Waves difference = amplitudes(minus_, block, block.V);
+    const auto dot = [&](const Waves& a, int of_a, const Waves& b, int of_b) {
         return a.middleCols(of_a, size)
             .cwiseProduct(b.middleCols(of_b, size))
             .rowwise()

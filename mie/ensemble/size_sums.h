@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -14,9 +15,31 @@
 
 namespace miebrdf::mie {
 
+/// The lower triangle of a symmetric quadratic form; what is below the diagonal counts twice.
+template <typename Scalar>
+class TriangularForm {
+  public:
+    /// Memory grows; what is in the rows is left.
+    void make_room(int count);
+
+    int count() const { return count_; }
+    int row_size() const { return row_size_; }  ///< count(), in whole pieces of the products
+    /// Columns beyond the diagonal, to the end of the piece at least, are to be zero.
+    Scalar* row(int n) { return values_.data() + n * static_cast<std::ptrdiff_t>(row_size_); }
+    const Scalar* row(int n) const {
+        return values_.data() + n * static_cast<std::ptrdiff_t>(row_size_);
+    }
+    /// End of the piece that a column is in.
+    static int piece_end(int column);
+
+  private:
+    int count_ = 0, row_size_ = 0;
+    std::vector<Scalar> values_;
+};
+
 /// The phase function at listed angles, from the partial waves of the spheres:
 /// S1 +- S2 = sum_n (2n+1)/(n(n+1)) (a_n +- b_n) (pi_n +- tau_n): the tables of the angular part,
-/// shared by all sizes. Row = angle, column = n (column 0 unused). Scalar: float or double.
+/// shared by all sizes. Scalar: float or double.
 template <typename Scalar>
 class AngularFunctionsOf {
   public:
@@ -27,7 +50,7 @@ class AngularFunctionsOf {
     /// The same at cosines of scattering angles, in [-1, 1].
     AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms, const Executor& run);
 
-    int angle_count() const { return static_cast<int>(plus_.rows()); }
+    int angle_count() const { return angle_count_; }
 
     /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
     /// weights of SphereSums this is P times 2 * scattered.
@@ -39,18 +62,31 @@ class AngularFunctionsOf {
 
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-    /// Adds weight times the same of waves that are known by their products: plus(i, j) of U_n and
-    /// U_m*, n = first + i, m = first + j, minus of V; as far as quadratic forms tell.
-    void add_forms(double weight, const Matrix& plus, const Matrix& minus, int first,
+    /// Adds weight times the same of waves that are known by their products: forms of
+    /// U_n and U_m*, n = first + row, m = first + column, and of V.
+    void add_forms(double weight, const TriangularForm<Scalar>& plus,
+                   const TriangularForm<Scalar>& minus, int first,
                    Eigen::VectorXd& intensity) const;
 
   private:
+    void make_room(Eigen::Index angle_count, int terms);
     void fill(const Eigen::ArrayXd& mu, const Executor& run);
     void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
 
-    void add_squares(const Matrix& functions, const typename SphereBlockOf<Scalar>::Matrix& waves,
-                     int first, int terms, int columns, Eigen::VectorXd& intensity) const;
+    int tile_count() const;
+    int angles_in(int tile) const;
+    const Scalar* of_tile(const Matrix& functions, int tile, int order) const;
 
+    using Waves = typename SphereBlockOf<Scalar>::Matrix;
+    template <typename Visit>
+    void visit_amplitudes(const Matrix& functions, const SphereBlockOf<Scalar>& block,
+                          const Waves& waves, const Visit& visit) const;
+    Waves amplitudes(const Matrix& functions, const SphereBlockOf<Scalar>& block,
+                     const Waves& waves) const;
+
+    int angle_count_ = 0, terms_ = 0;
+    // Tile by tile of kAnglesPerTile angles: row = angle of the tile, column = n (0 unused) of the
+    // first tile, of the second, ...
     Matrix plus_, minus_;
 };
 

@@ -190,9 +190,21 @@ template <typename Scalar>
 void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
     terms = new_terms;
     size = new_size;
+    orders.assign(size / kLaneCount, {1, terms});
     if (U.rows() >= terms + 1 && U.cols() == 2 * size) return;
     U.resize(terms + 1, 2 * size);
     V.resize(terms + 1, 2 * size);
+}
+
+template <typename Scalar>
+typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int first_column,
+                                                                        int count) const {
+    Orders all = orders[first_column / kLaneCount];
+    for (int at = first_column + kLaneCount; at < first_column + count; at += kLaneCount) {
+        const Orders& here = orders[at / kLaneCount];
+        all = {std::min(all.first, here.first), std::max(all.last, here.last)};
+    }
+    return all;
 }
 
 template <typename Scalar>
@@ -213,6 +225,8 @@ SphereSums compute_spheres(std::complex<double> relative_index,
             weight[lane] = first + lane < count ? weights[i] : 0.0;
         }
         const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
+        if (block && x[0] >= 2)
+            block->orders[first / kLaneCount].last = number_of_terms(x[kLaneCount - 1]);
         const LaneSums sums = compute_eight(relative_index, x, columns);
         total.scattered += (weight * sums.scattered).sum();
         total.absorbed += (weight * sums.absorbed).sum();

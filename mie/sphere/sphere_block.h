@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace miebrdf::mie {
 
@@ -18,11 +19,19 @@ struct SphereBlockOf {
     Matrix U, V;
     int size = 0;
     int terms = 0;
-    int first_term = 1;  ///< rows below are zero, or too little to count
+    struct Orders {
+        int first, last;
+    };
+    /// Of each eight columns [8 i, 8 i + 8) and their imaginary parts: rows below and above are
+    /// zero, or too little to count.
+    std::vector<Orders> orders;
 
-    /// Makes room; memory grows, and is reused while the number of spheres stays. Rows may be more
-    /// than terms + 1.
+    /// Makes room, and lets all columns have all orders; memory grows, and is reused while the
+    /// number of spheres stays. Rows may be more than terms + 1.
     void make_room(int terms, int size);
+
+    /// Of all columns [first_column, first_column + count).
+    Orders orders_of(int first_column, int count) const;
 };
 
 using SphereBlock = SphereBlockOf<double>;
