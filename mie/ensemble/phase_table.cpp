@@ -136,7 +136,13 @@ double PhaseTable::operator()(double cos_theta) const {
 double PhaseTable::noise(double cos_theta) const {
     if (parts_.noise.empty()) return 0;
     const double theta = std::acos(std::clamp(cos_theta, -1.0, 1.0));
-    return parts_.noise[panel_at(theta)] * std::max(at_angle(theta), parts_.noise_floor);
+    const std::size_t panel = panel_at(theta);
+    const double of_sizes = parts_.noise[panel] * std::max(at_angle(theta), parts_.noise_floor);
+    // The last two coefficients bound what interpolation leaves out; noise is in them, too, but
+    // averages without ripple have hardly any.
+    const double* coefficients = &parts_.coefficients[panel * kNodes];
+    const double tail = std::abs(coefficients[kNodes - 2]) + std::abs(coefficients[kNodes - 1]);
+    return std::max(of_sizes, 0.5 * tail);
 }
 
 std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {

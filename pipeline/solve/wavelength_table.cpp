@@ -128,10 +128,11 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
     report_.solver = rte::reflect(stack, probe_directions(), options).report;
 
     options.streams = report_.solver.streams;
-    const rte::ScaledStack scaled =
-        rte::scale_stack(stack, report_.solver.moments, options.delta_m);
+    rte::ScaledStack scaled =
+        rte::scale_stack(stack, report_.solver.moments, options.delta_m, rte::NarrowPart::ignored);
     const rte::StackGrids grids(
         scaled, rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
+    if (options.single_scattering_correction) rte::split_by_resolution(scaled, grids);
     rte::RequestedDirections requested;
     requested.mu =
         Eigen::Map<const Eigen::VectorXd>(nodes.data(), static_cast<Eigen::Index>(nodes.size()));

@@ -60,10 +60,10 @@ FirstOrderSum::FirstOrderSum(const Directions& directions, const SolverOptions& 
     }
 }
 
-void FirstOrderSum::add_to(std::vector<double>& reflection,
-                           const std::vector<ScaledMedium>& media) {
+void FirstOrderSum::add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media,
+                           std::vector<double>* unresolved) {
     const bool exact = options_.single_scattering_correction;
-    if (exact) add_narrow_features(reflection, media);
+    if (exact) add_narrow_features(reflection, media, unresolved);
     if (exact && phase_.empty()) evaluate_phase(media);
     const std::size_t directions = reflection.size();
     std::vector<double> weights(media.size());
@@ -90,14 +90,18 @@ void FirstOrderSum::add_to(std::vector<double>& reflection,
 }
 
 void FirstOrderSum::add_narrow_features(std::vector<double>& reflection,
-                                        const std::vector<ScaledMedium>& media) const {
+                                        const std::vector<ScaledMedium>& media,
+                                        std::vector<double>* unresolved) const {
     constexpr std::size_t many_directions = 2000;  // from here on a table pays
     double mu_least = 1.0;
     for (const double mu : directions_.mu_in) mu_least = std::min(mu_least, mu);
     for (const double mu : directions_.mu_out) mu_least = std::min(mu_least, mu);
     NarrowFeatures narrow({&media, 1}, mu_least, kNarrowFeaturesShare * options_.tolerance);
     if (reflection.size() > many_directions) narrow.tabulate();
-    narrow.add_to(reflection.data(), directions_.mu_in, directions_.mu_out, cos_azimuth_);
+    const bool wanted = unresolved != nullptr && narrow.has_unresolved();
+    if (wanted) unresolved->assign(reflection.size(), 0.0);
+    narrow.add_to(reflection.data(), directions_.mu_in, directions_.mu_out, cos_azimuth_,
+                  wanted ? unresolved->data() : nullptr);
 }
 
 void FirstOrderSum::evaluate_phase(const std::vector<ScaledMedium>& media) {

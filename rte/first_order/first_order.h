@@ -45,11 +45,16 @@ class FirstOrderSum {
 
     /// @param media       of the same stack at every call; delta-M may differ
     /// @param reflection  [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth], added to
-    void add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media);
+    /// @param unresolved  null, or set to the part of narrow features that the nodes do not
+    /// resolve,
+    ///                    known but roughly; empty: there is none
+    void add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media,
+                std::vector<double>* unresolved = nullptr);
 
   private:
     void add_narrow_features(std::vector<double>& reflection,
-                             const std::vector<ScaledMedium>& media) const;
+                             const std::vector<ScaledMedium>& media,
+                             std::vector<double>* unresolved) const;
     /// Exact P of each medium at each direction: phase_[medium * directions + direction].
     void evaluate_phase(const std::vector<ScaledMedium>& media);
 

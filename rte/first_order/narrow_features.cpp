@@ -103,14 +103,16 @@ bool depends_on_q(std::span<const std::vector<ScaledMedium>> stacks) {
     });
 }
 
+using Strengths = std::function<std::vector<double>(const std::vector<ScaledMedium>&, double q)>;
+
 // Row = place in the list of log q * stacks + stack, column = degree.
 Eigen::MatrixXd strengths_at(std::span<const std::vector<ScaledMedium>> stacks,
-                             const Eigen::VectorXd& log_q) {
+                             const Strengths& strengths_of, const Eigen::VectorXd& log_q) {
     std::vector<std::vector<double>> rows;
     std::size_t degrees = 0;
     for (const double at : log_q) {
         for (const auto& media : stacks) {
-            rows.push_back(narrow_strengths(media, std::exp(at)));
+            rows.push_back(strengths_of(media, std::exp(at)));
             degrees = std::max(degrees, rows.back().size());
         }
     }
@@ -123,14 +125,49 @@ Eigen::MatrixXd strengths_at(std::span<const std::vector<ScaledMedium>> stacks,
     return strengths;
 }
 
-// Adds the sum over k of weights times values [k * stacks + stack], for each stack.
+// Adds the sum over k >= first of weights times values [k * stacks + stack], for each stack.
 template <typename Values>
-void add_weighted(const Values& values, const Eigen::VectorXd& weights, double* sums) {
+void add_weighted(const Values& values, const Eigen::VectorXd& weights, Eigen::Index first,
+                  double* sums) {
     const Eigen::Index stacks = values.size() / weights.size();
-    for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    for (Eigen::Index k = first; k < weights.size(); ++k) {
         for (Eigen::Index stack = 0; stack < stacks; ++stack)
             sums[stack] += weights[k] * values[k * stacks + stack];
     }
+}
+
+struct Reduced {
+    Eigen::MatrixXd at_nodes;   // functions (columns) at the nodes (rows)
+    Eigen::MatrixXd strengths;  // row = function * stacks + stack, column = degree
+};
+
+// As few functions as the tolerance allows in place of one for each node.
+// of_node: column = degree * stacks + stack
+Reduced reduce_rank(const Eigen::MatrixXd& of_node, Eigen::Index stacks, double tolerance) {
+    const Eigen::Index nodes = of_node.rows(), others = of_node.cols();
+    // The left singular vectors, ascending: complete whatever the Gram matrix has lost in rounding.
+    math::SymmetricEigen gram;
+    gram.compute(of_node * of_node.transpose());
+    const auto vectors = gram.vectors();
+    Eigen::MatrixXd rest = of_node;
+    Eigen::Index rank = 0;
+    for (double left = tolerance; rank < nodes && !(left <= 0.1 * tolerance); ++rank) {
+        const auto basis = vectors.col(nodes - 1 - rank);
+        rest.noalias() -= basis * (basis.transpose() * of_node);
+        left = 0.0;  // the largest sum over degrees, |P_l| <= 1
+        for (Eigen::Index stack = 0; stack < stacks; ++stack) {
+            const auto of_stack = rest(Eigen::all, Eigen::seq(stack, others - 1, stacks));
+            left = std::max(left, of_stack.cwiseAbs().rowwise().sum().maxCoeff());
+        }
+    }
+    Reduced reduced;
+    reduced.at_nodes = vectors.rightCols(rank);
+    const Eigen::MatrixXd rows = reduced.at_nodes.transpose() * of_node;
+    reduced.strengths.resize(rank * stacks, others / stacks);
+    for (Eigen::Index k = 0; k < rank; ++k)
+        reduced.strengths.middleRows(k * stacks, stacks) =
+            rows.row(k).reshaped(stacks, others / stacks);
+    return reduced;
 }
 
 // Degrees at the end that sum to less than the tolerance at every angle: |P_l| <= 1.
@@ -147,15 +184,20 @@ void drop_tail(Eigen::MatrixXd& strengths, double tolerance) {
 
 }  // namespace
 
-std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q) {
-    int first = 0;
-    int end = 0;
-    for (const ScaledMedium& medium : media) {
-        if (medium.narrow.rest.empty()) continue;
-        first = end == 0 ? medium.narrow.first_degree : std::min(first, medium.narrow.first_degree);
-        end = std::max(end, medium.narrow.first_degree + int(medium.narrow.rest.size()));
-    }
-    std::vector<double> strengths(std::size_t(end), 0.0);
+namespace {
+
+// What one degree of one medium adds to C: its strength times what the factor G of the true peak,
+// and that of what the discrete equations keep of it, differ from G(f).
+struct DegreeChange {
+    double strength = 0.0;  // alpha (2l+1) N_l
+    double of_true = 0.0, of_kept = 0.0;
+    double share_kept = 1.0;
+};
+
+// Calls visit(l, medium, change) for all degrees of all media.
+template <typename Visit>
+void for_each_degree(const std::vector<ScaledMedium>& media, double q, int first, int end,
+                     const Visit& visit) {
     std::vector<double> without;  // from the top down, of no degree in particular
     AttenuatedPath no_peak(q);
     for (auto medium = media.rbegin(); medium != media.rend(); ++medium)
@@ -172,11 +214,79 @@ std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, dou
             const double with_true = true_peak.scatter(medium, degree.peak);
             const double with_kept =
                 any_kept ? kept_peak.scatter(medium, degree.kept_peak) : without[m];
-            strengths[std::size_t(l)] +=
-                (2.0 * l + 1.0) * medium.exact.single_scattering_albedo * degree.rest *
-                ((with_true - without[m]) - degree.share_kept * (with_kept - without[m]));
+            visit(
+                l, medium,
+                DegreeChange{(2.0 * l + 1.0) * medium.exact.single_scattering_albedo * degree.rest,
+                             with_true - without[m], with_kept - without[m], degree.share_kept});
         }
     }
+}
+
+struct DegreeRange {
+    int first = 0, end = 0;
+};
+
+DegreeRange degrees_of(const std::vector<ScaledMedium>& media) {
+    DegreeRange range;
+    for (const ScaledMedium& medium : media) {
+        if (medium.narrow.rest.empty()) continue;
+        const int first = medium.narrow.first_degree;
+        range.first = range.end == 0 ? first : std::min(range.first, first);
+        range.end = std::max(range.end, first + int(medium.narrow.rest.size()));
+    }
+    return range;
+}
+
+// The share of degree l that nodes resolve at an angle of zenith where they resolve so many waves.
+// Of a function of the scattering angle that varies like l waves in all directions, some directions
+// are along the azimuth, which Fourier orders resolve whatever the nodes do.
+double share_resolved(int l, double waves) {
+    return double(l) <= waves ? 1.0 : (2.0 / std::numbers::pi) * std::asin(waves / double(l));
+}
+
+// [degree][angle of zenith], of the half of the light that is scattered forward there.
+std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media, double q) {
+    const auto [first, end] = degrees_of(media);
+    int kept = 0;
+    for (const ScaledMedium& medium : media) {
+        if (!medium.resolved_waves.empty()) kept = std::max(kept, int(medium.scaled.chi.size()));
+    }
+    const std::size_t degrees = std::size_t(std::min(end, kept));
+    std::vector<double> strengths(degrees * kResolvedAngles, 0.0);
+    for_each_degree(media, q, first, int(degrees),
+                    [&](int l, const ScaledMedium& medium, const DegreeChange& change) {
+                        if (medium.resolved_waves.empty()) return;
+                        for (std::size_t k = 0; k < kResolvedAngles; ++k) {
+                            const double lost = 1.0 - share_resolved(l, medium.resolved_waves[k]);
+                            strengths[std::size_t(l) * kResolvedAngles + k] +=
+                                0.5 * change.strength * change.share_kept * change.of_kept * lost;
+                        }
+                    });
+    return strengths;
+}
+
+}  // namespace
+
+std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q) {
+    const auto [first, end] = degrees_of(media);
+    std::vector<double> strengths(std::size_t(end), 0.0);
+    for_each_degree(media, q, first, end,
+                    [&](int l, const ScaledMedium&, const DegreeChange& change) {
+                        strengths[std::size_t(l)] +=
+                            change.strength * (change.of_true - change.share_kept * change.of_kept);
+                    });
+    return strengths;
+}
+
+std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q) {
+    const auto [first, end] = degrees_of(media);
+    std::vector<double> strengths(std::size_t(end), 0.0);
+    for_each_degree(media, q, first, end,
+                    [&](int l, const ScaledMedium& medium, const DegreeChange& change) {
+                        if (l < medium.scaled.chi.size())
+                            strengths[std::size_t(l)] +=
+                                std::abs(change.strength * change.share_kept * change.of_kept);
+                    });
     return strengths;
 }
 
@@ -187,8 +297,9 @@ NarrowFeatures::NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    find_strengths(stacks);
-    reduce_rank();
+    known_ = slant_functions(stacks, narrow_strengths, tolerance_);
+    strengths_ = known_.strengths;
+    add_unresolved(stacks);
 }
 
 void NarrowFeatures::tabulate() {
@@ -198,84 +309,107 @@ void NarrowFeatures::tabulate() {
                    0.5 * shortest_wave, math::AngleTolerance{.absolute = tolerance_});
 }
 
-void NarrowFeatures::find_strengths(std::span<const std::vector<ScaledMedium>> stacks) {
+Eigen::VectorXd NarrowFeatures::SlantFunctions::at(double t) const {
+    if (strengths.size() == 0) return {};
+    if (nodes.count() == 1) return Eigen::VectorXd::Ones(1);
+    return at_nodes.transpose() * nodes.weights(t);
+}
+
+NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
+    std::span<const std::vector<ScaledMedium>> stacks, const Strengths& strengths_of,
+    double tolerance) const {
     const auto log_q = [&](double t) { return log_q_middle_ + log_q_half_ * t; };
+    SlantFunctions functions;
+    Eigen::MatrixXd& strengths = functions.strengths;
     for (int count = depends_on_q(stacks) ? 6 : 1;; count += count / 2) {
-        nodes_ = math::ChebyshevPoints(count);
+        functions.nodes = math::ChebyshevPoints(count);
+        functions.at_nodes = Eigen::MatrixXd::Identity(count, count);
         Eigen::VectorXd at_nodes(count);
-        for (int j = 0; j < count; ++j) at_nodes[j] = log_q(nodes_[j]);
-        strengths_ = strengths_at(stacks, at_nodes);
-        if (none() || count == 1) return;
-        drop_tail(strengths_, 0.1 * tolerance_);
+        for (int j = 0; j < count; ++j) at_nodes[j] = log_q(functions.nodes[j]);
+        strengths = strengths_at(stacks, strengths_of, at_nodes);
+        if (strengths.isZero(0.0)) strengths.resize(0, 0);
+        if (strengths.size() == 0 || count == 1) return functions;
+        drop_tail(strengths, 0.1 * tolerance);
         // Between the outermost nodes and in the middle: where polynomials through them are worst.
         double error = 0.0;
         for (const double place : {0.0, 1.0, 0.5 * count}) {
             const double t = std::cos(std::numbers::pi * place / count);
             Eigen::MatrixXd difference =
-                -strengths_at(stacks, Eigen::VectorXd::Constant(1, log_q(t)))
-                     .leftCols(strengths_.cols());
-            const Eigen::VectorXd weights = nodes_.weights(t);
-            for (int j = 0; j < count; ++j) {
+                -strengths_at(stacks, strengths_of, Eigen::VectorXd::Constant(1, log_q(t)))
+                     .leftCols(strengths.cols());
+            const Eigen::VectorXd weights = functions.nodes.weights(t);
+            for (int j = 0; j < count; ++j)
                 difference +=
-                    weights[j] * strengths_.middleRows(j * difference.rows(), difference.rows());
-            }
+                    weights[j] * strengths.middleRows(j * difference.rows(), difference.rows());
             error = std::max(error, difference.cwiseAbs().rowwise().sum().maxCoeff());
         }
-        if (error <= tolerance_ || count >= kMostPoints) return;
+        if (error <= tolerance || count >= kMostPoints) break;
     }
+    // One row for each node, all stacks and degrees beside each other (strengths is column-major).
+    const Eigen::Index stack_count = Eigen::Index(stacks_), columns = strengths.cols();
+    Eigen::MatrixXd of_node(functions.nodes.count(), stack_count * columns);
+    for (Eigen::Index j = 0; j < of_node.rows(); ++j) {
+        of_node.row(j) = strengths.middleRows(j * stack_count, stack_count).reshaped().transpose();
+    }
+    Reduced reduced = reduce_rank(of_node, stack_count, tolerance);
+    functions.at_nodes = std::move(reduced.at_nodes);
+    strengths = std::move(reduced.strengths);
+    return functions;
 }
 
-void NarrowFeatures::reduce_rank() {
-    const Eigen::Index nodes = nodes_.count();
-    at_nodes_ = Eigen::MatrixXd::Identity(nodes, nodes);
-    if (none() || nodes == 1) return;
-    // One row for each node, all stacks and degrees beside each other (strengths_ is column-major).
-    const Eigen::Index others = Eigen::Index(stacks_) * strengths_.cols();
-    Eigen::MatrixXd of_node(nodes, others);
-    for (Eigen::Index j = 0; j < nodes; ++j) {
-        of_node.row(j) = strengths_.middleRows(j * Eigen::Index(stacks_), Eigen::Index(stacks_))
-                             .reshaped()
-                             .transpose();
-    }
-    // The left singular vectors, ascending: complete whatever the Gram matrix has lost in rounding.
-    math::SymmetricEigen gram;
-    gram.compute(of_node * of_node.transpose());
-    const auto vectors = gram.vectors();
-    Eigen::MatrixXd rest = of_node;
-    Eigen::Index rank = 0;
-    for (double left = tolerance_; rank < nodes && !(left <= 0.1 * tolerance_); ++rank) {
-        const auto basis = vectors.col(nodes - 1 - rank);
-        rest.noalias() -= basis * (basis.transpose() * of_node);
-        left = 0.0;  // the largest sum over degrees, |P_l| <= 1
-        for (Eigen::Index stack = 0; stack < Eigen::Index(stacks_); ++stack) {
-            const auto of_stack = rest(Eigen::all, Eigen::seq(stack, others - 1, stacks_));
-            left = std::max(left, of_stack.cwiseAbs().rowwise().sum().maxCoeff());
+void NarrowFeatures::add_unresolved(std::span<const std::vector<ScaledMedium>> stacks) {
+    // Sums over degrees are over all angles of zenith here, and two of these count.
+    unresolved_ = slant_functions(stacks, unresolved_strengths, 0.5 * kResolvedAngles * tolerance_);
+    const Eigen::MatrixXd& strengths = unresolved_.strengths;
+    const Eigen::Index stack_count = Eigen::Index(stacks_);
+    const Eigen::Index functions = strengths.rows() / stack_count;
+    const Eigen::Index degrees = (strengths.cols() + kResolvedAngles - 1) / kResolvedAngles;
+    if (strengths.size() == 0) return;
+    Eigen::MatrixXd of_pair =
+        Eigen::MatrixXd::Zero(functions * kResolvedAngles, stack_count * degrees);
+    for (Eigen::Index j = 0; j < functions; ++j) {
+        for (Eigen::Index stack = 0; stack < stack_count; ++stack) {
+            for (Eigen::Index c = 0; c < strengths.cols(); ++c) {
+                of_pair(j * kResolvedAngles + c % kResolvedAngles,
+                        c / kResolvedAngles * stack_count + stack) =
+                    strengths(j * stack_count + stack, c);
+            }
         }
     }
-    at_nodes_ = vectors.rightCols(rank);
-    const Eigen::MatrixXd reduced = at_nodes_.transpose() * of_node;
-    strengths_.resize(rank * Eigen::Index(stacks_), strengths_.cols());
-    for (Eigen::Index k = 0; k < rank; ++k) {
-        strengths_.middleRows(k * Eigen::Index(stacks_), Eigen::Index(stacks_)) =
-            reduced.row(k).reshaped(Eigen::Index(stacks_), strengths_.cols());
-    }
+    Reduced reduced = reduce_rank(of_pair, stack_count, tolerance_);
+    at_pairs_ = std::move(reduced.at_nodes);
+    const Eigen::Index known = strengths_.rows(), columns = std::max(strengths_.cols(), degrees);
+    Eigen::MatrixXd both = Eigen::MatrixXd::Zero(known + reduced.strengths.rows(), columns);
+    both.topLeftCorner(known, strengths_.cols()) = strengths_;
+    both.bottomLeftCorner(reduced.strengths.rows(), degrees) = reduced.strengths;
+    strengths_ = std::move(both);
 }
 
-void NarrowFeatures::weights_at(double q, Eigen::VectorXd& weights) const {
-    if (nodes_.count() == 1) {
-        weights.setOnes(1);
-        return;
+void NarrowFeatures::weights_at(double mu_in, double mu_out, Eigen::VectorXd& weights) const {
+    const double t = (std::log(1.0 / mu_in + 1.0 / mu_out) - log_q_middle_) / log_q_half_;
+    const Eigen::VectorXd known = known_.at(t), unresolved = unresolved_.at(t);
+    weights.setZero(known.size() + at_pairs_.cols());
+    weights.head(known.size()) = known;
+    for (const double mu : {mu_in, mu_out}) {
+        const double place = std::acos(mu) * (2.0 / std::numbers::pi) * (kResolvedAngles - 1);
+        const Eigen::Index k = std::min(Eigen::Index(place), Eigen::Index(kResolvedAngles - 2));
+        const double beyond = place - double(k);
+        for (Eigen::Index j = 0; j < unresolved.size(); ++j) {
+            const Eigen::Index row = j * kResolvedAngles + k;
+            weights.tail(at_pairs_.cols()) +=
+                unresolved[j] *
+                ((1.0 - beyond) * at_pairs_.row(row) + beyond * at_pairs_.row(row + 1)).transpose();
+        }
     }
-    const double t = (std::log(q) - log_q_middle_) / log_q_half_;
-    weights.noalias() = at_nodes_.transpose() * nodes_.weights(t);
+    weights /= 4.0 * (mu_in + mu_out);
 }
 
 void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
-                            std::span<const double> mu_out,
-                            std::span<const double> cos_azimuth) const {
+                            std::span<const double> mu_out, std::span<const double> cos_azimuth,
+                            double* unresolved) const {
     if (none()) return;
     if (table_) {
-        add_from_table(reflection, mu_in, mu_out, cos_azimuth);
+        add_from_table(reflection, mu_in, mu_out, cos_azimuth, unresolved);
         return;
     }
     std::vector<double> angles;
@@ -291,17 +425,20 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
     Eigen::Index k = 0;
     for (const double in : mu_in) {
         for (const double out : mu_out) {
-            weights_at(1.0 / in + 1.0 / out, weights);
-            weights /= 4.0 * (in + out);
-            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k)
-                add_weighted(sums.row(k), weights, &reflection[std::size_t(k) * stacks_]);
+            weights_at(in, out, weights);
+            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k) {
+                const std::size_t place = std::size_t(k) * stacks_;
+                add_weighted(sums.row(k), weights, 0, &reflection[place]);
+                if (unresolved != nullptr)
+                    add_weighted(sums.row(k), weights, first_unresolved(), &unresolved[place]);
+            }
         }
     }
 }
 
 void NarrowFeatures::add_from_table(double* reflection, std::span<const double> mu_in,
                                     std::span<const double> mu_out,
-                                    std::span<const double> cos_azimuth) const {
+                                    std::span<const double> cos_azimuth, double* unresolved) const {
     Scratch scratch;
     std::vector<double> angles(cos_azimuth.size());
     for (const double in : mu_in) {
@@ -309,22 +446,26 @@ void NarrowFeatures::add_from_table(double* reflection, std::span<const double> 
             std::transform(
                 cos_azimuth.begin(), cos_azimuth.end(), angles.begin(),
                 [&](double cosine) { return std::acos(cos_scattering_angle(in, out, cosine)); });
-            add_at(reflection, in, out, angles, scratch);
+            add_at(reflection, in, out, angles, scratch, unresolved);
             reflection += angles.size() * stacks_;
+            if (unresolved != nullptr) unresolved += angles.size() * stacks_;
         }
     }
 }
 
 void NarrowFeatures::add_at(double* reflection, double mu_in, double mu_out,
-                            std::span<const double> scattering_angles, Scratch& scratch) const {
+                            std::span<const double> scattering_angles, Scratch& scratch,
+                            double* unresolved) const {
     if (none()) return;
     scratch.values.resize(strengths_.rows());
-    weights_at(1.0 / mu_in + 1.0 / mu_out, scratch.weights);
-    scratch.weights /= 4.0 * (mu_in + mu_out);
+    weights_at(mu_in, mu_out, scratch.weights);
     for (const double angle : scattering_angles) {
         table_->evaluate(angle, scratch.values);
-        add_weighted(scratch.values, scratch.weights, reflection);
+        add_weighted(scratch.values, scratch.weights, 0, reflection);
         reflection += stacks_;
+        if (unresolved == nullptr) continue;
+        add_weighted(scratch.values, scratch.weights, first_unresolved(), unresolved);
+        unresolved += stacks_;
     }
 }
 

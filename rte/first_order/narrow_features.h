@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +16,10 @@ namespace miebrdf::rte {
 /// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C of NarrowFeatures (below) at one
 /// q = 1/mu_in + 1/mu_out; empty if there are none.
 std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
+
+/// |coefficients| of P_l, l = 0, 1, ..., in what the discrete equations know of narrow features
+/// that light reaches by way of the forward peak (the second part of C below) at one q.
+std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q);
 
 /// What the first order must change because light is diffracted before and after it is scattered:
 /// C(q, Theta) / (4 (mu_in + mu_out)),
@@ -42,6 +47,7 @@ class NarrowFeatures {
                    double tolerance);
 
     bool none() const { return strengths_.size() == 0; }
+    bool has_unresolved() const { return at_pairs_.cols() > 0; }
     std::size_t stacks() const { return stacks_; }
 
     /// Makes a table in Theta, which pays from some thousand directions on.
@@ -49,8 +55,9 @@ class NarrowFeatures {
 
     /// What to add to R at all combinations of cosines, none below mu_least, and azimuths:
     /// reflection[((i * mu_out.size() + o) * cos_azimuth.size() + a) * stacks() + stack].
+    /// @param unresolved  null, or as reflection: the part of that which the nodes do not resolve
     void add_to(double* reflection, std::span<const double> mu_in, std::span<const double> mu_out,
-                std::span<const double> cos_azimuth) const;
+                std::span<const double> cos_azimuth, double* unresolved = nullptr) const;
 
     /// Memory of one sum that the next one can use.
     struct Scratch {
@@ -59,25 +66,43 @@ class NarrowFeatures {
     /// The same after tabulate() at one pair of cosines, where the angles of scattering are known:
     /// reflection[a * stacks() + stack].
     void add_at(double* reflection, double mu_in, double mu_out,
-                std::span<const double> scattering_angles, Scratch& scratch) const;
+                std::span<const double> scattering_angles, Scratch& scratch,
+                double* unresolved = nullptr) const;
 
   private:
-    /// The coefficients of P_l at as many nodes in log q as the tolerance needs.
-    void find_strengths(std::span<const std::vector<ScaledMedium>> stacks);
-    /// As few functions of q in place of one for each node.
-    void reduce_rank();
+    /// Functions of q, by Chebyshev points in log q, and the coefficients of P_l of each.
+    struct SlantFunctions {
+        math::ChebyshevPoints nodes;
+        Eigen::MatrixXd at_nodes;   ///< functions of q (columns) at the nodes (rows)
+        Eigen::MatrixXd strengths;  ///< row = function * stacks + stack, column = degree
+        Eigen::VectorXd at(double t) const;
+    };
+    using Strengths =
+        std::function<std::vector<double>(const std::vector<ScaledMedium>&, double q)>;
+    /// With as many nodes as the tolerance needs, and as few functions of them as that allows.
+    SlantFunctions slant_functions(std::span<const std::vector<ScaledMedium>> stacks,
+                                   const Strengths& strengths, double tolerance) const;
+    /// What the nodes do not resolve, with functions of q and of both cosines.
+    void add_unresolved(std::span<const std::vector<ScaledMedium>> stacks);
     void add_from_table(double* reflection, std::span<const double> mu_in,
-                        std::span<const double> mu_out, std::span<const double> cos_azimuth) const;
-    /// The functions of q.
-    void weights_at(double q, Eigen::VectorXd& weights) const;
+                        std::span<const double> mu_out, std::span<const double> cos_azimuth,
+                        double* unresolved) const;
+    /// The functions of a pair of cosines, divided by 4 (mu_in + mu_out).
+    void weights_at(double mu_in, double mu_out, Eigen::VectorXd& weights) const;
+
+    /// Where the functions of what is not resolved begin.
+    Eigen::Index first_unresolved() const {
+        return strengths_.rows() / Eigen::Index(stacks_) - at_pairs_.cols();
+    }
 
     std::size_t stacks_ = 0;
     double log_q_middle_ = 0.0;
     double log_q_half_ = 1.0;
     double tolerance_ = 0.0;
-    math::ChebyshevPoints nodes_;
-    Eigen::MatrixXd at_nodes_;   ///< functions of q (columns) at the nodes (rows)
-    Eigen::MatrixXd strengths_;  ///< row = function of q * stacks + stack, column = degree
+    SlantFunctions known_;       ///< of the sum over all degrees beyond delta-M
+    SlantFunctions unresolved_;  ///< of degrees in the discrete equations, strengths not kept
+    Eigen::MatrixXd at_pairs_;   ///< functions (columns) at angles of zenith and functions of q
+    Eigen::MatrixXd strengths_;  ///< row = function * stacks + stack, column = degree
     std::optional<math::AngleTable> table_;  ///< one function for each row of strengths
 };
 

@@ -67,6 +67,30 @@ ZenithGrid make_panel_grid(std::vector<GridPanel> panels) {
     return grid;
 }
 
+std::vector<double> resolved_waves(const ZenithGrid& grid, int count) {
+    constexpr double inside = 1e-4;  // of a panel: at its ends the distance is that of the last two
+    std::vector<double> waves;
+    for (int k = 0; k < count && !grid.panels.empty(); ++k) {
+        const double angle = 0.5 * std::numbers::pi * k / (count - 1);
+        const double mu = std::cos(angle);
+        const auto panel =
+            std::min_element(grid.panels.begin(), grid.panels.end(), [mu](auto& a, auto& b) {
+                return std::max({a.cosine(0.0) - mu, mu - a.cosine(1.0), 0.0}) <
+                       std::max({b.cosine(0.0) - mu, mu - b.cosine(1.0), 0.0});
+            });
+        double low = inside, high = 1.0 - inside;
+        for (int step = 0; step < 40; ++step) {
+            const double middle = 0.5 * (low + high);
+            (panel->cosine(middle) < mu ? low : high) = middle;
+        }
+        // Gauss nodes are pi (t (1 - t))^(1/2) / n apart.
+        const double t = 0.5 * (low + high);
+        const double sine = std::sqrt(1.0 - std::pow(panel->cosine(t), 2));
+        waves.push_back(double(panel->count) * sine / (panel->slope(t) * std::sqrt(t * (1.0 - t))));
+    }
+    return waves;
+}
+
 ZenithGrid make_gauss_grid(int count) {
     require_count(count);
     return make_panel_grid({{.count = count}});

@@ -58,6 +58,11 @@ ZenithGrid make_paper_grid(int count);
 /// @throws UsageError  for a count out of range, or for `automatic`
 ZenithGrid make_zenith_grid(GridKind kind, int count);
 
+/// Waves per radian of zenith angle up to which nodes resolve light: pi over the distance between
+/// neighbours. At `count` angles in equal steps from the zenith to the horizon, where it is large.
+/// A grid without panels: none.
+std::vector<double> resolved_waves(const ZenithGrid& grid, int count);
+
 /// Functions of mu as the polynomials through n nodes see them. With l_j the polynomial in t (of
 /// its panel) that is 1 at node j and 0 at the others, a function f becomes
 ///     f_j = 1/w_j int l_j(t) f(mu(t)) dmu,

@@ -155,6 +155,22 @@ double least_believed(double before, bool slow) {
     return before < 1.0 ? std::pow(before, 1.5) : before;
 }
 
+// Narrow features that the nodes do not resolve err by no less than this share of themselves,
+// however well two solutions agree.
+constexpr double kUnresolvedShare = 0.5;
+
+void add_unresolved(const Attempt& attempt, std::size_t block, std::vector<double>& errors) {
+    for (std::size_t start = 0; start < attempt.unresolved.size(); start += block) {
+        const std::size_t end = std::min(errors.size(), start + block);
+        double largest = 0.0;
+        for (std::size_t k = start; k < end; ++k)
+            largest = std::max(largest, std::abs(attempt.values[k]));
+        for (std::size_t k = start; k < end && largest > 0.0; ++k)
+            errors[k] =
+                std::max(errors[k], kUnresolvedShare * std::abs(attempt.unresolved[k]) / largest);
+    }
+}
+
 // Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
 // phase functions and like a power of n at grazing: in both cases the finest errs by no more than
 // d q, d the difference of the last two and q what it has fallen by from that of the first two. No
@@ -164,6 +180,7 @@ void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fin
                     std::size_t block, bool slow, double tolerance) {
     SolverReport& report = fine.report;
     std::vector<double> last = differences(coarse.values, fine.values, fine.values, block);
+    add_unresolved(fine, block, last);
     double gain = 1.0;
     if (coarsest.physical) {
         const auto both = differences(coarsest.values, fine.values, fine.values, block);

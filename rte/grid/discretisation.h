@@ -33,6 +33,9 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
 struct Attempt {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
+    /// Of each value, the part that the nodes do not resolve and that is known but roughly; empty:
+    /// none.
+    std::vector<double> unresolved = {};
     SolverReport report;
     bool physical = false;
 };

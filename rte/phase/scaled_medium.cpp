@@ -94,7 +94,7 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     return scaled;
 }
 
-ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
+ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cutoff) {
     ForwardPeak split;
     split.first_degree = moments;
     const int count = int(chi.size());
@@ -119,8 +119,12 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
 
     // No smooth peak is above all moments that are left: where they fall steeply a window reaches
     // back to much larger ones.
-    double highest = 0.0;
-    for (int l = moments; l < count; ++l) highest = std::max(highest, std::abs(moment[l]));
+    // Beyond the cutoff one bound for all: it must have no steps where moments change their sign.
+    std::vector<double> highest(std::size_t(count) + 1, 0.0);  // of degree l and above
+    for (std::size_t l = std::size_t(count); l-- > 0;)
+        highest[l] = std::max(highest[l + 1], std::abs(chi[l]));
+    for (int l = std::max(moments, cutoff) + 1; l < count; ++l)
+        highest[std::size_t(l)] = highest[std::size_t(std::max(moments, cutoff))];
 
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
@@ -139,7 +143,7 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments) {
                                      : std::pow(std::sin(0.5 * std::numbers::pi * left), 2);
             smooth += share * (std::exp(log_mean / weight) - smooth);
         }
-        smooth = std::clamp(smooth, -highest, highest);
+        smooth = std::clamp(smooth, -highest[std::size_t(l)], highest[std::size_t(l)]);
         split.peak.push_back(smooth);
         split.rest.push_back(chi[std::size_t(l)] - smooth);
         largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));

@@ -58,8 +58,11 @@ struct ForwardPeak {
 /// the first degree on where it is not; one turns into the other over 97 degrees.
 ///
 /// @param chi      all moments
-/// @param moments  L
-ForwardPeak split_forward_peak(std::span<const double> chi, int moments);
+/// @param moments  L, the first degree that is split
+/// @param cutoff   the first that delta-M cuts off, if that is another
+ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cutoff = 0);
+
+inline constexpr int kResolvedAngles = 33;
 
 /// One medium of a stack, its phase function exact and as the discrete equations see it.
 struct ScaledMedium {
@@ -69,6 +72,9 @@ struct ScaledMedium {
     /// Degrees beyond delta-M; without a rest where there is nothing to correct.
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
+    /// Waves per radian of zenith angle up to which the nodes resolve light, at kResolvedAngles
+    /// angles in equal steps from the zenith to the horizon; none: whatever moments describe.
+    std::vector<double> resolved_waves = {};
 };
 
 }  // namespace miebrdf::rte

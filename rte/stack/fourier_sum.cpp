@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rte/first_order/narrow_features.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/stack_solver.h"
 
@@ -24,11 +25,60 @@ double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 double FourierSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
     const Eigen::VectorXd largest = reflection.cwiseAbs().colwise().maxCoeff().transpose();
     if (of_order_zero_.size() == 0) of_order_zero_ = largest;
+    return relative(largest);
+}
+
+double FourierSizes::of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const {
+    return relative(reflection.cwiseAbs().colwise().maxCoeff().transpose());
+}
+
+double FourierSizes::of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const {
+    return relative(0.125 * mu_in.cwiseInverse());
+}
+
+int FeatureOrders::last(int m, int highest, double scale, double tolerance,
+                        const std::function<double(int)>& size_of) const {
+    const std::vector<int> orders = probes(m, scale, tolerance);
+    int last = m;
+    for (const int order : orders) {
+        if (order >= highest) break;
+        if (!(2.0 * size_of(order) * (orders.back() - m) <= tolerance)) last = order;
+    }
+    return last;
+}
+
+double FourierSizes::relative(const Eigen::VectorXd& largest) const {
     double size = 0.0;
     for (Eigen::Index i = 0; i < largest.size(); ++i) {
         if (largest[i] > 0.0) size = std::max(size, largest[i] / of_order_zero_[i]);
     }
     return size;
+}
+
+FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
+    : strengths_(kept_strengths(stack.media, 2.0 / requested.mu.maxCoeff())) {}
+
+// Of P_l near retro-reflection, the orders above m are the share 2/pi acos(m / l).
+double FeatureOrders::beyond(int m) const {
+    double sum = 0.0;
+    for (std::size_t l = std::size_t(m) + 1; l < strengths_.size(); ++l)
+        sum += strengths_[l] * (2.0 / std::numbers::pi) * std::acos(double(m) / double(l));
+    return sum;
+}
+
+std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) const {
+    std::vector<int> orders;
+    if (!(scale * beyond(m) > tolerance)) return orders;
+    int last = m + 1;  // where what lies beyond has fallen to a tenth of the tolerance
+    for (int step = int(strengths_.size()); step > 0; step /= 2) {
+        if (last + step < int(strengths_.size()) && scale * beyond(last + step) > 0.1 * tolerance)
+            last += step;
+    }
+    for (const double share : {0.2, 0.4, 0.6, 0.8}) {
+        const int order = m + int(std::lround(share * (last - m)));
+        if (order > m && (orders.empty() || order > orders.back())) orders.push_back(order);
+    }
+    return orders;
 }
 
 bool FourierTail::ends_with(double largest) {
@@ -102,6 +152,13 @@ bool is_smooth(const ScaledStack& stack) {
     });
 }
 
+Eigen::VectorXd asked_incidences(const RequestedDirections& requested) {
+    Eigen::VectorXd mu_in(Eigen::Index(requested.asked_in()));
+    for (std::size_t i = 0; i < requested.asked_in(); ++i)
+        mu_in[Eigen::Index(i)] = requested.mu[requested.in[i]];
+    return mu_in;
+}
+
 namespace {
 
 // Adds (2 - delta_m0) R^m cos(m azimuth).
@@ -161,8 +218,10 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
+    const FeatureOrders features(stack, requested);
+    const Eigen::VectorXd mu_in = asked_incidences(requested);
     Eigen::VectorXd cosines;
-    int m = 0;
+    int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         if (m > 0 && fourier_order_vanishes(m, azimuth_deg)) continue;
         const Eigen::MatrixXd* multiple = coarser.settled(m);
@@ -181,11 +240,18 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         sum.fourier_orders = m + 1;
         const auto asked = asked_part(*multiple, requested);
         add_fourier_order(m, azimuth_deg, asked, cosines, sum.reflection);
-        ended = tail.ends_with(sizes.next(asked));
+        ended = tail.ends_with(sizes.next(asked)) && m >= least;
         if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
             sum.by_fourier_order.back() = *multiple;
         }
+        if (!ended) continue;
+        least = features.last(
+            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance, [&](int order) {
+                const Reflector& reflector = solver.solve(order, ReflectorParts::pairs);
+                return sizes.of(asked_part(reflector.multiple, requested));
+            });
+        ended = least <= m;
     }
     sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,8 +19,14 @@ class FourierSizes {
   public:
     /// @param reflection  R^m, out x in; m = 0 first
     double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
+    /// The same of an order out of turn.
+    double of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const;
+    /// Of 4 (mu + mu') R = 1 near retro-reflection.
+    double of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const;
 
   private:
+    double relative(const Eigen::VectorXd& largest) const;
+
     Eigen::VectorXd of_order_zero_;
 };
 
@@ -47,6 +54,29 @@ class FourierTail {
     double before_last_ = 0.0;
     double last_ = 0.0;
     double remaining_ = 0.0;
+};
+
+struct ScaledStack;
+
+/// Glories and rainbows, spread by the forward peak, are made of higher orders than all other light
+/// that is scattered more than once: orders fall to nothing, change their sign and rise once more
+/// (spheres of 10 um, k = 0.006: 3e-5 of order 0 at m = 28, 7.5e-3 at m = 58). Where they may, a
+/// few of the higher orders tell whether the sum has ended.
+class FeatureOrders {
+  public:
+    FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested);
+
+    /// The order up to which the sum must go on that would end with m: m itself where all those
+    /// features together are below the tolerance, or the orders looked at are.
+    /// @param scale    FourierSizes::of_retro_reflection
+    /// @param size_of  size of an order, by FourierSizes::of; called for up to four below `highest`
+    int last(int m, int highest, double scale, double tolerance,
+             const std::function<double(int order)>& size_of) const;
+
+  private:
+    std::vector<int> probes(int m, double scale, double tolerance) const;
+    double beyond(int m) const;
+    std::vector<double> strengths_;  ///< by degree
 };
 
 /// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.
@@ -84,10 +114,12 @@ class CoarserFourierOrders {
     int alike_ = 0;
 };
 
+/// Incident cosines without probes.
+Eigen::VectorXd asked_incidences(const RequestedDirections& requested);
+
 /// Orders of larger tables are not kept: 30 of them would take 10 MB.
 inline constexpr std::size_t kMostKeptPairs = 40000;
 
-struct ScaledStack;
 class StackGrids;
 struct StackMemory;
 

@@ -29,10 +29,12 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
                      const RequestedDirections& requested, const SolverOptions& options,
                      const Discretisation& discretisation, StackMemory& memory,
                      FourierOrders& orders, StackFirstOrder& first_order) {
-    ScaledStack scaled = scale_stack(stack, discretisation.moments, options.delta_m);
+    ScaledStack scaled =
+        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
         scaled.brightness = least_brightness(scaled, directions);
     const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    if (options.single_scattering_correction) split_by_resolution(scaled, grids);
     MultipleScattering multiple =
         sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,
                            kFourierTailShare * options.tolerance, options, &memory, orders);
@@ -45,7 +47,7 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
-    if (attempt.physical) first_order.add_to(attempt.values, scaled);
+    if (attempt.physical) first_order.add_to(attempt.values, scaled, &attempt.unresolved);
     return attempt;
 }
 

@@ -129,35 +129,39 @@ void StackFirstOrder::add_outer_lobe(std::vector<double>& reflection,
     }
 }
 
-void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack& stack) {
+void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack& stack,
+                             std::vector<double>* unresolved) {
     if (stack.boundary && stack.boundary->is_rough()) {
         add_outer_lobe(reflection, stack);
         return;
     }
     if (has_straight_paths(stack)) {
-        add_straight(reflection, stack);
+        add_straight(reflection, stack, unresolved);
     } else {
         add_all_paths(reflection, stack);
     }
 }
 
-void StackFirstOrder::add_straight(std::vector<double>& reflection, const ScaledStack& stack) {
+void StackFirstOrder::add_straight(std::vector<double>& reflection, const ScaledStack& stack,
+                                   std::vector<double>* unresolved) {
     if (straight_ == nullptr) {
         inside_ = refracted(directions_, stack.top_index);
         straight_ = std::make_unique<FirstOrderSum>(inside_, options_);
     }
     if (stack.top_index == 1.0) {
-        straight_->add_to(reflection, stack.media);
+        straight_->add_to(reflection, stack.media, unresolved);
         return;
     }
     std::vector<double> inside(reflection.size(), 0.0);
-    straight_->add_to(inside, stack.media);
+    straight_->add_to(inside, stack.media, unresolved);
     std::size_t next = 0;
     for (const double mu_in : directions_.mu_in) {
         for (const double mu_out : directions_.mu_out) {
             const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
-            for (std::size_t a = 0; a < directions_.azimuth_deg.size(); ++a, ++next)
+            for (std::size_t a = 0; a < directions_.azimuth_deg.size(); ++a, ++next) {
                 reflection[next] += factor * inside[next];
+                if (unresolved != nullptr && !unresolved->empty()) (*unresolved)[next] *= factor;
+            }
         }
     }
 }

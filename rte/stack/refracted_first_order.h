@@ -61,10 +61,12 @@ class StackFirstOrder {
         : directions_(directions), options_(options) {}
 
     /// As FirstOrderSum::add_to.
-    void add_to(std::vector<double>& reflection, const ScaledStack& stack);
+    void add_to(std::vector<double>& reflection, const ScaledStack& stack,
+                std::vector<double>* unresolved = nullptr);
 
   private:
-    void add_straight(std::vector<double>& reflection, const ScaledStack& stack);
+    void add_straight(std::vector<double>& reflection, const ScaledStack& stack,
+                      std::vector<double>* unresolved);
     void add_outer_lobe(std::vector<double>& reflection, const ScaledStack& stack) const;
     void add_all_paths(std::vector<double>& reflection, const ScaledStack& stack) const;
 

@@ -113,6 +113,13 @@ const ZenithGrid& StackGrids::of(double index) const {
     return grids_[std::size_t(at - indices_.begin())];
 }
 
+void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
+    for (ScaledMedium& medium : stack.media) {
+        medium.resolved_waves = resolved_waves(grids.of(medium.index), kResolvedAngles);
+        medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
+    }
+}
+
 StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
                          const RequestedDirections& requested, const SolverOptions& options,
                          StackMemory& memory)

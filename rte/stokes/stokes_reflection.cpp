@@ -50,13 +50,15 @@ Attempt reflect_with(const Request& request, const Discretisation& discretisatio
                      StokesMemory& memory, FourierOrders& orders,
                      StokesFirstOrderOfStack& first_order) {
     const SolverOptions& options = request.options;
-    ScaledStack scaled = scale_stack(request.stack, discretisation.moments, options.delta_m);
+    ScaledStack scaled =
+        scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
+    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    if (options.single_scattering_correction) split_by_resolution(scaled, grids);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
         scaled.brightness = least_brightness(scaled, request.directions);
-    StokesScattering multiple =
-        sum_stokes_orders(scaled, StackGrids(scaled, discretisation.grid, discretisation.streams),
-                          request.requested, request.directions.azimuth_deg, request.components,
-                          kFourierTailShare * options.tolerance, options, memory, orders);
+    StokesScattering multiple = sum_stokes_orders(
+        scaled, grids, request.requested, request.directions.azimuth_deg, request.components,
+        kFourierTailShare * options.tolerance, options, memory, orders);
     orders = std::move(multiple.by_fourier_order);
     Attempt attempt;
     attempt.physical = multiple.physical;

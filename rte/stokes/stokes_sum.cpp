@@ -92,7 +92,9 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& g
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
-    int m = 0;
+    const FeatureOrders features(stack, requested);
+    const Eigen::VectorXd mu_in = asked_incidences(requested);
+    int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         const Eigen::MatrixXd* multiple = coarser.settled(m);
         if (multiple == nullptr) {
@@ -108,12 +110,20 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& g
         sum.fourier_orders = m + 1;
         const auto asked = multiple->topLeftCorner(asked_out, asked_in);
         add_order(m, azimuth_deg, asked, c, sum.reflection);
-        ended = tail.ends_with(sizes.next(largest_elements(asked, c)));
+        ended = tail.ends_with(sizes.next(largest_elements(asked, c))) && m >= least;
         if (kept == KeptOrders::asked_for) {
             sum.by_fourier_order.push_back(asked);
         } else if (keep) {
             sum.by_fourier_order.push_back(*multiple);
         }
+        if (!ended) continue;
+        least = features.last(
+            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance, [&](int order) {
+                const StokesOrder& far = solver.solve(order);
+                return sizes.of(
+                    largest_elements(far.multiple.topLeftCorner(asked_out, asked_in), c));
+            });
+        ended = least <= m;
     }
     sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());

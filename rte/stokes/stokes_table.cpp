@@ -13,9 +13,10 @@ TabulatedStokes tabulate_polarised(const Stack& asked_stack, const std::vector<d
                                    const SolverOptions& options) {
     const Stack stack = with_all_moments(asked_stack);
     TabulatedStokes table;
-    table.stack = scale_stack(stack, solved.moments, options.delta_m);
+    table.stack = scale_stack(stack, solved.moments, options.delta_m, NarrowPart::ignored);
     const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
                            solved.streams);
+    if (options.single_scattering_correction) split_by_resolution(table.stack, grids);
     RequestedDirections requested;
     requested.mu = Eigen::Map<const Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
     for (int k = 0; k < int(mu.size()); ++k) {

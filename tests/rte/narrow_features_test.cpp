@@ -1,9 +1,11 @@
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "rte/first_order/first_order.h"
 #include "rte/first_order/narrow_features.h"
 #include "rte/phase/scaled_medium.h"
+#include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
@@ -68,6 +70,77 @@ TEST_CASE("a glory seen with few nodes is the glory of the whole equation", "[rt
     // The small-angle limit behind the correction: a per cent at such a wide peak.
     CHECK(std::abs(corrected / truth - 1.0) <= 0.02);
     CHECK(std::abs(corrected - truth) <= 0.25 * std::abs(plain - truth));
+}
+
+TEST_CASE("light that nodes resolve in part is as bright at retro-reflection as with all nodes",
+          "[rte][narrow]") {
+    // A peak and a glory that 24 nodes resolve along the azimuth and in part along the zenith
+    // angle.
+    rte::Optics optics = rte::isotropic_optics(0.95);
+    optics.chi.resize(130);
+    for (int l = 1; l < 130; ++l) {
+        optics.chi[std::size_t(l)] =
+            0.5 * std::pow(0.3, l) + 0.5 * std::exp(-std::pow(l / 45.0, 2)) +
+            (l > 10 ? 0.006 * (l % 2 ? -1 : 1) * std::exp(-std::pow((l - 50) / 15.0, 2)) : 0.0);
+    }
+    const rte::Stack stack{.base = optics};
+    const double mu = GENERATE(0.3, 0.6, 0.8);
+    const auto retro = [&](int streams) {
+        return rte::reflect(stack, {{mu}, {mu}, {180.0}}, {.tolerance = 1e-5, .streams = streams})
+            .reflection[0];
+    };
+    const double truth = retro(128);
+    const int streams = 24;
+    // The part of the first order that stands for what is not resolved.
+    rte::ScaledStack scaled = rte::scale_stack(stack, 4 * streams, true, rte::NarrowPart::ignored);
+    rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, streams));
+    const rte::NarrowFeatures features({&scaled.media, 1}, mu, 1e-9);
+    double change = 0.0, unresolved = 0.0;
+    const double towards_source = -1.0;
+    features.add_to(&change, {&mu, 1}, {&mu, 1}, {&towards_source, 1}, &unresolved);
+    const double with = retro(streams), without = with - unresolved;
+    CAPTURE(mu, truth, with, without);
+    CHECK(std::abs(without / truth - 1.0) >= 4e-3);
+    // Waves in all directions alike, at one angle: the fifth part of it is the model's own error.
+    CHECK(std::abs(with - truth) <= 0.2 * std::abs(without - truth));
+}
+
+TEST_CASE("sums of Fourier orders look beyond a gap for the orders of a glory", "[rte][narrow]") {
+    const auto last_order = [](const rte::Optics& optics, double hump) {
+        rte::ScaledStack scaled =
+            rte::scale_stack({.base = optics}, 128, true, rte::NarrowPart::ignored);
+        rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, 32));
+        const rte::FeatureOrders features(scaled, rte::collect({0.7}, {0.7}));
+        int asked = 0;
+        const int last = features.last(20, 128, 1.0, 1e-4, [&](int order) {
+            ++asked;
+            return hump * std::exp(-std::pow((order - 70) / 20.0, 2));
+        });
+        CHECK(asked <= 4);
+        return std::pair(last, asked);
+    };
+    CHECK(last_order(glory_optics(0.9), 1e-2).first >= 60);
+    CHECK(last_order(glory_optics(0.9), 0.0) == std::pair(20, 4));
+    CHECK(last_order(rte::henyey_greenstein_optics(0.9, 0.95), 1e-2) == std::pair(20, 0));
+}
+
+TEST_CASE("the waves that nodes resolve are those of their distances", "[rte][narrow]") {
+    const rte::ZenithGrid grid = rte::make_zenith_grid(
+        GENERATE(rte::GridKind::mapped_gauss, rte::GridKind::gauss, rte::GridKind::paper), 64);
+    const int count = 9001;
+    const std::vector<double> waves = rte::resolved_waves(grid, count);
+    REQUIRE(waves.size() == std::size_t(count));
+    for (Eigen::Index j = 8; j + 8 < grid.size(); ++j) {
+        const double angle = std::acos(grid.mu[j]);
+        const double distance =
+            0.5 * std::abs(std::acos(grid.mu[j - 1]) - std::acos(grid.mu[j + 1]));
+        const double place = angle * (2.0 / std::numbers::pi) * (count - 1);
+        const double here = waves[std::size_t(std::lround(place))];
+        // Nodes lie as their density says to some (1 / 8)^2 of their distance, eight nodes from
+        // the ends of a panel.
+        CHECK(std::abs(here * distance / std::numbers::pi - 1.0) <= 0.02);
+    }
+    CHECK(rte::resolved_waves({grid.mu, grid.weights}, count).empty());
 }
 
 TEST_CASE("Henyey-Greenstein has no narrow features, short lists none either", "[rte][narrow]") {

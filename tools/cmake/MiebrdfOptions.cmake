@@ -59,7 +59,8 @@ if(MIEBRDF_COVERAGE)
 endif()
 # With AVX-512, gcc 12 warns of its own intrinsics' deliberately uninitialised registers in every
 # file that uses Eigen, and at -O3 of array bounds inside std::string; dev finds the real ones.
-set(MIEBRDF_NOISE_OF_WIDE_VECTORS -Wno-maybe-uninitialized -Wno-restrict -Wno-array-bounds)
+set(MIEBRDF_NOISE_OF_WIDE_VECTORS -Wno-maybe-uninitialized -Wno-uninitialized -Wno-restrict
+                                  -Wno-array-bounds)
 if(MIEBRDF_NATIVE)
     target_compile_options(miebrdf_flags INTERFACE -march=native ${MIEBRDF_NOISE_OF_WIDE_VECTORS})
 endif()

@@ -79,7 +79,8 @@ class PhaseTable {
 
     /// @param cos_theta  cosine of the scattering angle, taken as +-1 outside [-1, 1]
     double operator()(double cos_theta) const;
-    /// What P there is expected to err by for its finite number of sizes (rms, absolute).
+    /// What P there is expected to err by for its finite number of sizes and for interpolation
+    /// (rms, absolute).
     double noise(double cos_theta) const;
 
     /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
