@@ -195,24 +195,6 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     return all;
 }
 
-/// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
-/// half).
-int first_streams(const LayerRequest& request) {
-    return rte::first_streams(0.5 * request.solver.tolerance);
-}
-
-/// What those first nodes make use of: moments of Mie theory cost more than the square of their
-/// number, and few media need more nodes.
-OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
-    OpticsDemand demand = whole;
-    const int streams = first_streams(request);
-    if (request.solver.streams == 0 && !whole.whole_phase_function) {
-        demand.highest_moment =
-            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
-    }
-    return demand;
-}
-
 bool has_cut_moments(const rte::Stack& stack) {
     return (stack.base_kind == rte::BaseKind::half_space && stack.base.has_more_moments) ||
            std::any_of(stack.coats.begin(), stack.coats.end(),
@@ -253,6 +235,20 @@ LayerQuantity albedo_quantity(const ResolvedScene& scene) {
 
 PhaseDemand phase_demand(LayerQuantity quantity) {
     return quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
+}
+
+int first_streams(const LayerRequest& request) {
+    return rte::first_streams(0.5 * request.solver.tolerance);
+}
+
+OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
+    OpticsDemand demand = whole;
+    const int streams = first_streams(request);
+    if (request.solver.streams == 0 && !whole.whole_phase_function) {
+        demand.highest_moment =
+            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
+    }
+    return demand;
 }
 
 LayerJobs list_layer_jobs(const LayerRequest& request) {
