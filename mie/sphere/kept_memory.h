@@ -25,22 +25,25 @@ class KeptMemory {
     }
 
     void* take(std::size_t bytes) {
-        for (Block& block : blocks_) {
-            if (block.bytes != bytes) continue;
-            void* memory = block.memory;
-            block = blocks_.back();
-            blocks_.pop_back();
+        for (std::size_t i = blocks_.size(); i-- > 0;) {
+            if (blocks_[i].bytes != bytes) continue;
+            void* memory = blocks_[i].memory;
+            blocks_.erase(blocks_.begin() + static_cast<std::ptrdiff_t>(i));
             return memory;
         }
         return ::operator new(bytes);
     }
 
     void give_back(void* memory, std::size_t bytes) noexcept {
-        if (bytes > kLargest || blocks_.size() >= kMostBlocks) {
+        if (bytes > kLargest) {
             ::operator delete(memory);
             return;
         }
         if (blocks_.capacity() == 0) blocks_.reserve(kMostBlocks);
+        if (blocks_.size() == kMostBlocks) {
+            ::operator delete(blocks_.front().memory);
+            blocks_.erase(blocks_.begin());
+        }
         blocks_.push_back({memory, bytes});
     }
 
@@ -51,6 +54,7 @@ class KeptMemory {
     };
     static constexpr std::size_t kMostBlocks = 16;
     static constexpr std::size_t kLargest = std::size_t(2) << 20;  // x = 2.5e5; 32 MB at most
+    /// Given back longest ago first: those go when spheres of another size come.
     std::vector<Block> blocks_;
 };
 

@@ -199,8 +199,12 @@ void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
 template <typename Scalar>
 typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int first_column,
                                                                         int count) const {
-    Orders all = orders[first_column / kLaneCount];
-    for (int at = first_column + kLaneCount; at < first_column + count; at += kLaneCount) {
+    constexpr int widest_register = 64 / static_cast<int>(sizeof(Scalar));
+    const int first = first_column / widest_register * widest_register;
+    const int end = std::min(
+        size, (first_column + count + widest_register - 1) / widest_register * widest_register);
+    Orders all = orders[first / kLaneCount];
+    for (int at = first + kLaneCount; at < end; at += kLaneCount) {
         const Orders& here = orders[at / kLaneCount];
         all = {std::min(all.first, here.first), std::max(all.last, here.last)};
     }

@@ -30,7 +30,9 @@ struct SphereBlockOf {
     /// number of spheres stays. Rows may be more than terms + 1.
     void make_room(int terms, int size);
 
-    /// Of all columns [first_column, first_column + count).
+    /// Of all columns [first_column, first_column + count), and of those that the widest register
+    /// of any machine holds together with them: what is too little to count is then the same
+    /// whatever the width of vectors.
     Orders orders_of(int first_column, int count) const;
 };
 

@@ -56,7 +56,8 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
       earlier_(earlier),
       distinct_(directions),
       request_{scene_, distinct_.directions(), solver_, quantity},
-      demand_(demand_of(solver_, scene_.particles.tolerance, phase_demand(quantity))),
+      demand_(first_demand(request_,
+                           demand_of(solver_, scene_.particles.tolerance, phase_demand(quantity)))),
       needs_layers_(is_albedo() || wants_layers(parts)),
       lowest_(scene_.first_medium()),
       size_(expected_size(scene_, lowest_, solver_, distinct_.directions())) {}
@@ -284,11 +285,16 @@ void Planner::leave_out_phase_functions(const std::vector<const ResolvedSpecies*
             saved += mie_cost(*species, job.wavelength, true) -
                      mie_cost(*species, job.wavelength, false);
     }
-    leave_out(
-        "few moments",
-        fmt::format("no phase function at every angle; {} moments, no more than {} streams use",
-                    demand_.highest_moment, demand_.highest_moment / 2),
-        saved);
+    const bool given = solver_.streams > 0;
+    const int streams = given ? solver_.streams : first_streams(request_);
+    const std::string who_uses_them =
+        given ? fmt::format("{} streams use", streams)
+              : fmt::format("the first {} streams use: more only where those do not suffice",
+                            streams);
+    leave_out("few moments",
+              fmt::format("no phase function at every angle; {} moments, as many as {}",
+                          demand_.highest_moment, who_uses_them),
+              saved);
 }
 
 }  // namespace miebrdf

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 #include <miebrdf/optics.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@
 
 #include "pipeline/solve/parallel.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 namespace {
@@ -122,7 +122,7 @@ class LayerSolver {
     std::optional<double> asymmetry_;
     rte::Optics medium_;
     rte::Stack stack_;
-    rte::StackMemory memory_;
+    rte::AlbedoMemory memory_;
 };
 
 }  // namespace
@@ -139,8 +139,10 @@ LayerAlbedos layer_albedos(const LayerBatch& layers, const rte::SolverOptions& o
     all.spherical_albedo.resize(count);
     all.error_estimate.resize(count);
     all.converged.resize(count);
+    tbb::enumerable_thread_specific<LayerSolver> solvers(
+        [&] { return LayerSolver(fields, layers.mu_in, options); });
     run_parallel("layers", (count + kBlock - 1) / kBlock, control, [&](std::size_t block) {
-        LayerSolver solver(fields, layers.mu_in, options);
+        LayerSolver& solver = solvers.local();
         const std::size_t end = std::min(count, (block + 1) * kBlock);
         for (std::size_t layer = block * kBlock; layer < end; ++layer) solver.solve(layer, all);
     });

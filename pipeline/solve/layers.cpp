@@ -79,7 +79,7 @@ LayerSlice black(const LayerRequest& request) {
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& request,
                               const SolverOptions& solver, std::size_t w,
-                              rte::StackMemory& memory) {
+                              rte::AlbedoMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
     if (request.quantity == LayerQuantity::albedo)
         return rte::albedo(stack, mu_in, solver, {}, &memory);
@@ -132,9 +132,15 @@ LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optic
     return slice;
 }
 
+/// Of one thread.
+struct TransferMemory {
+    rte::StackMemory reflections = {};
+    rte::AlbedoMemory albedos = {};
+};
+
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                  const OpticsDemand& demand, const LightChoice& light, const mie::Executor& run,
-                 rte::StackMemory& memory) {
+                 TransferMemory& memory) {
     const rte::Stack& stack = optics.stack;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary)
         return black(request);
@@ -149,7 +155,8 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     slice.report.optical_depths = optics.optical_depths;
     slice.report.polarisation_left_out = light.left_out;
     if (reflects) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
+        rte::ReflectionTable table =
+            rte::reflect(stack, request.directions, solver, &memory.reflections);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
         slice.report.phase_noise =
@@ -160,7 +167,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.mirror_reflectance = std::move(table.mirror_reflectance);
         remove_rounding(slice.plane_albedo);
     } else {
-        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
+        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory.albedos);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
@@ -193,24 +200,6 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     if (!slice.polarised_plane_albedo.empty())
         all.polarised_plane_albedo = distinct.spread_incident(slice.polarised_plane_albedo);
     return all;
-}
-
-/// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
-/// half).
-int first_streams(const LayerRequest& request) {
-    return rte::first_streams(0.5 * request.solver.tolerance);
-}
-
-/// What those first nodes make use of: moments of Mie theory cost more than the square of their
-/// number, and few media need more nodes.
-OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
-    OpticsDemand demand = whole;
-    const int streams = first_streams(request);
-    if (request.solver.streams == 0 && !whole.whole_phase_function) {
-        demand.highest_moment =
-            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
-    }
-    return demand;
 }
 
 bool has_cut_moments(const rte::Stack& stack) {
@@ -255,6 +244,20 @@ PhaseDemand phase_demand(LayerQuantity quantity) {
     return quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
 }
 
+int first_streams(const LayerRequest& request) {
+    return rte::first_streams(0.5 * request.solver.tolerance);
+}
+
+OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
+    OpticsDemand demand = whole;
+    const int streams = first_streams(request);
+    if (request.solver.streams == 0 && !whole.whole_phase_function) {
+        demand.highest_moment =
+            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
+    }
+    return demand;
+}
+
 LayerJobs list_layer_jobs(const LayerRequest& request) {
     LayerJobs list;
     std::map<std::string, std::size_t> known;
@@ -290,7 +293,7 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     // What passes the layers is wanted too: only what lets nothing through hides a ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
     const double hiding = transmits ? 0.0 : request.solver.tolerance;
-    tbb::enumerable_thread_specific<rte::StackMemory> memories;
+    tbb::enumerable_thread_specific<TransferMemory> memories;
     // Returns the jobs that want more moments than these.
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
         std::vector<std::size_t> wavelengths;

@@ -32,6 +32,14 @@ struct LayerRequest {
     LayerQuantity quantity = LayerQuantity::reflection;
 };
 
+/// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
+/// half).
+int first_streams(const LayerRequest& request);
+/// What those first nodes make use of: moments of Mie theory cost more than the square of their
+/// number, and few media need more nodes.
+/// @param whole  what any number of nodes could make use of
+OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole);
+
 /// Wavelengths that need solving, each once.
 struct LayerJob {
     std::size_t wavelength = 0;  ///< index of the first one that it serves

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "rte/math/tolerance_budget.h"
@@ -88,15 +89,11 @@ std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) 
 }
 
 // Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
-std::vector<int> stream_ladder(const Stack& stack, const SolverOptions& options) {
-    const int steps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options) {
+    static constexpr int kSteps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
     const bool simple = most_moments(stack) <= 8;
     const int start = simple ? 8 : first_streams(options.tolerance);
-    std::vector<int> ladder;
-    for (const int n : steps) {
-        if (n >= start) ladder.push_back(n);
-    }
-    return ladder;
+    return {std::lower_bound(std::begin(kSteps), std::end(kSteps), start), std::end(kSteps)};
 }
 
 // Fewer nodes, to estimate the error of `streams` nodes by comparison.
@@ -124,28 +121,25 @@ Attempt with_fewer_moments_if_needed(Discretisation discretisation, const Solve&
     return attempt;
 }
 
-// |b - a| at each value, relative to the largest of `scale` in its block (one incidence).
-std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b,
-                                const std::vector<double>& scale, std::size_t block) {
-    std::vector<double> result(b.size());
-    for (std::size_t start = 0; start < b.size(); start += block) {
-        const std::size_t end = std::min(b.size(), start + block);
+// Calls visit(k, largest) for each value, with the largest of its block (one incidence).
+template <typename Visit>
+void visit_blocks(const std::vector<double>& values, std::size_t block, const Visit& visit) {
+    for (std::size_t start = 0; start < values.size(); start += block) {
+        const std::size_t end = std::min(values.size(), start + block);
         double largest = 0.0;
-        for (std::size_t k = start; k < end; ++k) largest = std::max(largest, std::abs(scale[k]));
-        for (std::size_t k = start; k < end; ++k) {
-            const double change = std::abs(b[k] - a[k]);
-            result[k] = change > 0.0 ? change / largest : 0.0;
-        }
+        for (std::size_t k = start; k < end; ++k) largest = std::max(largest, std::abs(values[k]));
+        for (std::size_t k = start; k < end; ++k) visit(k, largest);
     }
-    return result;
 }
 
-double largest_of(const std::vector<double>& values) {
-    double largest = 0.0;
-    for (const double value : values) {
-        if (!(value <= largest)) largest = value;
-    }
-    return largest;
+// |b - a|, relative to the largest of a block.
+double difference(double a, double b, double largest) {
+    const double change = std::abs(b - a);
+    return change > 0.0 ? change / largest : 0.0;
+}
+
+void raise(double& largest, double value) {
+    if (!(value <= largest)) largest = value;  // to NaN, too
 }
 
 // What the solution with one number of nodes cannot be trusted to differ from the next one by, when
@@ -159,18 +153,6 @@ double least_believed(double before, bool slow) {
 // however well two solutions agree.
 constexpr double kUnresolvedShare = 0.5;
 
-void add_unresolved(const Attempt& attempt, std::size_t block, std::vector<double>& errors) {
-    for (std::size_t start = 0; start < attempt.unresolved.size(); start += block) {
-        const std::size_t end = std::min(errors.size(), start + block);
-        double largest = 0.0;
-        for (std::size_t k = start; k < end; ++k)
-            largest = std::max(largest, std::abs(attempt.values[k]));
-        for (std::size_t k = start; k < end && largest > 0.0; ++k)
-            errors[k] =
-                std::max(errors[k], kUnresolvedShare * std::abs(attempt.unresolved[k]) / largest);
-    }
-}
-
 // Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
 // phase functions and like a power of n at grazing: in both cases the finest errs by no more than
 // d q, d the difference of the last two and q what it has fallen by from that of the first two. No
@@ -179,30 +161,35 @@ void add_unresolved(const Attempt& attempt, std::size_t block, std::vector<doubl
 void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
                     std::size_t block, bool slow, double tolerance) {
     SolverReport& report = fine.report;
-    std::vector<double> last = differences(coarse.values, fine.values, fine.values, block);
-    add_unresolved(fine, block, last);
+    const auto last_at = [&](std::size_t k, double scale) {
+        double last = difference(coarse.values[k], fine.values[k], scale);
+        if (!fine.unresolved.empty())
+            last = std::max(last, kUnresolvedShare * difference(0.0, fine.unresolved[k], scale));
+        if (!coarsest.physical) return last;
+        const double both = difference(coarsest.values[k], fine.values[k], scale);
+        return std::max(last, least_believed(both, slow));
+    };
     double gain = 1.0;
     if (coarsest.physical) {
-        const auto both = differences(coarsest.values, fine.values, fine.values, block);
-        for (std::size_t k = 0; k < last.size(); ++k)
-            last[k] = std::max(last[k], least_believed(both[k], slow));
-        const double before =
-            largest_of(differences(coarsest.values, coarse.values, fine.values, block));
-        const double largest = largest_of(last);
-        if (!slow && largest < before && largest < 1.0)
-            gain = std::max(largest / before, std::pow(largest, 0.125));
+        double before = 0.0, now = 0.0;
+        visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+            raise(before, difference(coarsest.values[k], coarse.values[k], scale));
+            raise(now, last_at(k, scale));
+        });
+        if (!slow && now < before && now < 1.0) gain = std::max(now / before, std::pow(now, 0.125));
     }
     std::size_t within = 0;
     double largest = 0.0;
-    for (std::size_t k = 0; k < last.size(); ++k) {
-        const double error = gain * last[k];
+    visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+        const double error = gain * last_at(k, scale);
         if (error <= tolerance) ++within;
         if (!(error <= largest)) {
             largest = error;
             report.worst_value = k;
         }
-    }
-    report.share_within_tolerance = last.empty() ? 1.0 : double(within) / double(last.size());
+    });
+    const std::size_t count = fine.values.size();
+    report.share_within_tolerance = count == 0 ? 1.0 : double(within) / double(count);
     report.error_estimate = std::max({report.error_estimate, kRounding, largest});
 }
 
@@ -264,8 +251,9 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         require_physical(attempt, count);
         return attempt;
     };
-    std::vector<int> ladder{options.streams};
-    if (options.streams == 0) ladder = stream_ladder(stack, options);
+    const std::span<const int> ladder = options.streams == 0
+                                            ? stream_ladder(stack, options)
+                                            : std::span<const int>(&options.streams, 1);
     const int coarser = coarser_streams(ladder.front());
     Attempt coarsest;
     if (coarser_streams(coarser) < coarser) coarsest = attempt_at(coarser_streams(coarser));

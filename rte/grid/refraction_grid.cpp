@@ -139,9 +139,15 @@ Directions refracted(const Directions& in_air, double index) {
 }
 
 RequestedDirections refracted(const RequestedDirections& in_air, double index) {
-    RequestedDirections inside = in_air;
+    RequestedDirections inside;
+    refract(in_air, index, inside);
+    return inside;
+}
+
+void refract(const RequestedDirections& in_air, double index, RequestedDirections& inside) {
+    inside = in_air;
     for (double& mu : inside.mu) mu = refracted_cosine(index, mu);
-    return inside.beside.empty() ? inside : with_cosines_beside(std::move(inside));
+    if (!inside.beside.empty()) inside = with_cosines_beside(std::move(inside));
 }
 
 }  // namespace miebrdf::rte

@@ -57,5 +57,7 @@ double refracted_cosine(double index, double mu_air);
 Directions refracted(const Directions& in_air, double index);
 /// The same cosines of a request in a medium.
 RequestedDirections refracted(const RequestedDirections& in_air, double index);
+/// @param inside  overwritten; its memory is used again
+void refract(const RequestedDirections& in_air, double index, RequestedDirections& inside);
 
 }  // namespace miebrdf::rte

@@ -72,9 +72,14 @@ Eigen::VectorXd ScaledOptics::strengths() const {
 
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     ScaledOptics scaled;
+    scale_optics(optics, moments, delta_m, scaled);
+    return scaled;
+}
+
+void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled) {
     const double sharp = delta_m ? forward_fraction(optics, moments) : 0.0;
     scaled.first_cutoff = first_cutoff(sharp, moments);
-    scaled.chi = Eigen::VectorXd::Zero(moments);  // (1 - f) chi' until f is known
+    scaled.chi.setZero(moments);  // (1 - f) chi' until f is known
     double sum = 0.0;
     double weights = 0.0;
     const int cutoffs = moments - scaled.first_cutoff + 1;
@@ -91,7 +96,6 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     scaled.depth_factor = (1.0 - f) + optics.one_minus_albedo * f;
     scaled.one_minus_albedo = optics.one_minus_albedo / scaled.depth_factor;
     scaled.albedo = optics.single_scattering_albedo * (1.0 - f) / scaled.depth_factor;
-    return scaled;
 }
 
 ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cutoff) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -17,6 +19,32 @@
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
+
+struct AlbedoMemory::Parts {
+    /// With one number of nodes.
+    struct Solution {
+        int streams = 0;
+        ScaledStack scaled = {};
+        std::optional<StackGrids> grids = {};
+        StackMemory memory = {};
+        Eigen::VectorXd flux_weights = {}, let_in = {}, let_out = {};
+    };
+
+    std::vector<std::unique_ptr<Solution>> solutions = {};
+    RequestedDirections requested = {};
+    std::vector<double> mu_in = {};  ///< of `requested`
+    ScaledStack exact = {};
+
+    Solution& solution_of(int streams) {
+        const auto found = std::find_if(solutions.begin(), solutions.end(),
+                                        [=](const auto& s) { return s->streams == streams; });
+        if (found != solutions.end()) return **found;
+        solutions.push_back(std::make_unique<Solution>());
+        solutions.back()->streams = streams;
+        return *solutions.back();
+    }
+};
+
 namespace {
 
 void require_cosines(const std::vector<double>& cosines, const char* field) {
@@ -53,33 +81,40 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
 
 /// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
 /// known here.
-bool has_transmittance(const ScaledStack& stack, const SolverOptions& options, bool has_surface) {
-    return stack.base != BaseKind::half_space && !has_surface &&
+bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_surface) {
+    return base != BaseKind::half_space && !has_surface &&
            options.coat_method == CoatMethod::automatic;
 }
 
 Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
                     const SolverOptions& options, const Discretisation& discretisation,
-                    StackMemory& memory, const std::function<SurfaceWeights(double mu)>& surface) {
-    ScaledStack scaled =
-        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
-    scaled.transmits = has_transmittance(scaled, options, bool(surface));
-    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
-    const ZenithGrid& grid = grids.top();
+                    AlbedoMemory::Parts::Solution& solution,
+                    const std::function<SurfaceWeights(double mu)>& surface) {
+    ScaledStack& scaled = solution.scaled;
+    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
+    scaled.transmits = has_transmittance(scaled.base, options, bool(surface));
+    if (!solution.grids ||
+        !solution.grids->fit(scaled, discretisation.grid, discretisation.streams))
+        solution.grids.emplace(scaled, discretisation.grid, discretisation.streams);
+    const ZenithGrid& grid = solution.grids->top();
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
-    const Eigen::VectorXd D = flux_weights(grid);
-    Eigen::VectorXd let_in = D;
-    Eigen::VectorXd let_out = D;
+    Eigen::VectorXd& D = solution.flux_weights;
+    Eigen::VectorXd& let_in = solution.let_in;
+    Eigen::VectorXd& let_out = solution.let_out;
+    D = (grid.weights.array() * grid.mu.array()).sqrt();
+    let_in = D;
+    let_out = D;
     for (Eigen::Index q = 0; surface && q < grid.size(); ++q) {
         const SurfaceWeights weights = surface(grid.mu[q]);
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    StackSolver solver(scaled, grids, requested, options, memory);
+    StackSolver solver(scaled, *solution.grids, requested, options, solution.memory);
     const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
     Attempt attempt;
     attempt.physical = reflector.physical;
     if (!attempt.physical) return attempt;
+    attempt.values.reserve((requested.in.size() + 1) * (scaled.transmits ? 2 : 1));
     const bool has_mirror = reflector.specular.size() > 0;
     for (const int i : requested.in) {
         const double mirrored = has_mirror ? reflector.specular[i] : 0.0;
@@ -101,9 +136,11 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
 }
 
 // Nothing scattered is taken for a beam here: with the optical depths as they are.
-std::vector<double> mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in) {
-    const ScaledStack exact = scale_stack(stack, 1, false);
+std::vector<double> mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
+                                        ScaledStack& exact) {
     std::vector<double> reflectances;
+    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return reflectances;
+    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
     if (exact.top_index == 1.0 && !exact.has_mirrors()) return reflectances;
     if (exact.boundary && exact.boundary->is_rough()) return reflectances;
     for (const double mu : mu_in) reflectances.push_back(mirror_reflectance(exact, mu));
@@ -121,6 +158,11 @@ void name_worst_direction(const Directions& directions, SolverReport& report) {
 }
 
 }  // namespace
+
+AlbedoMemory::AlbedoMemory() : parts_(std::make_unique<Parts>()) {}
+AlbedoMemory::~AlbedoMemory() = default;
+AlbedoMemory::AlbedoMemory(AlbedoMemory&&) noexcept = default;
+AlbedoMemory& AlbedoMemory::operator=(AlbedoMemory&&) noexcept = default;
 
 void validate(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
@@ -157,6 +199,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
     StackMemory own;
+    ScaledStack exact;
     FourierOrders orders;  // of the solution before, with fewer nodes
     StackFirstOrder first_order(judged, options);
     Attempt attempt = solve_with_estimate(
@@ -172,30 +215,34 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                                     std::numeric_limits<double>::quiet_NaN());
     }
     return {probes.without(std::move(attempt.values)), std::move(attempt.plane_albedo),
-            mirror_reflectances(stack, directions.mu_in), std::move(attempt.report)};
+            mirror_reflectances(stack, directions.mu_in, exact), std::move(attempt.report)};
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options,
-                   const std::function<SurfaceWeights(double mu)>& surface, StackMemory* memory) {
+                   const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory* memory) {
     validate(stack);
     validate(options);
     require_cosines(mu_in, "mu_in");
-    const RequestedDirections requested = collect(mu_in, {});
-    StackMemory own;
-    const bool transmits = has_transmittance(scale_stack(stack, 1, false), options, bool(surface));
+    std::optional<AlbedoMemory> own;
+    AlbedoMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
+    if (kept.mu_in != mu_in) {
+        kept.requested = collect(mu_in, {});
+        kept.mu_in = mu_in;
+    }
+    const bool transmits = has_transmittance(lowest_kind(stack), options, bool(surface));
     const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
-    Attempt attempt = solve_with_estimate(
-        stack, options, values_wanted, 1, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation,
-                               memory != nullptr ? *memory : own, surface);
-        });
+    const auto solve = [&](const Discretisation& discretisation) {
+        return albedo_with(stack, kept.requested, options, discretisation,
+                           kept.solution_of(discretisation.streams), surface);
+    };
+    Attempt attempt = solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve));
     std::vector<double>& values = attempt.values;
     const auto end_of_plane = values.begin() + std::ptrdiff_t(mu_in.size());
     return {{values.begin(), end_of_plane},
             *end_of_plane,
             {end_of_plane + 1, values.end()},
-            mirror_reflectances(stack, mu_in),
+            mirror_reflectances(stack, mu_in, kept.exact),
             std::move(attempt.report)};
 }
 

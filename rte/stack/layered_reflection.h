@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include <miebrdf/optics.h>
@@ -12,6 +13,22 @@
 namespace miebrdf::rte {
 
 struct StackMemory;
+
+/// What albedos found one after the other use again: matrices and grids, for each number of nodes
+/// of their own. Results are the same to the last bit. Not thread-safe.
+class AlbedoMemory {
+  public:
+    AlbedoMemory();
+    ~AlbedoMemory();
+    AlbedoMemory(AlbedoMemory&&) noexcept;
+    AlbedoMemory& operator=(AlbedoMemory&&) noexcept;
+
+    struct Parts;
+    Parts& parts() { return *parts_; }
+
+  private:
+    std::unique_ptr<Parts> parts_;
+};
 
 /// reflection[(i * mu_out.size() + o) * azimuth_deg.size() + a] = R(mu_in[i], mu_out[o],
 /// azimuth_deg[a]); BRDF = R / pi.
@@ -56,9 +73,10 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 ///                 in, and count what it lets out:
 ///                     A(mu_in) = 2 integral of R^0(mu, mu_in) out(mu) mu dmu,
 ///                     spherical = integral of in(mu) A(mu) mu dmu / integral of in(mu) mu dmu.
+/// @param memory   where albedos of stacks are found one after the other; null: of its own
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options = {},
                    const std::function<SurfaceWeights(double mu)>& surface = {},
-                   StackMemory* memory = nullptr);
+                   AlbedoMemory* memory = nullptr);
 
 }  // namespace miebrdf::rte

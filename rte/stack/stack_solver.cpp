@@ -61,17 +61,35 @@ bool ScaledStack::has_mirrors() const {
 
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted) {
     ScaledStack scaled;
+    scale_stack(stack, moments, delta_m, wanted, scaled);
+    return scaled;
+}
+
+BaseKind lowest_kind(const Stack& stack) {
+    const bool is_hidden = std::any_of(stack.coats.begin(), stack.coats.end(), [](const Coat& c) {
+        return c.optical_depth != 0.0 && is_bottomless(c.optical_depth);
+    });
+    return is_hidden ? BaseKind::half_space : stack.base_kind;
+}
+
+void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted,
+                 ScaledStack& scaled) {
+    scaled.transmits = false;
+    scaled.brightness = 0.0;
     scaled.moments = moments;
     scaled.base = stack.base_kind;
     scaled.ground_albedo = stack.ground_albedo;
+    std::size_t count = 0;
     const auto add = [&](const Optics& optics, double optical_depth, double index) {
-        ScaledOptics medium = scale_optics(optics, moments, delta_m);
-        const double scaled_depth = bounded_depth(optical_depth * medium.depth_factor);
-        ForwardPeak narrow;
-        if (medium.truncated > 0.0 && wanted == NarrowPart::split) {
-            narrow = split_forward_peak(optics.chi, medium.first_cutoff);
-        }
-        scaled.media.push_back({optics, std::move(medium), scaled_depth, std::move(narrow), index});
+        if (count == scaled.media.size()) scaled.media.emplace_back();
+        ScaledMedium& medium = scaled.media[count++];
+        medium.exact = optics;
+        scale_optics(optics, moments, delta_m, medium.scaled);
+        medium.scaled_optical_depth = bounded_depth(optical_depth * medium.scaled.depth_factor);
+        medium.narrow = {};
+        if (medium.scaled.truncated > 0.0 && wanted == NarrowPart::split)
+            medium.narrow = split_forward_peak(optics.chi, medium.scaled.first_cutoff);
+        medium.index = index;
     };
     if (stack.base_kind == BaseKind::half_space) {
         add(stack.base, std::numeric_limits<double>::infinity(), stack.base_index);
@@ -79,18 +97,19 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPar
     for (const Coat& coat : stack.coats) {
         if (coat.optical_depth == 0.0) continue;
         if (is_bottomless(coat.optical_depth)) {
-            scaled.media.clear();
+            count = 0;
             scaled.base = BaseKind::half_space;
         }
         add(coat.optics, coat.optical_depth, coat.index);
     }
+    scaled.media.resize(count);
     find_indices(stack, scaled);
-    return scaled;
 }
 
 StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}
 
-StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count) : indices_{1.0} {
+StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count)
+    : kind_(kind), count_(count), indices_{1.0} {
     if (!stack.refracts()) {
         grids_.push_back(make_zenith_grid(kind, count));
         return;
@@ -101,11 +120,23 @@ StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count) : ind
     constexpr int least_rough = 4;
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     refraction_.emplace(scattering, is_rough ? std::max(count, least_rough) : count);
+    scattering_ = scattering;
     scattering.push_back(1.0);
     std::sort(scattering.begin(), scattering.end());
     scattering.erase(std::unique(scattering.begin(), scattering.end()), scattering.end());
     indices_ = std::move(scattering);
     for (const double index : indices_) grids_.push_back(refraction_->in_medium(index));
+}
+
+bool StackGrids::fit(const ScaledStack& stack, GridKind kind, int count) const {
+    if (kind != kind_ || count != count_) return false;
+    if (!stack.refracts()) return scattering_.empty();
+    if (stack.boundary && stack.boundary->is_rough()) return false;
+    if (stack.media.empty())
+        return scattering_.size() == 1 && scattering_.front() == stack.ground_index;
+    return std::equal(
+        stack.media.begin(), stack.media.end(), scattering_.begin(), scattering_.end(),
+        [](const ScaledMedium& medium, double index) { return medium.index == index; });
 }
 
 const ZenithGrid& StackGrids::of(double index) const {
@@ -130,12 +161,18 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       memory_(memory) {
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
-    for (const double index : grids.indices()) {
+    memory_.requested.resize(grids.indices().size());
+    for (std::size_t k = 0; k < grids.indices().size(); ++k) {
         // No beam enters through a rough boundary: what lies below is met from its nodes alone.
-        requested_.push_back(is_rough ? RequestedDirections{} : refracted(requested, index));
-        if (has_mirrors) requested_.back() = with_cosines_beside(requested_.back());
+        RequestedDirections& own = memory_.requested[k];
+        if (is_rough) {
+            own = {};
+        } else {
+            refract(requested, grids.indices()[k], own);
+        }
+        if (has_mirrors) own = with_cosines_beside(own);
     }
-    memory_.modes.resize(requested_.size());
+    memory_.modes.resize(memory_.requested.size());
     if (is_rough) {
         rough_top_ =
             std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
@@ -154,8 +191,8 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
-        make_fourier_mode(fourier_order, stack_.moments, grids_.of(indices[k]), requested_[k],
-                          memory_.modes[k]);
+        make_fourier_mode(fourier_order, stack_.moments, grids_.of(indices[k]),
+                          memory_.requested[k], memory_.modes[k]);
     }
     const bool has_boundary = stack_.top_index != 1.0;
     const std::size_t first_coat = solve_lowest();

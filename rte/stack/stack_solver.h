@@ -51,6 +51,12 @@ enum class NarrowPart { split, ignored };
 ///        scattered once
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m,
                         NarrowPart narrow = NarrowPart::split);
+/// @param scaled  overwritten; its memory is used again
+void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart narrow,
+                 ScaledStack& scaled);
+
+/// What lies below the layers that are left, as scale_stack finds it.
+BaseKind lowest_kind(const Stack& stack);
 
 /// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
 class StackGrids {
@@ -58,6 +64,9 @@ class StackGrids {
     /// One for all.
     StackGrids(ZenithGrid grid);
     StackGrids(const ScaledStack& stack, GridKind kind, int count);
+
+    /// They are what these arguments give.
+    bool fit(const ScaledStack& stack, GridKind kind, int count) const;
 
     /// Of light that enters and leaves.
     const ZenithGrid& top() const { return grids_.front(); }
@@ -67,6 +76,9 @@ class StackGrids {
     const RefractionGrid& refraction() const { return *refraction_; }
 
   private:
+    GridKind kind_ = GridKind::automatic;
+    int count_ = 0;
+    std::vector<double> scattering_;  ///< indices of the media; empty where nothing refracts
     std::vector<double> indices_;
     std::vector<ZenithGrid> grids_;
     std::optional<RefractionGrid> refraction_;
@@ -85,6 +97,7 @@ struct StackMemory {
     FourierWork work = {};
     LayerOperator layer = {};
     Reflector reflector = {}, below = {};
+    std::vector<RequestedDirections> requested = {};  ///< by index
 };
 
 /// Solves the base and puts the coats on it. Fourier orders after the first find their matrices
@@ -122,12 +135,11 @@ class StackSolver {
     std::size_t place_of(double index) const;
     const FourierMode& mode_of(double index) const { return memory_.modes[place_of(index)]; }
     const RequestedDirections& requested_in(double index) const {
-        return requested_[place_of(index)];
+        return memory_.requested[place_of(index)];
     }
 
     const ScaledStack& stack_;
     const StackGrids& grids_;
-    std::vector<RequestedDirections> requested_;  ///< by index
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order

@@ -3,6 +3,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/layer_albedos.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -12,6 +13,17 @@
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define MIEBRDF_COUNTS_ALLOCATIONS
+// Counts what is allocated, by Eigen too: its matrices do not go through operator new.
+static std::atomic<long> allocations{0};
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+    allocations.fetch_add(1, std::memory_order_relaxed);
+    return __libc_malloc(size);
+}
+#endif
 
 namespace {
 
@@ -109,3 +121,24 @@ TEST_CASE("a batch names the value that is out of range", "[pipeline][layers]") 
     CHECK(no_incidence.plane_albedo.empty());
     CHECK(no_incidence.spherical_albedo.size() == 2);
 }
+
+#ifdef MIEBRDF_COUNTS_ALLOCATIONS
+TEST_CASE("layers after the first find their matrices and grids allocated", "[pipeline][layers]") {
+    // Matrices and grids of three numbers of nodes are some 150 allocations for a half-space and
+    // 500 for a layer below a boundary; vectors of results, and what Eigen takes for itself, stay.
+    const bool is_half_space = GENERATE(true, false);
+    const std::vector<double> g{0.5}, mu_in{0.5}, index{is_half_space ? 1.0 : 1.5}, ground{0.2};
+    const std::vector<double> depth{is_half_space ? kInfinite : 1.5};
+    const auto allocations_of = [&](std::size_t count) {
+        std::vector<double> albedo;
+        for (std::size_t i = 0; i < count; ++i) albedo.push_back(0.9 * double(i) / double(count));
+        const long before = allocations;
+        layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
+        return allocations - before;
+    };
+    const double each = double(allocations_of(300) - allocations_of(100)) / 200.0;
+    CAPTURE(is_half_space, each);
+    CHECK(each > 0.0);  // something is counted
+    CHECK(each <= (is_half_space ? 30.0 : 250.0));
+}
+#endif

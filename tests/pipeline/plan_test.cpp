@@ -83,6 +83,26 @@ TEST_CASE("Mie theory in the cache is taken from there by other directions, and 
     CHECK(cached->saved_s > 0);
 }
 
+TEST_CASE("an albedo is planned with the moments that its first nodes use, and found in the cache",
+          "[pipeline][plan]") {
+    const support::TemporaryFolder folder;
+    const Control control{.threads = 1,
+                          .cache = std::make_shared<ResultCache>(folder / "results.sqlite")};
+    const auto reason_of = [](const Plan& plan, const std::string& rule) {
+        const auto found = std::find_if(plan.omissions.begin(), plan.omissions.end(),
+                                        [&](const Omission& o) { return o.rule == rule; });
+        return found == plan.omissions.end() ? std::string() : found->reason;
+    };
+    // Four moments for each node; 128 are what the most nodes of an automatic choice keep.
+    CHECK_THAT(reason_of(plan_albedo(pair({450}, control), {0.5}), "few moments"),
+               Catch::Contains("48 moments, as many as the first 12 streams use"));
+    pair({450}, control).albedo({0.5});
+    const Plan again = plan_albedo(pair({450}, control), {0.7});
+    CHECK(jobs_of(again, "single scattering") == 0);
+    CHECK(reason_of(again, "in the cache") == "2 Mie runs from the cache");
+    CHECK(jobs_of(again, "radiative transfer") == 1);
+}
+
 TEST_CASE("every saving is an estimate above or equal to zero", "[pipeline][plan]") {
     Scene scene = support::scene_of("TiO2", {"AlGaAs7@0.1", "hg:0.5,0.5@0", "isotropic:0@100"});
     scene.particles.sizes.effective_radius_um = 1;

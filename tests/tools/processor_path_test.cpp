@@ -79,6 +79,7 @@ void compare_with_base(const std::string& name) {
           std::string("--base TiO2,radius=2 --coat 'AlGaAs7,radius=0.5@0.1[grey]' --roughness 0.3 "
                       "--wavelengths 450,620"),
           std::string("--base TiO2 --wavelengths 550"),
+          std::string("--base TiO2 --coat AlGaAs7@0.1 --wavelengths 550"),
           std::string("--base TiO2,radius=0.13,volume=15%,variance=0.1 --host-index 1.5 "
                       "--boundary rough:0.2 --wavelengths 500")}) {
         CAPTURE(scene);

@@ -134,7 +134,7 @@ void order_zero(benchmark::State& state) {
     }
     report(state, 1, iterations, NAN);
 }
-BENCHMARK(order_zero)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32, 64}, {0, 1, 2}});
+BENCHMARK(order_zero)->Unit(benchmark::kMicrosecond)->ArgsProduct({{16, 32, 64, 128}, {0, 1, 2}});
 
 // One wavelength of the paper's kind of scene: coat on base, 5 x 20 x 2 directions, fixed nodes.
 void coat_on_base(benchmark::State& state) {
