@@ -1,6 +1,7 @@
 // The stepwise coat methods: the paper's, and a uniform replacement at the same cost.
 #include <cmath>
 
+#include "rte/fourier/fourier_mode.h"
 #include "rte/layer/layer.h"
 
 namespace miebrdf::rte {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "rte/phase/scaled_medium.h"
+
 namespace miebrdf::rte {
 namespace {
 
