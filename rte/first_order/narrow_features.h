@@ -21,6 +21,10 @@ std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, dou
 /// that light reaches by way of the forward peak (the second part of C below) at one q.
 std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q);
 
+/// [degree][angle of zenith, kResolvedAngles of them]: coefficients of P_l in what the nodes do not
+/// resolve of that, of the half of the light that is scattered forward at this angle.
+std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media, double q);
+
 /// What the first order must change because light is diffracted before and after it is scattered:
 /// C(q, Theta) / (4 (mu_in + mu_out)),
 /// C = sum over media, sum_{l >= K} (2l+1) N_l P_l(cos Theta)
@@ -29,6 +33,9 @@ std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, doubl
 /// given fraction of every medium's scattering counts as none. The second part is what the discrete
 /// equations know already: the share s_l of N_l, fed by what they keep of the peak, F'_l
 /// (docs/maths-rte.md).
+///
+/// Where the media know what their nodes resolve (ScaledMedium::resolved_waves), what these do not
+/// is added: it depends on both cosines, and is known but roughly away from retro-reflection.
 ///
 /// In log q, C is interpolated between Chebyshev points (it is made of exponentials of q). The
 /// values there are of low rank: a few sums over l, functions of Theta, and for each a function of
