@@ -9,6 +9,11 @@
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
+namespace {
+
+double cos_of_degrees(double angle_deg) { return std::cos(angle_deg * (std::numbers::pi / 180.0)); }
+
+}  // namespace
 
 double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth) {
     const double sines = std::sqrt((1.0 - mu_in) * (1.0 + mu_in) * (1.0 - mu_out) * (1.0 + mu_out));
@@ -53,10 +58,27 @@ double single_scattering(const std::vector<ScaledMedium>& media, bool exact, dou
     return sum;
 }
 
+std::vector<bool> near_retro_reflection(const Directions& directions) {
+    const double nearest = -cos_of_degrees(5.0);
+    std::vector<bool> backwards;
+    backwards.reserve(directions.mu_in.size() * directions.mu_out.size() *
+                      directions.azimuth_deg.size());
+    for (const double mu_in : directions.mu_in) {
+        for (const double mu_out : directions.mu_out) {
+            for (const double azimuth_deg : directions.azimuth_deg) {
+                const double cosine =
+                    cos_scattering_angle(mu_in, mu_out, cos_of_degrees(azimuth_deg));
+                backwards.push_back(cosine <= nearest);
+            }
+        }
+    }
+    return backwards;
+}
+
 FirstOrderSum::FirstOrderSum(const Directions& directions, const SolverOptions& options)
     : directions_(directions), options_(options) {
     for (const double azimuth : directions.azimuth_deg) {
-        cos_azimuth_.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
+        cos_azimuth_.push_back(cos_of_degrees(azimuth));
     }
 }
 

@@ -33,6 +33,10 @@ void first_order_weights(const std::vector<ScaledMedium>& media, double mu_in, d
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,
                          double mu_out, double cos_azimuth);
 
+/// Whether light comes back within 5 degrees of where it came from.
+/// Order: [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]
+std::vector<bool> near_retro_reflection(const Directions& directions);
+
 /// Adds what is scattered once to reflection functions: exactly (TMS), or as the discrete equations
 /// see it, by SolverOptions::single_scattering_correction.
 ///

@@ -21,6 +21,11 @@ std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, dou
 /// that light reaches by way of the forward peak (the second part of C below) at one q.
 std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q);
 
+/// Of P_l, l = 0 ... degrees - 1, near retro-reflection, the shares that nodes do not resolve:
+/// [degree][angle of zenith, kResolvedAngles of them].
+/// @param resolved_waves  by the nodes, at these angles; empty: everything is resolved
+std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees);
+
 /// [degree][angle of zenith, kResolvedAngles of them]: coefficients of P_l in what the nodes do not
 /// resolve of that, of the half of the light that is scattered forward at this angle.
 std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media, double q);
@@ -34,8 +39,8 @@ std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media,
 /// equations know already: the share s_l of N_l, fed by what they keep of the peak, F'_l
 /// (docs/maths-rte.md).
 ///
-/// Where the media know what their nodes resolve (ScaledMedium::resolved_waves), what these do not
-/// is added: it depends on both cosines, and is known but roughly away from retro-reflection.
+/// Where the media know what their nodes resolve (ScaledMedium::unresolved_shares), what these do
+/// not is added: it depends on both cosines, and is known but roughly away from retro-reflection.
 ///
 /// In log q, C is interpolated between Chebyshev points (it is made of exponentials of q). The
 /// values there are of low rank: a few sums over l, functions of Theta, and for each a function of

@@ -144,8 +144,10 @@ void raise(double& largest, double value) {
 
 // What the solution with one number of nodes cannot be trusted to differ from the next one by, when
 // two solutions before it differ by that: errors of few values have signs and may agree by chance.
-double least_believed(double before, bool slow) {
-    if (slow) return 0.1 * before;
+// Near retro-reflection unresolved glories come and go with each number of nodes: there all of it
+// counts.
+double least_believed(double before, bool slow, bool backwards) {
+    if (slow) return backwards ? before : 0.1 * before;
     return before < 1.0 ? std::pow(before, 1.5) : before;
 }
 
@@ -159,15 +161,18 @@ constexpr double kUnresolvedShare = 0.5;
 // more is claimed than d to the power 1.125 (r^n alone would be 1.5), and nothing of unresolved
 // peaks, which keep the difference itself (docs/numerics.md).
 void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
-                    std::size_t block, bool slow, double tolerance) {
+                    std::size_t block, bool slow, const std::vector<bool>& backwards,
+                    double tolerance) {
     SolverReport& report = fine.report;
+    const bool has_glory =
+        !backwards.empty() && (!coarsest.unresolved.empty() || !fine.unresolved.empty());
     const auto last_at = [&](std::size_t k, double scale) {
         double last = difference(coarse.values[k], fine.values[k], scale);
         if (!fine.unresolved.empty())
             last = std::max(last, kUnresolvedShare * difference(0.0, fine.unresolved[k], scale));
         if (!coarsest.physical) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
-        return std::max(last, least_believed(both, slow));
+        return std::max(last, least_believed(both, slow, has_glory && backwards[k]));
     };
     double gain = 1.0;
     if (coarsest.physical) {
@@ -244,7 +249,8 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
 }
 
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve) {
+                            std::size_t block, const Solve& solve,
+                            const std::vector<bool>& backwards) {
     const auto attempt_at = [&](int streams) {
         Attempt attempt =
             with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve);
@@ -265,7 +271,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         fine = attempt_at(streams);
         if (fine.physical && coarse.physical) {
             estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
-                           options.tolerance);
+                           backwards, options.tolerance);
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
             fine.report.share_within_tolerance = 0.0;

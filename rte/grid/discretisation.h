@@ -46,9 +46,11 @@ using Solve = std::function<Attempt(const Discretisation&)>;
 /// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
 /// is `count` times NaN.
 ///
-/// @param block  values of one incidence: errors are relative to the largest of them
+/// @param block      values of one incidence: errors are relative to the largest of them
+/// @param backwards  of each value, whether it is near retro-reflection; empty: none is
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve);
+                            std::size_t block, const Solve& solve,
+                            const std::vector<bool>& backwards = {});
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
 /// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at

@@ -74,9 +74,9 @@ struct ScaledMedium {
     /// Degrees beyond delta-M; without a rest where there is nothing to correct.
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
-    /// Waves per radian of zenith angle up to which the nodes resolve light, at kResolvedAngles
-    /// angles in equal steps from the zenith to the horizon; none: whatever moments describe.
-    std::vector<double> resolved_waves = {};
+    /// Shares of degrees that the nodes do not resolve near retro-reflection, [degree][angle of
+    /// zenith, kResolvedAngles in equal steps to the horizon]; none: whatever moments describe.
+    std::vector<double> unresolved_shares = {};
 };
 
 }  // namespace miebrdf::rte

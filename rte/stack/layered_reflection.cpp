@@ -207,7 +207,8 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
         [&](const Discretisation& discretisation) {
             return reflect_with(stack, judged, requested, options, discretisation,
                                 memory != nullptr ? *memory : own, orders, first_order);
-        });
+        },
+        near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {

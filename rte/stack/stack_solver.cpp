@@ -8,6 +8,7 @@
 
 #include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
+#include "rte/first_order/narrow_features.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -146,8 +147,10 @@ const ZenithGrid& StackGrids::of(double index) const {
 
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
     for (ScaledMedium& medium : stack.media) {
-        medium.resolved_waves = resolved_waves(grids.of(medium.index), kResolvedAngles);
         medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
+        if (medium.narrow.rest.empty()) continue;
+        medium.unresolved_shares = unresolved_shares(
+            resolved_waves(grids.of(medium.index), kResolvedAngles), int(medium.scaled.chi.size()));
     }
 }
 
