@@ -172,7 +172,7 @@ PassedFile write_and_compare(const Format& format, const FormatFile& part, const
                         written.path.string(), format.name, names_of_tables()));
     }
     part.write(job, file->stream());
-    file->stream().flush();
+    file->flush();
     written.bytes = fs::file_size(temporary);
     written.deviation = compare(*open_brdf_file(temporary, {&format, 1}), part, job);
     const RegionDeviation* miss = worst_region(*written.deviation, accepted);

@@ -116,6 +116,12 @@ AtomicFile::~AtomicFile() {
     strike_off(slot_, listed_name_);
 }
 
+void AtomicFile::flush() {
+    errno = 0;
+    stream_.flush();
+    if (!stream_.good()) refuse(target_, errno != 0 ? errno : reason_of_failure(temporary_));
+}
+
 void AtomicFile::commit() {
     errno = 0;
     stream_.flush();

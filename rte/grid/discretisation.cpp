@@ -35,6 +35,10 @@ constexpr std::size_t kFew = 16;
 // A solution with so little work (nodes cubed times Fourier orders) is worth a try even if more
 // nodes did not help before: about 0.1 s.
 constexpr double kCheapWork = 8e6;
+// While nodes leave out moments that show, two solutions differ by these, and neither how much nor
+// for how long tells what the nodes that carry all of them will do: up to so much work they are
+// tried (0.2 s).
+constexpr double kPromisingWork = 5e7;
 constexpr int kTypicalStreams = 24;  // where the tolerance decides
 constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
 constexpr double kProbeCosines[] = {0.1, 0.35, 0.9};
@@ -231,6 +235,16 @@ double work_of(int streams, int fourier_orders) {
     return std::pow(double(streams), 3) * fourier_orders;
 }
 
+// Nodes of the ladder, the fewest that carry all moments that show; 0: none does.
+int fewest_carrying(std::span<const int> ladder, const Stack& stack, const SolverOptions& options) {
+    const std::size_t moments =
+        std::min(most_usable_moments(stack), moments_that_show(stack, options));
+    const auto found = std::find_if(ladder.begin(), ladder.end(), [&](int streams) {
+        return std::size_t(moments_per_node(streams) * streams) >= moments;
+    });
+    return found == ladder.end() ? 0 : *found;
+}
+
 }  // namespace
 
 int first_streams(double tolerance) { return tolerance >= 1e-4 ? 12 : 16; }
@@ -266,6 +280,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     Attempt coarse = attempt_at(coarser);
     Attempt fine;
     Progress progress;
+    const int carrying = fewest_carrying(ladder, stack, options);
     for (std::size_t step = 0; step < ladder.size(); ++step) {
         const int streams = ladder[step];
         fine = attempt_at(streams);
@@ -280,8 +295,12 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
-        if (stalled && step + 1 < ladder.size() &&
-            work_of(ladder[step + 1], fine.report.fourier_orders) > kCheapWork) {
+        const int orders = fine.report.fourier_orders;
+        // The one before must carry all moments, too, or the two still differ by them.
+        const bool promising = coarse.report.streams < carrying &&
+                               work_of(std::max(streams, carrying), orders) <= kPromisingWork;
+        if (stalled && !promising && step + 1 < ladder.size() &&
+            work_of(ladder[step + 1], orders) > kCheapWork) {
             break;
         }
         coarsest = std::move(coarse);

@@ -36,6 +36,18 @@ double FourierSizes::of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>
     return relative(0.125 * mu_in.cwiseInverse());
 }
 
+double FourierSizes::over_listed(const std::vector<double>& reflection) const {
+    const std::size_t block = reflection.size() / std::size_t(of_order_zero_.size());
+    double ratio = 1.0;
+    for (Eigen::Index i = 0; i < of_order_zero_.size(); ++i) {
+        double largest = 0.0;
+        for (std::size_t k = 0; k < block; ++k)
+            largest = std::max(largest, std::abs(reflection[std::size_t(i) * block + k]));
+        if (largest > 0.0) ratio = std::max(ratio, of_order_zero_[i] / largest);
+    }
+    return ratio;
+}
+
 int FeatureOrders::last(int m, int highest, double scale, double tolerance,
                         const std::function<double(int)>& size_of) const {
     const std::vector<int> orders = probes(m, scale, tolerance);
@@ -221,6 +233,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     const FeatureOrders features(stack, requested);
     const Eigen::VectorXd mu_in = asked_incidences(requested);
     Eigen::VectorXd cosines;
+    double dimmer = 1.0;  // listed values than order 0
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         if (m > 0 && fourier_order_vanishes(m, azimuth_deg)) continue;
@@ -241,19 +254,21 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         const auto asked = asked_part(*multiple, requested);
         add_fourier_order(m, azimuth_deg, asked, cosines, sum.reflection);
         ended = tail.ends_with(sizes.next(asked)) && m >= least;
+        if (ended) dimmer = sizes.over_listed(sum.reflection);
+        ended = ended && dimmer * tail.remaining() <= tail_tolerance;
         if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
             sum.by_fourier_order.back() = *multiple;
         }
         if (!ended) continue;
         least = features.last(
-            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance, [&](int order) {
+            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance / dimmer, [&](int order) {
                 const Reflector& reflector = solver.solve(order, ReflectorParts::pairs);
                 return sizes.of(asked_part(reflector.multiple, requested));
             });
         ended = least <= m;
     }
-    sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
+    sum.tail = m == highest ? 0.0 : dimmer * tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

@@ -23,6 +23,11 @@ class FourierSizes {
     double of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const;
     /// Of 4 (mu + mu') R = 1 near retro-reflection.
     double of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const;
+    /// Order 0 relative to the largest listed value at the same incidence, the largest such ratio,
+    /// at least 1. Across a forward peak values are far below order 0 (Henyey-Greenstein 0.95 at mu
+    /// = mu' = 0.02, 90 degrees: 13 times), and orders that matter to them are small beside it.
+    /// @param reflection  sum of the orders so far, incidence by incidence
+    double over_listed(const std::vector<double>& reflection) const;
 
   private:
     double relative(const Eigen::VectorXd& largest) const;
@@ -134,8 +139,8 @@ struct MultipleScattering {
     int fourier_orders = 0;  ///< the highest one summed, plus 1
     int iterations = 0;
     double residual = 0.0;
-    /// Fourier orders not summed, or the doubt in those taken over, relative to order 0: largest
-    /// (mu + mu') R.
+    /// Fourier orders not summed, relative to the largest listed value at that incidence, or the
+    /// doubt in those taken over, relative to order 0: largest (mu + mu') R.
     double tail = 0.0;
     bool converged = true;
     bool physical = true;
@@ -145,7 +150,8 @@ struct MultipleScattering {
 
 /// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
 ///
-/// Stops where the orders still to come are below `tail_tolerance`. Only m = 0 is computed when all
+/// Stops where the orders still to come are below `tail_tolerance`, relative to the largest listed
+/// value at the same incidence (or order 0, if that is less). Only m = 0 is computed when all
 /// incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders whose cosine is zero
 /// at every azimuth (the odd ones across the plane of incidence) are left out.
 /// @param memory   for its matrices (stack_solver.h); null: of its own

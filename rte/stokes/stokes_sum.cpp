@@ -94,6 +94,7 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& g
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     const FeatureOrders features(stack, requested);
     const Eigen::VectorXd mu_in = asked_incidences(requested);
+    double dimmer = 1.0;  // listed values than order 0
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         const Eigen::MatrixXd* multiple = coarser.settled(m);
@@ -111,6 +112,8 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& g
         const auto asked = multiple->topLeftCorner(asked_out, asked_in);
         add_order(m, azimuth_deg, asked, c, sum.reflection);
         ended = tail.ends_with(sizes.next(largest_elements(asked, c))) && m >= least;
+        if (ended) dimmer = sizes.over_listed(sum.reflection);
+        ended = ended && dimmer * tail.remaining() <= tail_tolerance;
         if (kept == KeptOrders::asked_for) {
             sum.by_fourier_order.push_back(asked);
         } else if (keep) {
@@ -118,14 +121,14 @@ StokesScattering sum_stokes_orders(const ScaledStack& stack, const StackGrids& g
         }
         if (!ended) continue;
         least = features.last(
-            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance, [&](int order) {
+            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance / dimmer, [&](int order) {
                 const StokesOrder& far = solver.solve(order);
                 return sizes.of(
                     largest_elements(far.multiple.topLeftCorner(asked_out, asked_in), c));
             });
         ended = least <= m;
     }
-    sum.tail = m == highest ? 0.0 : tail.remaining();  // 0: every order there is
+    sum.tail = m == highest ? 0.0 : dimmer * tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

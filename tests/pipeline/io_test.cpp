@@ -88,6 +88,7 @@ TEST_CASE("a full disk is an error and leaves nothing", "[pipeline][atomic_file]
     // /dev/full fails on every write as a full disk does.
     AtomicFile file("/dev/full");
     file.stream() << std::string(1 << 20, 'x');
+    CHECK_THROWS_WITH(file.flush(), Catch::Contains("No space left on device"));
     CHECK_THROWS_WITH(file.commit(), Catch::Contains("No space left on device"));
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -127,9 +129,13 @@ void Shell::write_text(const std::string& text) const {
 
 void Shell::write_to_output(const std::function<void(std::ostream&)>& write) const {
     if (common_.output.empty() || common_.output == "-") {
+        errno = 0;
         write(std::cout);
         std::cout.flush();
-        if (!std::cout) throw InputError("cannot write to standard output");
+        if (!std::cout)
+            throw InputError(
+                fmt::format("cannot write to standard output{}",
+                            errno != 0 ? fmt::format(": {}", std::strerror(errno)) : ""));
         return;
     }
     AtomicFile file(common_.output);
