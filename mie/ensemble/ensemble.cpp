@@ -11,6 +11,7 @@
 #include "mie/ensemble/ensemble_problem.h"
 #include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/flushing.h"
+#include "mie/ensemble/gauss_moments.h"
 #include "mie/ensemble/optics_differences.h"
 #include "mie/ensemble/phase_tabulation.h"
 #include "mie/ensemble/ray_average.h"
@@ -26,6 +27,9 @@ using Rule = SizeRefinement::Rule;
 constexpr int kLeastTableMoment = 200;
 constexpr int kSafeBandWidth = 64;
 constexpr double kLeastTableTolerance = 1e-5;
+// Moments at angles: their functions have 300 MB. Of larger spheres a table is as good as it gets.
+constexpr int kMostTermsAtAngles = 3000;
+constexpr double kMostProductsAtAngles = 1e11;  // a further pass is not begun beyond: 5 to 20 s
 constexpr double kLeastSingleTolerance = 1e-7;  // single precision errs by 5e-9 (measured)
 // Where a medium reflects little, P is what it reflects: its tolerance is this times what is enough
 // where light scattered many times outshines P.
@@ -49,6 +53,7 @@ class EnsembleAverage {
 
   private:
     void start();
+    void choose_moments();
     bool take_rays();
     void prepare_even_rule();
     int band_width() const;
@@ -57,6 +62,7 @@ class EnsembleAverage {
     EnsembleOptics optics_of(const SizeSums& sums) const;
     void estimate_errors(const EnsembleOptics& before);
     bool is_enough() const;
+    bool is_worth_more_sizes() const;
     void put_exact_extinction();
     void put_phase_table();
     void put_phase();
@@ -70,6 +76,7 @@ class EnsembleAverage {
     double share_ = 1;  // of it, inside
     int terms_ = 0;
     bool moments_from_table_ = false;
+    std::optional<GaussMoments> at_angles_;  // where moments come from angles, and no table
     bool by_rays_ = false;
     std::optional<MomentTransform> transform_;  // the same for all passes
     std::optional<SizeRefinement> refinement_;
@@ -89,7 +96,7 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
     if (!take_rays()) {
         do {
             add_pass();
-        } while (!is_enough() && refinement_->refine());
+        } while (!is_enough() && is_worth_more_sizes() && refinement_->refine());
     }
     if (!request_.angles_deg.empty()) put_phase();
     if (request_.with_phase_table || moments_from_table_) put_phase_table();
@@ -107,15 +114,27 @@ void EnsembleAverage::start() {
                          "1e-30 to 1e5 in an ensemble");
     }
     terms_ = number_of_terms(largest);
-    moments_from_table_ = request_.highest_moment > std::max(kLeastTableMoment, terms_ / 5) &&
-                          request_.tolerance >= kLeastTableTolerance;
+    choose_moments();
     require_angles(request_.angles_deg);
     refinement_.emplace(request_.sizes, range_, relative_index_, wave_number_per_um_);
 }
 
+// Few moments are sums over a band of products of partial waves, as wide as they are many; its
+// transform takes the cube of that. A table of P that there is anyway has them for nothing.
+void EnsembleAverage::choose_moments() {
+    const int moments = request_.highest_moment;
+    if (moments <= kLeastTableMoment) return;
+    const bool is_wide = request_.with_phase_table || moments > terms_ / 5;
+    if (request_.tolerance >= kLeastTableTolerance ? is_wide : terms_ > kMostTermsAtAngles) {
+        moments_from_table_ = true;
+    } else if (moments > terms_ / 2) {
+        at_angles_.emplace(terms_, std::min(moments, 2 * terms_), run_);
+    }
+}
+
 // Broad distributions of large rippling spheres: no sizes are sampled for their ripple.
 bool EnsembleAverage::take_rays() {
-    if (refinement_->rule() != Rule::even) return false;
+    if (refinement_->rule() != Rule::even || at_angles_) return false;
     const auto rays =
         average_over_rays({relative_index_, request_.sizes, range_, share_, wave_number_per_um_},
                           band_width(), request_.tolerance, run_);
@@ -133,7 +152,9 @@ int EnsembleAverage::band_width() const {
 SizeSumOptions EnsembleAverage::sum_options() const {
     SizeSumOptions options;
     options.terms = terms_;
-    if (request_.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
+    if (at_angles_) {
+        options.angles = &at_angles_->angles();
+    } else if (request_.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
         options.band_width = band_width();
     }
     options.single_precision =
@@ -143,7 +164,8 @@ SizeSumOptions EnsembleAverage::sum_options() const {
 
 // One pass over more sizes, and what is known after it.
 void EnsembleAverage::add_pass() {
-    if (request_.highest_moment >= 2 && !transform_) transform_.emplace(terms_, band_width());
+    if (request_.highest_moment >= 2 && !at_angles_ && !transform_)
+        transform_.emplace(terms_, band_width());
     if (refinement_->rule() == Rule::even) prepare_even_rule();
     SizeSums sums =
         sum_over_sizes(relative_index_, WeightedSizes(refinement_->nodes(), wave_number_per_um_),
@@ -171,6 +193,13 @@ bool EnsembleAverage::is_enough() const {
     return optics_.converged && optics_.error_estimate <= share * request_.tolerance;
 }
 
+bool EnsembleAverage::is_worth_more_sizes() const {
+    if (!at_angles_) return true;
+    const double products =
+        4.0 * terms_ * at_angles_->angles().angle_count() * refinement_->nodes_so_far();
+    return products <= kMostProductsAtAngles;
+}
+
 void EnsembleAverage::prepare_even_rule() {
     if (exact_known_ || !request_.sizes.kind.law().analytic) return;
     exact_q_ext_ =
@@ -190,7 +219,8 @@ EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
     if (request_.highest_moment >= 0) o.chi.push_back(1.0);
     if (request_.highest_moment == 1) o.chi.push_back(o.asymmetry);
     if (request_.highest_moment >= 2) {
-        o.chi = (*transform_)(sums.covariance, run_);
+        o.chi = at_angles_ ? at_angles_->of(sums.intensity) : (*transform_)(sums.covariance, run_);
+        o.chi.resize(std::size_t(band_width()) + 1, 0.0);
         const double whole = o.chi[0];
         for (double& chi : o.chi) chi /= whole;
     }

@@ -19,7 +19,8 @@ using Complex = std::complex<double>;
 constexpr double kWholeEdge = 8, kFadedEdge = 32;
 
 constexpr int kRuleNodes = 16;
-constexpr int kMostPanelWaves = 8;  // radians of products over an order panel
+constexpr double kPartMemory = 2e8;  // of sums that jobs have for themselves, in bytes
+constexpr int kMostPanelWaves = 8;   // radians of products over an order panel
 
 struct OrderRule {
     std::vector<int> order;
@@ -287,8 +288,11 @@ RaySums sum_over_rays(Complex m, const WeightedSizes& sizes, const MomentTransfo
         sums.collected.minus = sums.collected.plus;
         return sums;
     };
-    std::vector<RaySums> parts(jobs, empty());
-    run(jobs, [&](int job) {
+    RaySums total = empty();
+    const double part_bytes = 16.0 * double(total.collected.plus.size());
+    const int at_once = std::min(jobs, std::max(2, int(kPartMemory / part_bytes)));
+    std::vector<RaySums> parts(std::size_t(at_once), total);
+    const auto add_job = [&](int job, RaySums& part) {
         Lanes x, weight;
         for (int lane = 0; lane < kLaneCount; ++lane) {
             const int i = job * kLaneCount + lane;
@@ -296,17 +300,22 @@ RaySums sum_over_rays(Complex m, const WeightedSizes& sizes, const MomentTransfo
             weight[lane] = i < count ? sizes.weights[i] : 0.0;
         }
         if (m.imag() == 0) {
-            add_eight(m.real(), x, weight, transform, parts[job]);
+            add_eight(m.real(), x, weight, transform, part);
         } else {
-            add_eight(m, x, weight, transform, parts[job]);
+            add_eight(m, x, weight, transform, part);
         }
-    });
-    RaySums total = empty();
-    for (const RaySums& part : parts) {
-        total.extinguished += part.extinguished;
-        total.absorbed += part.absorbed;
-        total.collected.plus += part.collected.plus;
-        total.collected.minus += part.collected.minus;
+    };
+    for (int first = 0; first < jobs; first += at_once) {
+        const int here = std::min(at_once, jobs - first);
+        run(here, [&](int job) { add_job(first + job, parts[std::size_t(job)]); });
+        for (int job = 0; job < here; ++job) {
+            RaySums& part = parts[std::size_t(job)];
+            total.extinguished += part.extinguished;
+            total.absorbed += part.absorbed;
+            total.collected.plus += part.collected.plus;
+            total.collected.minus += part.collected.minus;
+            if (first + at_once < jobs) part = empty();
+        }
     }
     return total;
 }

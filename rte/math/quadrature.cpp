@@ -10,8 +10,8 @@
 namespace miebrdf::math {
 
 Quadrature gauss_legendre(int count, double lower, double upper) {
-    if (!(count >= 1 && count <= 4096)) {
-        throw UsageError("count", count, "1 to 4096");
+    if (!(count >= 1 && count <= 8192)) {
+        throw UsageError("count", count, "1 to 8192");
     }
     if (!(lower < upper && std::isfinite(upper - lower))) {
         throw UsageError("interval", fmt::format("({}, {})", lower, upper), "finite, not empty");

@@ -207,6 +207,35 @@ TEST_CASE("the moments are those of the phase function", "[mie][ensemble]") {
     }
 }
 
+TEST_CASE("moments at Gauss angles are those of the band of products", "[mie][ensemble]") {
+    mie::EnsembleRequest request;
+    request.refractive_index = {2.046, 0.06942};
+    const bool one_size = GENERATE(true, false);
+    request.sizes.kind =
+        one_size ? mie::SizeDistributionKind::mono : mie::SizeDistributionKind::gamma;
+    request.sizes.effective_radius_um = one_size ? 12.0 : 6.0;
+    request.tolerance = 1e-9;
+    const int all = mie::highest_moment_of(request);
+    CAPTURE(one_size, all);
+    request.highest_moment = all / 5;  // few: a band
+    const auto band = mie::average_over_sizes(request);
+    request.highest_moment = all;
+    const auto angles = mie::average_over_sizes(request);
+    REQUIRE(angles.size_nodes == band.size_nodes);
+    REQUIRE(angles.chi.size() == std::size_t(all) + 1);
+    // Sums of some hundred orders and sizes in double precision, by two ways.
+    CHECK(largest_difference(angles.chi, band.chi, band.chi.size()) <= 1e-12);
+    // P is a polynomial: its moments end with those of the largest sphere's waves.
+    const double mu = mie::cosine_of_scattering_angle(70.0);
+    double sum = 0;
+    for (int l = 0; l <= all; ++l) sum += (2 * l + 1) * angles.chi[l] * std::legendre(l, mu);
+    request.highest_moment = -1;
+    request.angles_deg = {70.0};
+    request.phase_tolerance = 1e-6;
+    const auto listed = mie::average_over_sizes(request);
+    CHECK(std::abs(sum - listed.phase[0]) <= listed.phase_error[0] + 1e-9);
+}
+
 TEST_CASE("every executor gives the same bits", "[mie][ensemble][threads]") {
     mie::EnsembleRequest request;
     request.sizes.effective_radius_um = 5;
