@@ -201,32 +201,19 @@ void require_physical(Attempt& attempt, std::size_t count) {
     attempt.report.share_within_tolerance = 0.0;
 }
 
-// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
-// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on would
-// cost n^3 and gain nothing.
-class Progress {
-  public:
-    /// True once the estimate has grown to twice the best before it, or two steps (twice the nodes)
-    /// have not halved it.
-    bool has_stalled_at(double estimate) {
-        const bool grown = estimate > 2.0 * best_;
-        const bool idle = estimate > 0.5 * best_before_;
-        best_before_ = best_;
-        best_ = std::min(best_, estimate);
-        return grown || idle;
-    }
+}  // namespace
 
-  private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-    double best_ = infinity;
-    double best_before_ = infinity;  ///< without the last estimate
-};
-
-double work_of(int streams, int fourier_orders) {
-    return std::pow(double(streams), 3) * fourier_orders;
+bool is_worth_a_try(int streams, int fourier_orders) {
+    return std::pow(double(streams), 3) * fourier_orders <= kCheapWork;
 }
 
-}  // namespace
+bool LadderProgress::has_stalled_at(double estimate) {
+    const bool grown = estimate > 2.0 * best_;
+    const bool idle = estimate > 0.5 * best_before_;
+    best_before_ = best_;
+    best_ = std::min(best_, estimate);
+    return grown || idle;
+}
 
 int first_streams(double tolerance) { return tolerance >= 1e-4 ? 12 : 16; }
 
@@ -244,7 +231,7 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
 }
 
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve) {
+                            std::size_t block, const Solve& solve, const LadderWatch& watch) {
     const auto attempt_at = [&](int streams) {
         Attempt attempt =
             with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve);
@@ -259,7 +246,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     if (coarser_streams(coarser) < coarser) coarsest = attempt_at(coarser_streams(coarser));
     Attempt coarse = attempt_at(coarser);
     Attempt fine;
-    Progress progress;
+    LadderProgress progress;
     for (std::size_t step = 0; step < ladder.size(); ++step) {
         const int streams = ladder[step];
         fine = attempt_at(streams);
@@ -275,9 +262,10 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         if (fine.report.converged) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
         if (stalled && step + 1 < ladder.size() &&
-            work_of(ladder[step + 1], fine.report.fourier_orders) > kCheapWork) {
+            !is_worth_a_try(ladder[step + 1], fine.report.fourier_orders)) {
             break;
         }
+        if (watch && step + 1 < ladder.size() && !watch(fine.report, ladder[step + 1])) break;
         coarsest = std::move(coarse);
         coarse = fine;
     }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include <miebrdf/optics.h>
@@ -42,13 +43,34 @@ struct Attempt {
 
 using Solve = std::function<Attempt(const Discretisation&)>;
 
+/// Sees each solution that is not the last one, and the number of nodes that comes next; false: no
+/// more of them. Those who estimate the work ahead look in here.
+using LadderWatch = std::function<bool(const SolverReport& report, int next_streams)>;
+
+/// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
+/// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on
+/// would cost n^3 and gain nothing.
+class LadderProgress {
+  public:
+    /// True once the estimate has grown to twice the best before it, or two steps (twice the nodes)
+    /// have not halved it.
+    bool has_stalled_at(double estimate);
+
+  private:
+    double best_ = std::numeric_limits<double>::infinity();
+    double best_before_ = std::numeric_limits<double>::infinity();  ///< without the last estimate
+};
+
+/// A solution with so little work is tried even if more nodes did not help before.
+bool is_worth_a_try(int streams, int fourier_orders);
+
 /// Two numbers of nodes give the result and what its error may be; without a given number of nodes
 /// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
 /// is `count` times NaN.
 ///
 /// @param block  values of one incidence: errors are relative to the largest of them
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve);
+                            std::size_t block, const Solve& solve, const LadderWatch& watch = {});
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
 /// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at

@@ -190,7 +190,8 @@ void validate(const SolverOptions& options) {
 }
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options, StackMemory* memory) {
+                        const SolverOptions& options, StackMemory* memory,
+                        const LadderWatch& watch) {
     validate(stack);
     validate(options);
     validate(directions);
@@ -207,7 +208,8 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
         [&](const Discretisation& discretisation) {
             return reflect_with(stack, judged, requested, options, discretisation,
                                 memory != nullptr ? *memory : own, orders, first_order);
-        });
+        },
+        watch);
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {
