@@ -18,7 +18,8 @@ constexpr double kOrder_s = 5e-6;
 // The numbers of nodes that were tried before, and the coarser one for the error estimate.
 constexpr double kStreamAttempts = 2.0;
 constexpr double kValue_s = 2.5e-7;
-constexpr double kTerm_s = 1.5e-8;  // of the sum over orders
+constexpr double kTerm_s =
+    1.5e-8;  // of the sum over orders, with all numbers of nodes that are tried
 constexpr double kLobe_s = 1e-7;
 constexpr double kRho_s = 3e-4;
 
@@ -36,25 +37,34 @@ namespace {
 
 /// Powers and factors of a fit to run times.
 struct MieFit {
-    double seconds, size, tolerance, width, clear, gamma, log_normal, absorption, contrast;
+    double seconds, size, finer, finer_if_damped, width, absorption, clear, gamma, log_normal,
+        contrast, damped, largest;
 };
 
 double seconds_of(const MieFit& fit, const MieWork& work) {
-    const double size = 2.0e3 * std::numbers::pi * work.sizes.effective_radius_um *
-                        work.host_index / work.wavelength_nm;
-    // Beyond the sizes of the fit rays take over, whose number grows slowly (50 to 100 um
-    // measured).
-    constexpr double largest = 250.0;
-    const double x = size <= largest ? size : largest * std::pow(size / largest, 0.3);
-    const double k = work.relative_index.imag();
     using Kind = mie::SizeDistributionKind;
+    const double wave_number_per_um =
+        2.0e3 * std::numbers::pi * work.host_index / work.wavelength_nm;
+    const double x = wave_number_per_um * work.sizes.effective_radius_um;
+    const double k = work.relative_index.imag();
     const bool mono = work.sizes.kind == Kind::mono;
     const double variance = mono ? 0.02 : work.sizes.effective_variance;
+    // Moments by the table of the phase function go with the square of the largest sphere.
+    constexpr double few_moments = 250.0;
+    const double largest =
+        mono ? x
+             : wave_number_per_um *
+                   mie::radius_range(work.sizes, 1e-6, 1.0 / wave_number_per_um).largest_um;
+    // Resonances are as wide as k x: where that is more than 1, few sizes are enough.
+    const bool damped = k * x > 1.0;
     double seconds =
-        fit.seconds * std::pow(1.0 + x, fit.size) * std::pow(work.tolerance, -fit.tolerance) *
+        fit.seconds * std::pow(1.0 + x, fit.size) *
+        std::pow(1e-3 / work.tolerance, damped ? fit.finer_if_damped : fit.finer) *
         std::pow(variance, fit.width) * std::pow(1.0 + 4.0 * k * x, fit.absorption) *
-        std::pow(std::clamp(std::abs(work.relative_index - 1.0), 0.1, 2.0), fit.contrast);
+        std::pow(std::clamp(std::abs(work.relative_index - 1.0), 0.1, 2.0), fit.contrast) *
+        std::pow(std::max(1.0, largest / few_moments), fit.largest);
     if (k == 0.0) seconds *= fit.clear;
+    if (damped) seconds *= fit.damped;
     if (work.sizes.kind == Kind::gamma) seconds *= fit.gamma;
     if (work.sizes.kind == Kind::log_normal) seconds *= fit.log_normal;
     return seconds;
@@ -62,15 +72,16 @@ double seconds_of(const MieFit& fit, const MieWork& work) {
 
 }  // namespace
 
-// Powers of size, tolerance and width, and factors, fitted by least squares of logarithms to 835
-// random size averages (radius 0.05 to 30 um, variance 0.02 to 0.3, index 1.2 to 2.6, k 0 to 1,
-// tolerance 1e-4 to 1e-2), then brought to the native build on an otherwise idle machine. Of those
-// that take 3 ms or more 77 % lie within a factor of 2 where the phase function is wanted, 50 %
-// where it is not: there narrow resonances decide, which no smooth formula knows. Factors of gamma
-// sizes, and of clear and absorbing spheres in moments, are from 150 random scenes since.
+// Powers of size, tolerance and width, and factors, fitted by least squares of logarithms to 1128
+// size averages of random scenes (tools/bench/plan_against_runs.py; those that take 0.3 ms or more,
+// native build). Of 313 others that take 2 ms or more 76 % lie within a factor of 2 where the phase
+// function is wanted, of 74 others 49 % where it is not: there narrow resonances decide, which no
+// smooth formula knows. A rehearsal does (rehearsal.h); this is for what it leaves out.
 double mie_seconds(const MieWork& work) {
-    constexpr MieFit kWhole = {2.4e-4, 1.035, 0.339, 0.518, 0.58, 1.9, 1.71, -0.468, 0.476};
-    constexpr MieFit kMomentsAlone = {6.3e-4, 0.428, 0.405, 0.333, 0.35, 1.2, 1.18, -0.45, 0.74};
+    constexpr MieFit kWhole = {1.13e-3, 0.621, 0.331, 0.129, 0.189, -0.172,
+                               0.58,    1.76,  1.14,  0.335, 0.667, 0.515};
+    constexpr MieFit kMomentsAlone = {4.6e-3, 0.199, 0.217, 0.037, 0.375, -0.203,
+                                      0.85,   0.61,  0.85,  0.445, 1.64,  0.361};
     const double whole = seconds_of(kWhole, work);
     return work.whole_phase ? whole : std::min(whole, seconds_of(kMomentsAlone, work));
 }
@@ -181,7 +192,7 @@ double order_seconds(const TransferSize& size, std::size_t layers, std::size_t c
     return kStreamAttempts * (kOrder_s + static_cast<double>(layers) * n * n * each);
 }
 
-double value_seconds(int orders) { return 2.0 * (kValue_s + kTerm_s * orders); }
+double value_seconds(int orders) { return kValue_s + kTerm_s * orders; }
 double lobe_seconds() { return kLobe_s; }
 double rho_seconds() { return kRho_s; }
 

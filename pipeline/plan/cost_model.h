@@ -1,5 +1,5 @@
-// Rough run times, for `plan`: mostly right to a factor of two on the machine they were fitted on
-// (docs/command-line.md#plan has the counts), and good for comparing one request with another.
+// Rough run times, for `plan`, by size and tolerance alone: of what a rehearsal (rehearsal.h)
+// leaves out, and of what it would cost not to leave something out.
 #pragma once
 
 #include <complex>
@@ -16,7 +16,7 @@ struct MieWork {
     std::complex<double> relative_index;
     double host_index = 1.0;
     double wavelength_nm = 550.0;
-    double tolerance = 1e-3;   ///< of the request, not Mie theory's share of it
+    double tolerance = 2e-4;   ///< of the average
     bool whole_phase = false;  ///< the phase function at every angle and all its moments
 };
 

@@ -64,6 +64,7 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
 
 Plan Planner::plan() {
     list_jobs();
+    rehearse();
     for (const Layer& layer : scene_.empty_layers) leave_out_layer(layer);
     if (scene_.substrate) leave_out("substrate", "a ground in place of a base: no half-space", 0.0);
     hide_layers();
@@ -111,14 +112,15 @@ double Planner::mie_cost(std::size_t medium, std::size_t w) const {
 double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
     if (!species.needs_mie()) return 0.0;
     const Particles& at = species.particles[w];
-    return mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
-                        solver_.tolerance, whole});
+    return rehearsal_.mie_factor *
+           mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
+                        demand_.tolerance, whole});
 }
 
 double Planner::typical_mie_cost(std::size_t w) const {
     constexpr std::complex<double> typical_index = {1.5, 1e-3};
     return mie_seconds({scene_.particles.sizes, typical_index, scene_.particles.host.index.real(),
-                        scene_.wavelength_nm[w], solver_.tolerance, demand_.whole_phase_function});
+                        scene_.wavelength_nm[w], demand_.tolerance, demand_.whole_phase_function});
 }
 
 double Planner::mie_cost(std::size_t medium) const {
@@ -134,6 +136,16 @@ double Planner::scene_mie_cost() const {
         if (names.insert(describe(scene_.media[m].medium)).second) sum += mie_cost(m, 0);
     }
     return sum;
+}
+
+void Planner::rehearse() {
+    std::vector<std::size_t> wavelengths;
+    for (const LayerJob& job : jobs_) wavelengths.push_back(job.wavelength);
+    rehearsal_ = miebrdf::rehearse(request_, wavelengths, lowest_);
+    if (!rehearsal_.took_place) return;
+    size_.streams = rehearsal_.streams;
+    // Those that a rule leaves out stay as they are estimated.
+    if (!is_albedo() && !only_zenith(request_.directions)) size_.orders = rehearsal_.orders;
 }
 
 void Planner::leave_out(const std::string& rule, const std::string& reason, double saved_s) {

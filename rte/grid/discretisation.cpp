@@ -12,6 +12,19 @@
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
+
+double largest_moment(const Stack& stack, int degree) {
+    double largest = 0.0;
+    const auto look_at = [&](const Optics& optics) {
+        const auto l = std::size_t(degree);
+        // Backward peaks alternate in sign.
+        if (l < optics.chi.size()) largest = std::max(largest, std::abs(optics.chi[l]));
+    };
+    if (stack.base_kind == BaseKind::half_space) look_at(stack.base);
+    for (const Coat& coat : stack.coats) look_at(coat.optics);
+    return largest;
+}
+
 namespace {
 
 // Degrees with (2l+1) chi_l = x below this are dropped. Where light scattered once has all of them,
@@ -25,13 +38,9 @@ double negligible_moment(const Stack& stack, const SolverOptions& options) {
 
 // chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
 constexpr double kSlowAbove = 1e-2;
-// Few values of phase functions with more than this at the typical number of nodes get probes.
-constexpr double kProbedAbove = 1e-3;
 // Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
 // never claims less.
 constexpr double kRounding = 1e-13;
-// Requests of at most so many values, or of fewer pairs of cosines, get probes.
-constexpr std::size_t kFew = 16;
 // A solution with so little work (nodes cubed times Fourier orders) is worth a try even if more
 // nodes did not help before: about 0.1 s.
 constexpr double kCheapWork = 8e6;
@@ -39,9 +48,6 @@ constexpr double kCheapWork = 8e6;
 // for how long tells what the nodes that carry all of them will do: up to so much work they are
 // tried (0.2 s).
 constexpr double kPromisingWork = 5e7;
-constexpr int kTypicalStreams = 24;  // where the tolerance decides
-constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
-constexpr double kProbeCosines[] = {0.1, 0.35, 0.9};
 
 std::size_t most_moments(const Stack& stack) {
     std::size_t most = stack.base_kind == BaseKind::half_space ? stack.base.chi.size() : 1;
@@ -59,19 +65,6 @@ std::size_t most_usable_moments(const Stack& stack) {
     if (stack.base_kind == BaseKind::half_space) limit(stack.base);
     for (const Coat& coat : stack.coats) limit(coat.optics);
     return most;
-}
-
-// Of that degree, over all media.
-double largest_moment(const Stack& stack, int degree) {
-    double largest = 0.0;
-    const auto look_at = [&](const Optics& optics) {
-        const auto l = std::size_t(degree);
-        // Backward peaks alternate in sign.
-        if (l < optics.chi.size()) largest = std::max(largest, std::abs(optics.chi[l]));
-    };
-    if (stack.base_kind == BaseKind::half_space) look_at(stack.base);
-    for (const Coat& coat : stack.coats) look_at(coat.optics);
-    return largest;
 }
 
 // A phase function with so much beyond degree n that the error does not yet fall geometrically with
@@ -210,30 +203,25 @@ void require_physical(Attempt& attempt, std::size_t count) {
     attempt.report.share_within_tolerance = 0.0;
 }
 
-// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
-// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on would
-// cost n^3 and gain nothing.
-class Progress {
-  public:
-    /// True once the estimate has grown to twice the best before it, or two steps (twice the nodes)
-    /// have not halved it.
-    bool has_stalled_at(double estimate) {
-        const bool grown = estimate > 2.0 * best_;
-        const bool idle = estimate > 0.5 * best_before_;
-        best_before_ = best_;
-        best_ = std::min(best_, estimate);
-        return grown || idle;
-    }
-
-  private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-    double best_ = infinity;
-    double best_before_ = infinity;  ///< without the last estimate
-};
-
 double work_of(int streams, int fourier_orders) {
     return std::pow(double(streams), 3) * fourier_orders;
 }
+
+}  // namespace
+
+bool is_worth_a_try(int streams, int fourier_orders) {
+    return work_of(streams, fourier_orders) <= kCheapWork;
+}
+
+bool LadderProgress::has_stalled_at(double estimate) {
+    const bool grown = estimate > 2.0 * best_;
+    const bool idle = estimate > 0.5 * best_before_;
+    best_before_ = best_;
+    best_ = std::min(best_, estimate);
+    return grown || idle;
+}
+
+namespace {
 
 // Nodes of the ladder, the fewest that carry all moments that show; 0: none does.
 int fewest_carrying(std::span<const int> ladder, const Stack& stack, const SolverOptions& options) {
@@ -263,7 +251,7 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
 }
 
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve,
+                            std::size_t block, const Solve& solve, const LadderWatch& watch,
                             const std::vector<bool>& backwards) {
     const auto attempt_at = [&](int streams) {
         Attempt attempt =
@@ -279,7 +267,7 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     if (coarser_streams(coarser) < coarser) coarsest = attempt_at(coarser_streams(coarser));
     Attempt coarse = attempt_at(coarser);
     Attempt fine;
-    Progress progress;
+    LadderProgress progress;
     const int carrying = fewest_carrying(ladder, stack, options);
     for (std::size_t step = 0; step < ladder.size(); ++step) {
         const int streams = ladder[step];
@@ -300,58 +288,15 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
         const bool promising = coarse.report.streams < carrying &&
                                work_of(std::max(streams, carrying), orders) <= kPromisingWork;
         if (stalled && !promising && step + 1 < ladder.size() &&
-            work_of(ladder[step + 1], orders) > kCheapWork) {
+            !is_worth_a_try(ladder[step + 1], orders)) {
             break;
         }
+        if (watch && step + 1 < ladder.size() && !watch(fine.report, ladder[step + 1])) break;
         coarsest = std::move(coarse);
         coarse = fine;
     }
     fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
     return fine;
-}
-
-AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
-                             const SolverOptions& options)
-    : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
-    const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
-    const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
-    if (!are_few || largest_moment(stack, streams) <= kProbedAbove) return;
-    for (const double azimuth : asked.azimuth_deg) {
-        for (const double offset : kProbeOffsets_deg) {
-            directions_.azimuth_deg.push_back(azimuth + offset);
-        }
-    }
-}
-
-std::vector<double> AzimuthProbes::without(std::vector<double> values) const {
-    const std::size_t stride = directions_.azimuth_deg.size();
-    if (stride == azimuths_) return values;
-    std::vector<double> asked;
-    for (std::size_t first = 0; first < values.size(); first += stride) {
-        for (std::size_t a = 0; a < azimuths_; ++a) asked.push_back(values[first + a]);
-    }
-    return asked;
-}
-
-std::size_t AzimuthProbes::asked_for(std::size_t index) const {
-    const std::size_t stride = directions_.azimuth_deg.size();
-    if (stride == 0) return 0;
-    std::size_t azimuth = index % stride;
-    if (azimuth >= azimuths_) azimuth = (azimuth - azimuths_) / std::size(kProbeOffsets_deg);
-    return index / stride * azimuths_ + azimuth;
-}
-
-RequestedDirections collect_with_probes(const Directions& directions) {
-    RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
-    const bool are_few = directions.mu_in.size() * directions.mu_out.size() < kFew;
-    if (!are_few || only_fourier_order_zero(requested)) return requested;
-    std::vector<double> mu_in = directions.mu_in;
-    std::vector<double> mu_out = directions.mu_out;
-    mu_in.insert(mu_in.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
-    mu_out.insert(mu_out.end(), std::begin(kProbeCosines), std::end(kProbeCosines));
-    requested = collect(mu_in, mu_out);
-    requested.probes = std::size(kProbeCosines);
-    return requested;
 }
 
 }  // namespace miebrdf::rte

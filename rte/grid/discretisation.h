@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include <miebrdf/optics.h>
@@ -17,6 +18,9 @@ struct Discretisation {
     int streams = 0;
     int moments = 0;  ///< at most this many are kept
 };
+
+/// |chi_degree| of the medium where it is largest.
+double largest_moment(const Stack& stack, int degree);
 
 /// Most moments kept for each node: nodes see more than 2n degrees as far as they can resolve them
 /// (NodeProjection). Few nodes gain little, and lose the sign of the faintest light.
@@ -42,6 +46,27 @@ struct Attempt {
 
 using Solve = std::function<Attempt(const Discretisation&)>;
 
+/// Sees each solution that is not the last one, and the number of nodes that comes next; false: no
+/// more of them. Those who estimate the work ahead look in here.
+using LadderWatch = std::function<bool(const SolverReport& report, int next_streams)>;
+
+/// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
+/// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on
+/// would cost n^3 and gain nothing.
+class LadderProgress {
+  public:
+    /// True once the estimate has grown to twice the best before it, or two steps (twice the nodes)
+    /// have not halved it.
+    bool has_stalled_at(double estimate);
+
+  private:
+    double best_ = std::numeric_limits<double>::infinity();
+    double best_before_ = std::numeric_limits<double>::infinity();  ///< without the last estimate
+};
+
+/// A solution with so little work is tried even if more nodes did not help before.
+bool is_worth_a_try(int streams, int fourier_orders);
+
 /// Two numbers of nodes give the result and what its error may be; without a given number of nodes
 /// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
 /// is `count` times NaN.
@@ -49,7 +74,7 @@ using Solve = std::function<Attempt(const Discretisation&)>;
 /// @param block      values of one incidence: errors are relative to the largest of them
 /// @param backwards  of each value, whether it is near retro-reflection; empty: none is
 Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve,
+                            std::size_t block, const Solve& solve, const LadderWatch& watch = {},
                             const std::vector<bool>& backwards = {});
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may

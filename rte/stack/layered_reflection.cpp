@@ -190,7 +190,8 @@ void validate(const SolverOptions& options) {
 }
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options, StackMemory* memory) {
+                        const SolverOptions& options, StackMemory* memory,
+                        const LadderWatch& watch) {
     validate(stack);
     validate(options);
     validate(directions);
@@ -208,7 +209,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
             return reflect_with(stack, judged, requested, options, discretisation,
                                 memory != nullptr ? *memory : own, orders, first_order);
         },
-        near_retro_reflection(judged));
+        watch, near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {

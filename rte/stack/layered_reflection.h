@@ -9,6 +9,7 @@
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 #include <miebrdf/surface.h>
+#include "rte/grid/discretisation.h"
 
 namespace miebrdf::rte {
 
@@ -61,10 +62,12 @@ void validate(const SolverOptions& options);
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
 /// @param memory  for its matrices, where stacks are solved one after the other (stack_solver.h);
 ///                null: of its own
+/// @param watch   of the numbers of nodes that are tried
 /// @throws UsageError  for optics, optical depths, cosines, azimuths or options out of range. Not
 ///         converging is an outcome.
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options = {}, StackMemory* memory = nullptr);
+                        const SolverOptions& options = {}, StackMemory* memory = nullptr,
+                        const LadderWatch& watch = {});
 
 /// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
 /// The paper's stepwise coat methods have no transmittance.

@@ -156,7 +156,8 @@ Stack with_all_moments(Stack stack) {
 }
 
 MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& directions,
-                               int components, const SolverOptions& options) {
+                               int components, const SolverOptions& options,
+                               const LadderWatch& watch) {
     if (components != 3 && components != 4)
         throw UsageError("components", components, "3 (I, Q, U) or 4 (with V)");
     validate(asked_stack);
@@ -173,11 +174,12 @@ MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& direc
     FourierOrders orders;  // of the solution before, with fewer nodes
     StokesFirstOrderOfStack first_order(judged, components, options);
     const Request request{stack, judged, requested, components, options};
-    Attempt attempt = solve_with_estimate(stack, options, judged.mu_in.size() * block, block,
-                                          [&](const Discretisation& discretisation) {
-                                              return reflect_with(request, discretisation, memory,
-                                                                  orders, first_order);
-                                          });
+    Attempt attempt = solve_with_estimate(
+        stack, options, judged.mu_in.size() * block, block,
+        [&](const Discretisation& discretisation) {
+            return reflect_with(request, discretisation, memory, orders, first_order);
+        },
+        watch);
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst(directions, elements, attempt.report);
     MuellerTable table;

@@ -6,6 +6,7 @@
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
+#include "rte/grid/discretisation.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/stack_solver.h"
 
@@ -49,10 +50,11 @@ struct PolarisedAlbedoTable {
 /// Errors are judged as those of `reflect`: relative to the largest element at that incidence.
 /// @param components  3: V left out, with b2 (R11 changes by less than 2e-6 with spheres); 4
 /// @param options     the methods must be `automatic`
+/// @param watch       of the numbers of nodes that are tried
 /// @throws UsageError  for what `reflect` refuses, for components other than 3 and 4, other
 ///         methods and a rough boundary
 MuellerTable reflect_polarised(const Stack& stack, const Directions& directions, int components,
-                               const SolverOptions& options = {});
+                               const SolverOptions& options = {}, const LadderWatch& watch = {});
 
 /// Plane and spherical albedos: Fourier order 0 of I and Q alone.
 /// @throws UsageError  as reflect_polarised

@@ -1,6 +1,9 @@
 #include <miebrdf/plan.h>
 
 #include <algorithm>
+#include <ctime>
+#include <limits>
+#include <string>
 
 #include "pipeline/cache/result_cache.h"
 #include "tests/support/catch.h"
@@ -115,4 +118,38 @@ TEST_CASE("every saving is an estimate above or equal to zero", "[pipeline][plan
             CHECK_FALSE(omission.reason.empty());
         }
     }
+}
+
+TEST_CASE("a plan knows the number of nodes that the solution will end with", "[pipeline][plan]") {
+    // Spheres that take the first numbers of nodes, and some that take more.
+    const double radius_um = GENERATE(0.05, 1.0, 6.0);
+    Scene scene = support::scene_of("TiO2", {"AlGaAs7@0.1"});
+    scene.particles.sizes.effective_radius_um = radius_um;
+    const Brdf brdf = solve(scene, {550}, {.tolerance = 1e-3}, {.threads = 1});
+    const Plan plan = plan_evaluate(brdf, kDirections);
+    const auto transfer =
+        std::find_if(plan.steps.begin(), plan.steps.end(),
+                     [](const PlannedStep& s) { return s.stage == "radiative transfer"; });
+    REQUIRE(transfer != plan.steps.end());
+    const int streams = brdf.evaluate(kDirections).wavelengths[0].solver.streams;
+    CAPTURE(radius_um, streams);
+    CHECK_THAT(transfer->what, Catch::Contains("about " + std::to_string(streams) + " streams"));
+}
+
+TEST_CASE("a plan tells the time of a run", "[pipeline][plan]") {
+    // Both are processor time of the same code: a factor of 3 is for wavelengths that take other
+    // numbers of nodes or sizes than the one that is looked at.
+    Scene scene = support::scene_of("TiO2", {"AlGaAs7@0.1"});
+    scene.particles.sizes.effective_radius_um = 4;
+    const Brdf brdf = solve(scene, {450, 500, 550, 600, 650}, {}, {.threads = 1});
+    double planned_s = std::numeric_limits<double>::infinity(), taken_s = planned_s;
+    for (int round = 0; round < 3; ++round) {
+        planned_s = std::min(planned_s, plan_evaluate(brdf, kDirections).seconds());
+        const std::clock_t start = std::clock();
+        brdf.evaluate(kDirections);
+        taken_s = std::min(taken_s, double(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    CAPTURE(planned_s, taken_s);
+    CHECK(planned_s <= 3 * taken_s);
+    CHECK(taken_s <= 3 * planned_s);
 }

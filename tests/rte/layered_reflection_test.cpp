@@ -197,3 +197,28 @@ TEST_CASE("an incidence gets its orders whatever brighter ones it is asked for w
               0.5 * options.tolerance * scale);
     }
 }
+
+TEST_CASE(
+    "a watch sees every number of nodes but the last, changes nothing, and may end the search",
+    "[rte][reflect]") {
+    const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.99, 0.9)};
+    const rte::Directions directions{{0.1, 0.6}, {0.2, 0.9}, {0, 90, 180}};
+    const rte::SolverOptions options{.tolerance = 1e-5};
+    const auto plain = rte::reflect(stack, directions, options);
+    std::vector<int> seen, announced;
+    const auto watched = rte::reflect(stack, directions, options, nullptr,
+                                      [&](const rte::SolverReport& report, int next) {
+                                          CHECK(report.error_estimate > options.tolerance);
+                                          seen.push_back(report.streams);
+                                          announced.push_back(next);
+                                          return true;
+                                      });
+    CHECK(watched.reflection == plain.reflection);
+    REQUIRE(seen.size() >= 2);
+    CHECK(announced.back() == plain.report.streams);
+    for (std::size_t i = 0; i + 1 < seen.size(); ++i) CHECK(announced[i] == seen[i + 1]);
+    const auto cut = rte::reflect(stack, directions, options, nullptr,
+                                  [](const rte::SolverReport&, int) { return false; });
+    CHECK(cut.report.streams == seen.front());
+    CHECK_FALSE(cut.report.converged);
+}

@@ -5,14 +5,15 @@
 
 Each scene is planned, then computed on one thread without the cache. Time is that of the processor
 (the smallest of some runs) without the program's start, memory the largest resident set. Prints how
-many scenes lie within a factor of 2, the median of planned to measured time, and the worst. Scenes
-that are planned to take longer than --longest seconds are counted and left out.
+many scenes lie within a factor of 2, the median of planned to measured time, what planning takes
+itself, and the worst. Scenes that are planned to take longer than --longest seconds are counted and left out.
 """
 import argparse
 import csv
 import json
 import os
 import random
+import resource
 import subprocess
 import sys
 import threading
@@ -73,16 +74,20 @@ def used(command, seconds=120):
 
 
 def planned(program, command, words):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     text = subprocess.run([program, "plan", command, *words, "--json", "--no-cache"],
                           capture_output=True, text=True).stdout
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if not text:
         return None
+    own = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
     plan = json.loads(text)
     row = plan["columns"].index("seconds")
     seconds = sum(r[row] for r in plan["rows"] if r[1] == "compute")
     estimate = plan["facts"]["estimate"]  # "brdf: 0.01 s on one thread, 14 MB"
     memory = float(estimate.rsplit(", ", 1)[1].removesuffix(" MB")) if "MB" in estimate else 0.0
-    return seconds, memory, "; ".join(f"{r[2]} {r[row]:.3g}" for r in plan["rows"] if r[1] == "compute")
+    steps = "; ".join(f"{r[2]} {r[row]:.3g}" for r in plan["rows"] if r[1] == "compute")
+    return seconds, memory, steps, own
 
 
 def main():
@@ -100,7 +105,7 @@ def main():
              "1", "--no-cache", "--threads", "1"]
     starts = [used([program, *empty]) for _ in range(5)]
     start_s = min(s for s, _ in starts)
-    rows, too_long = [], 0
+    rows, too_long, plans = [], 0, []
     while len(rows) < options.scenes:
         command, words = request(rng)
         plan = planned(program, command, words)
@@ -109,6 +114,7 @@ def main():
         if plan[0] > options.longest:
             too_long += 1
             continue
+        plans.append(max(plan[3] - start_s, 0.0))
         runs = [used([program, command, *words, "--no-cache", "--threads", "1"])
                 for _ in range(options.runs)]
         if None in runs:
@@ -127,6 +133,9 @@ def main():
             writer.writerows(rows)
     print(f"{too_long} scenes left out: planned to take more than {options.longest:g} s")
     report(rows)
+    plans.sort()
+    print(f"planning itself: median {plans[len(plans) // 2]:.3f} s, nine of ten within "
+          f"{plans[9 * len(plans) // 10]:.3f} s, longest {plans[-1]:.3f} s")
 
 
 def report(rows):
@@ -142,7 +151,7 @@ def report(rows):
     if ratios:
         print(f"planned to measured time: median {ratios[len(ratios) // 2]:.2f}, "
               f"{ratios[0]:.2f} to {ratios[-1]:.2f}")
-    for factor in (2, 3, 10):
+    for factor in (2, 3, 4, 10):
         within = sum(miss(row) <= factor for row in done)
         print(f"time within a factor of {factor} (both at least {least_s} s): {within} of {len(done)}")
     memory = sum(max(row[4] / row[5], row[5] / row[4]) <= 2 for row in done if row[4])
