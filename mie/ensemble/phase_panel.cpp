@@ -17,6 +17,11 @@ constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 // before better than that does so by chance.
 constexpr double kSlowestGain = 0.5;
 
+// Towards the back all nodes of a panel see the same narrow resonances, and where both families
+// miss one of them they agree everywhere. This share of what a new level changes counts as noise,
+// too.
+constexpr double kShareOfChange = 0.5;
+
 // Where glories are.
 constexpr double kBackward = 165 * std::numbers::pi / 180;
 
@@ -52,6 +57,7 @@ std::vector<PhasePanel> graded_panels(double narrowest) {
 
 void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
                            const PhaseTabulationOptions& options) {
+    const Eigen::VectorXd before = level_ < 0 ? Eigen::VectorXd() : values();
     if (++level_ == 0) {
         parts_ = parts;
         part_levels_.assign(parts.size(), 0);
@@ -67,7 +73,8 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const Size
         sums_.intensity += parts_[i].intensity;
         for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
     }
-    judge(sizes.rippled(), options);
+    const bool may_agree = sizes.rippled() && level_ > 0 && parts_.size() == 1 && is_backward();
+    judge(sizes.rippled(), options, may_agree ? before : values());
 }
 
 std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
@@ -90,7 +97,8 @@ Eigen::VectorXd PhasePanel::values_of(int family) const {
     return sums_.intensity.col(family) / sums_.scattered[family];
 }
 
-void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
+void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options,
+                       const Eigen::VectorXd& before) {
     const double scattering_efficiency = options.scattering_efficiency, floor = options.floor;
     const Eigen::VectorXd P = values();
     const double largest = P.maxCoeff();
@@ -120,9 +128,12 @@ void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options) {
         const double sampled = sums_.scattered[0] + sums_.scattered[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
+    const Eigen::VectorXd changed = kShareOfChange * (P - before).cwiseQuotient(P.cwiseMax(floor));
+    const double by_level = changed.norm() / std::sqrt(double(PhaseTable::kPanelNodes));
     const double bias = options.ray_bias;
-    noise_ = std::max({relative_, doubt * relative_before, missed}) + bias;
-    worst_noise_ = std::max({worst_, doubt * worst_before, missed}) + bias;
+    noise_ = std::max({relative_, doubt * relative_before, missed, by_level}) + bias;
+    worst_noise_ =
+        std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()}) + bias;
     // What parts on coarser levels miss, more sizes of the noisy ones do not mend.
     rms_ = parts_.size() > 1 ? rms : std::max(rms, missed * largest);
     largest_ = largest;

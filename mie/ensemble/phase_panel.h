@@ -51,7 +51,8 @@ class PhasePanel {
 
   private:
     double solid_angle_of_moments(int first_moment) const;
-    void judge(bool rippled, const PhaseTabulationOptions& options);
+    /// @param before  values that the last level has changed; those of now: it tells nothing
+    void judge(bool rippled, const PhaseTabulationOptions& options, const Eigen::VectorXd& before);
 
     double lower_, upper_;
     int generation_;
