@@ -75,7 +75,8 @@ struct ScaledMedium {
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
     /// Waves per radian of zenith angle up to which the nodes resolve light, at kResolvedAngles
-    /// angles in equal steps from the zenith to the horizon; none: whatever moments describe.
+    /// angles in equal steps from the zenith to the horizon; none: whatever moments describe, or
+    /// `narrow` has no rest.
     std::vector<double> resolved_waves = {};
 };
 

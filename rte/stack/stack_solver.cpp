@@ -146,8 +146,10 @@ const ZenithGrid& StackGrids::of(double index) const {
 
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
     for (ScaledMedium& medium : stack.media) {
-        medium.resolved_waves = resolved_waves(grids.of(medium.index), kResolvedAngles);
         medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
+        medium.resolved_waves.clear();
+        if (!medium.narrow.rest.empty())
+            medium.resolved_waves = resolved_waves(grids.of(medium.index), kResolvedAngles);
     }
 }
 
