@@ -78,6 +78,9 @@ struct FourierMedium {
     double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
     int lowest_degree = 0;          ///< m
     std::vector<int> degrees = {};  ///< of the columns; empty: m, m + 1, ...
+    /// FourierWork::brightness of order 0, where it is known: orders above it are solved to a share
+    /// of that. 0: of their own largest value.
+    double brightness = 0.0;
 
     /// Largest alpha |chi_l|, l >= m: bounds what part of a field one scattering returns, and how
     /// far the equations are from those without scattering.

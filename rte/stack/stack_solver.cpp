@@ -160,6 +160,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       grids_(grids),
       options_(options),
       tolerance_(kEquationShare * options.tolerance),
+      brightness_(stack.media.size(), 0.0),
       memory_(memory) {
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
@@ -237,11 +238,12 @@ void StackSolver::put_on_boundary(double below, double above, ReflectorParts par
                     memory_.reflector);
 }
 
-void StackSolver::set_medium(const ScaledMedium& medium) {
-    const ScaledOptics& scaled = medium.scaled;
+void StackSolver::set_medium(std::size_t index) {
+    const ScaledOptics& scaled = stack_.media[index].scaled;
     const FourierMode& mode = memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
     memory_.medium.lowest_degree = mode.fourier_order;
+    memory_.medium.brightness = mode.fourier_order > 0 ? brightness_[index] : 0.0;
     memory_.medium.strengths.resize(mode.at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
         const Eigen::Index l = mode.fourier_order + c;
@@ -258,19 +260,23 @@ bool StackSolver::may_leave_out_layers() const {
 std::size_t StackSolver::solve_lowest() {
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
-        set_medium(stack_.media[c]);
+        set_medium(c);
         if (!hides_in_fourier_order(memory_.medium, stack_.media[c].scaled_optical_depth,
                                     tolerance_ * std::min(stack_.brightness, 1.0))) {
             continue;
         }
-        const double index = stack_.media[c].index;
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, mode_of(index),
-                         grids_.of(index), requested_in(index), tolerance_, memory_.work,
-                         memory_.reflector);
+        solve_as_half_space(HalfSpaceMethod::automatic, c);
         return c + 1;
     }
     solve_base();
     return first_coat;
+}
+
+void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t index) {
+    const double n = stack_.media[index].index;
+    solve_half_space(method, memory_.medium, mode_of(n), grids_.of(n), requested_in(n), tolerance_,
+                     memory_.work, memory_.reflector);
+    if (memory_.medium.lowest_degree == 0) brightness_[index] = memory_.work.brightness;
 }
 
 void StackSolver::solve_base() {
@@ -293,9 +299,8 @@ void StackSolver::solve_base() {
                           memory_.reflector);
             break;
         case BaseKind::half_space:
-            set_medium(stack_.media.front());
-            solve_half_space(options_.half_space_method, memory_.medium, mode, grid, requested,
-                             tolerance_, memory_.work, memory_.reflector);
+            set_medium(0);
+            solve_as_half_space(options_.half_space_method, 0);
             return;
     }
     if (!stack_.transmits) return;
@@ -310,7 +315,7 @@ void StackSolver::solve_base() {
 
 void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky) {
     const ScaledMedium& coat = stack_.media[index];
-    set_medium(coat);
+    set_medium(index);
     const FourierMode& mode = mode_of(coat.index);
     const ZenithGrid& grid = grids_.of(coat.index);
     const RequestedDirections& requested = requested_in(coat.index);

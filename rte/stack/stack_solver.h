@@ -128,7 +128,9 @@ class StackSolver {
                          const Eigen::VectorXd& sky);
     void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
     /// Degrees that a medium has no moments for scatter nothing.
-    void set_medium(const ScaledMedium& medium);
+    void set_medium(std::size_t index);
+    /// After set_medium.
+    void solve_as_half_space(HalfSpaceMethod method, std::size_t index);
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
 
@@ -142,7 +144,8 @@ class StackSolver {
     const StackGrids& grids_;
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
-    double tolerance_;  ///< of the equations of one order
+    double tolerance_;                ///< of the equations of one order
+    std::vector<double> brightness_;  ///< of order 0, of media solved as half-spaces
     StackMemory& memory_;
 };
 
