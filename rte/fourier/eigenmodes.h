@@ -112,12 +112,13 @@ struct FourierWork {
     math::ScratchMatrix phi, weighted, phi_requested, moments;  ///< cosines x degrees
     math::ScratchMatrix beam, through, incoming, down, up;      ///< nodes x cosines
     math::ScratchMatrix pairs;
+    math::ScratchMatrix first_out, first_in;  ///< FourierMode::at_requested of both lists
     Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;
     Eigen::VectorXd near, far, tanh_rates, sinh_rates;
-    Eigen::MatrixXd square, other_square, below, joint;              ///< n x n
-    Eigen::MatrixXd same_side, opposite_side, gain, product;         ///< n x n
-    Eigen::MatrixXd rows, seen, mirrored;                            ///< cosines x n
-    Eigen::MatrixXd same_side_rows, opposite_side_rows, other_rows;  ///< cosines x n
+    Eigen::MatrixXd square, other_square, below, joint;                       ///< n x n
+    Eigen::MatrixXd same_side, opposite_side, gain, product, to_nodes;        ///< n x n
+    Eigen::MatrixXd rows, seen, mirrored;                                     ///< cosines x n
+    Eigen::MatrixXd same_side_rows, opposite_side_rows, other_rows, to_rows;  ///< cosines x n
     math::ScratchMatrix reflected_out, reflected_in, scattered_out, scattered_in;
     /// Largest 4 (mu + mu') |R| between nodes of the half-space solved last.
     double brightness = 0.0;

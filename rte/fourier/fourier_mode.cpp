@@ -55,12 +55,9 @@ void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
     legendre_functions_at_nodes(fourier_order, degrees, grid, mode);
     math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
     if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
+    mode.roots = grid.weights.cwiseQuotient(grid.mu).cwiseSqrt();
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
-    for (Eigen::Index p = 0; p < grid.size(); ++p) {
-        mode.scaled_nodes.row(p) = std::sqrt(grid.weights[p] / grid.mu[p]) * mode.at_nodes.row(p);
-    }
-    gather_rows(mode.at_requested, requested.out, mode.at_out);
-    gather_rows(mode.at_requested, requested.in, mode.at_in);
+    mode.scaled_nodes = mode.roots.asDiagonal() * mode.at_nodes;
 }
 
 ColumnsOfOneParity even_columns(const Eigen::Ref<const Eigen::MatrixXd>& table) {

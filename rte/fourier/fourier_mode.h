@@ -25,9 +25,8 @@ struct FourierMode {
     math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
-    math::ScratchMatrix at_out;        ///< the rows of at_requested of outgoing cosines
-    math::ScratchMatrix at_in;         ///< and of incident ones
     math::ScratchMatrix samples;       ///< at the fine nodes of the projection
+    math::ScratchVector roots;         ///< sqrt(w / mu)
     NodeProjections projections = {};  ///< of the grids and degrees so far
     int rows_per_node = 1;
     /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.

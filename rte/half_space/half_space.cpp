@@ -94,6 +94,9 @@ void form_sides(FourierWork& work) {
     const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
     work.same_side = kernels.even + kernels.odd;
     work.opposite_side = kernels.even - kernels.odd;
+    work.to_nodes.resize(work.inverse_mu.size(), work.inverse_mu.size());
+    for (Eigen::Index q = 0; q < work.to_nodes.cols(); ++q)
+        work.to_nodes.col(q) = 0.5 / (work.inverse_mu.array() + work.inverse_mu[q]);
     work.same_side_rows = kernels.even_rows + kernels.odd_rows;
     work.opposite_side_rows = kernels.even_rows - kernels.odd_rows;
 }
@@ -110,10 +113,7 @@ void fill_psi(const Eigen::MatrixXd& X, FourierWork& work, Eigen::MatrixXd& psi)
 }
 
 void fill_nodes(const Eigen::MatrixXd& psi, const FourierWork& work, Eigen::MatrixXd& X) {
-    X.resize(psi.rows(), psi.cols());
-    for (Eigen::Index q = 0; q < X.cols(); ++q) {
-        X.col(q) = 0.5 * psi.col(q).array() / (work.inverse_mu.array() + work.inverse_mu[q]);
-    }
+    X = psi.cwiseProduct(work.to_nodes);
     X.triangularView<Eigen::StrictlyLower>() = X.transpose();  // reciprocity, exactly
 }
 
@@ -197,7 +197,7 @@ double left_after(double step, double ratio) { return step * ratio / (1.0 - rati
 // high Fourier orders, whose remaining moments are small. X scatters on into X at most what the
 // phase function returns, as both directions take their part of it.
 bool few_sweeps_suffice(double ratio, double share) {
-    constexpr double most_sweeps = 6.0;
+    constexpr double most_sweeps = 10.0;
     return ratio < 0.5 && std::log(share) > most_sweeps * std::log(std::max(ratio, 1e-30));
 }
 
@@ -232,14 +232,10 @@ bool sweep_half_space(const RequestedDirections& requested, double accuracy, dou
     work.seen.noalias() += work.same_side_rows * result.nodes;
     work.rows = work.seen;
     work.other_rows.resize(cosines, n);
-    const auto fill_rows = [&] {
-        for (Eigen::Index q = 0; q < n; ++q) {
-            result.rows.col(q) =
-                0.5 * work.rows.col(q).array() / (1.0 + work.inverse_mu[q] * requested.mu.array());
-        }
-    };
-    result.rows.resize(cosines, n);
-    fill_rows();
+    work.to_rows.resize(cosines, n);
+    for (Eigen::Index q = 0; q < n; ++q)
+        work.to_rows.col(q) = 0.5 / (1.0 + work.inverse_mu[q] * requested.mu.array());
+    result.rows = work.rows.cwiseProduct(work.to_rows);
     step = once;
     for (sweep = 0; !(left_after(step, ratio) <= accuracy); ++sweep) {
         if (sweep == most_sweeps) return false;
@@ -247,7 +243,7 @@ bool sweep_half_space(const RequestedDirections& requested, double accuracy, dou
         result.rows = requested.mu.asDiagonal() * result.rows;
         work.rows = work.seen;
         work.rows.noalias() += result.rows * work.gain;
-        fill_rows();
+        result.rows = work.rows.cwiseProduct(work.to_rows);
         step = 0.0;
         for (Eigen::Index q = 0; q < n && cosines > 0; ++q) {
             step =

@@ -121,14 +121,16 @@ void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& reques
                       FourierWork& work, LayerOperator& layer) {
     layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
-    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+    gather_rows(mode.at_requested, requested.out, work.first_out);
+    gather_rows(mode.at_requested, requested.in, work.first_in);
+    work.products.add(work.alternating, work.moments, work.first_out, work.first_in, requested,
                       layer.multiple);
     work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
     for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
         work.moments.col(c).array() *= requested.mu.array();
     }
-    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
-                                 mode.at_in, requested, layer.multiple);
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, work.first_out,
+                                 work.first_in, requested, layer.multiple);
     divide_by_cosines(requested, layer.multiple);
 }
 
