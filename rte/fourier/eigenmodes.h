@@ -115,7 +115,8 @@ struct FourierWork {
     math::ScratchMatrix first_out, first_in;  ///< FourierMode::at_requested of both lists
     Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;
     Eigen::VectorXd near, far, tanh_rates, sinh_rates;
-    Eigen::MatrixXd square, other_square, below, joint;                       ///< n x n
+    Eigen::VectorXd between, incident, downward, upward;  ///< one answer of a layer on a base
+    Eigen::MatrixXd square, other_square, below, joint;   ///< n x n
     Eigen::MatrixXd same_side, opposite_side, gain, product, to_nodes;        ///< n x n
     Eigen::MatrixXd rows, seen, mirrored;                                     ///< cosines x n
     Eigen::MatrixXd same_side_rows, opposite_side_rows, other_rows, to_rows;  ///< cosines x n

@@ -26,7 +26,7 @@ struct FourierMode {
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
     math::ScratchMatrix samples;       ///< at the fine nodes of the projection
-    math::ScratchVector roots;         ///< sqrt(w / mu)
+    math::ScratchVector node_factors;  ///< sqrt(w / mu); in between other factors
     NodeProjections projections = {};  ///< of the grids and degrees so far
     int rows_per_node = 1;
     /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.

@@ -160,8 +160,8 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       grids_(grids),
       options_(options),
       tolerance_(kEquationShare * options.tolerance),
-      brightness_(stack.media.size(), 0.0),
       memory_(memory) {
+    memory_.brightness.assign(stack.media.size(), 0.0);
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -243,7 +243,7 @@ void StackSolver::set_medium(std::size_t index) {
     const FourierMode& mode = memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
     memory_.medium.lowest_degree = mode.fourier_order;
-    memory_.medium.brightness = mode.fourier_order > 0 ? brightness_[index] : 0.0;
+    memory_.medium.brightness = mode.fourier_order > 0 ? memory_.brightness[index] : 0.0;
     memory_.medium.strengths.resize(mode.at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
         const Eigen::Index l = mode.fourier_order + c;
@@ -276,7 +276,7 @@ void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t index)
     const double n = stack_.media[index].index;
     solve_half_space(method, memory_.medium, mode_of(n), grids_.of(n), requested_in(n), tolerance_,
                      memory_.work, memory_.reflector);
-    if (memory_.medium.lowest_degree == 0) brightness_[index] = memory_.work.brightness;
+    if (memory_.medium.lowest_degree == 0) memory_.brightness[index] = memory_.work.brightness;
 }
 
 void StackSolver::solve_base() {
@@ -285,7 +285,7 @@ void StackSolver::solve_base() {
     const FourierMode& mode = mode_of(index);
     const ZenithGrid& grid = grids_.of(index);
     const RequestedDirections& requested = requested_in(index);
-    memory_.reflector.glow_at_nodes.resize(0);
+    if (!stack_.transmits) memory_.reflector.glow_at_nodes.resize(0);
     switch (stack_.base) {
         case BaseKind::lambertian:
             lambertian_ground(stack_.ground_albedo, mode, grid, requested, memory_.reflector);
@@ -305,7 +305,7 @@ void StackSolver::solve_base() {
     }
     if (!stack_.transmits) return;
     Reflector& ground = memory_.reflector;
-    ground.glow_at_nodes = flux_weights(grid);
+    ground.glow_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
     ground.glow_at_requested.setOnes(requested.mu.size());
     if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
         ground.glow_at_nodes -= ground.nodes * ground.glow_at_nodes;

@@ -98,6 +98,7 @@ struct StackMemory {
     LayerOperator layer = {};
     Reflector reflector = {}, below = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
+    std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 
 /// Solves the base and puts the coats on it. Fourier orders after the first find their matrices
@@ -144,8 +145,7 @@ class StackSolver {
     const StackGrids& grids_;
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
-    double tolerance_;                ///< of the equations of one order
-    std::vector<double> brightness_;  ///< of order 0, of media solved as half-spaces
+    double tolerance_;  ///< of the equations of one order
     StackMemory& memory_;
 };
 
