@@ -61,15 +61,19 @@ void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid&
                        const RequestedDirections& requested, Reflector& ground) {
     no_reflection(grid, requested, ground);
     if (mode.fourier_order > 0 || !mode.has_intensity()) return;
-    Eigen::VectorXd D = flux_weights(grid);
+    // In the memory of the sky's answer, which nobody has asked for yet.
+    Eigen::VectorXd &D = ground.sky_at_nodes, &one = ground.sky_at_requested;
+    D = (grid.weights.array() * grid.mu.array()).sqrt();
     mode.keep_intensity(D);
     // A rule that does not integrate mu exactly must still return the fraction `albedo` of the
     // flux.
     const double reflection = albedo * 0.5 / D.squaredNorm();
-    ground.nodes = 2.0 * reflection * D * D.transpose();
-    Eigen::VectorXd one = Eigen::VectorXd::Ones(requested.mu.size());
+    one.setOnes(requested.mu.size());
     mode.keep_intensity(one);
-    ground.rows = 2.0 * reflection * one * D.transpose();
+    for (Eigen::Index q = 0; q < D.size(); ++q) {
+        ground.nodes.col(q) = (2.0 * reflection * D[q]) * D;
+        ground.rows.col(q) = (2.0 * reflection * D[q]) * one;
+    }
     for (Eigen::Index i = 0; i < ground.multiple.cols(); ++i) {
         for (Eigen::Index o = 0; o < ground.multiple.rows(); ++o) {
             ground.multiple(o, i) =

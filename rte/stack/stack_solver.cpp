@@ -230,12 +230,33 @@ void StackSolver::put_on_rough_top(ReflectorParts parts) {
                        memory_.reflector);
 }
 
+// Reflectances are the same in all Fourier orders, and in stacks of the same indices.
+const SmoothBoundary& StackSolver::boundary_between(double below, double above) {
+    constexpr std::size_t most = 8;
+    const Eigen::VectorXd& nodes = grids_.of(below).mu;
+    const RequestedDirections& requested = requested_in(below);
+    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return a.size() == b.size() && a == b;
+    };
+    for (const KnownBoundary& known : memory_.boundaries) {
+        const SmoothBoundary& boundary = known.boundary;
+        if (boundary.index_below == below && boundary.index_above == above &&
+            boundary.nodes_above == grids_.refraction().nodes_below(above) &&
+            alike(known.nodes, nodes) && alike(known.requested, requested.mu)) {
+            return boundary;
+        }
+    }
+    if (memory_.boundaries.size() == most) memory_.boundaries.erase(memory_.boundaries.begin());
+    memory_.boundaries.push_back(
+        {SmoothBoundary(below, above, grids_.refraction(), requested), nodes, requested.mu});
+    return memory_.boundaries.back().boundary;
+}
+
 void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
                                   const Eigen::VectorXd& sky) {
-    const SmoothBoundary boundary(below, above, grids_.refraction(), requested_in(below));
     std::swap(memory_.below, memory_.reflector);
-    put_boundary_on(boundary, memory_.below, requested_in(below), parts, sky, memory_.work,
-                    memory_.reflector);
+    put_boundary_on(boundary_between(below, above), memory_.below, requested_in(below), parts, sky,
+                    memory_.work, memory_.reflector);
 }
 
 void StackSolver::set_medium(std::size_t index) {
