@@ -32,7 +32,8 @@ bool find_returns(const Eigen::VectorXd& reflectance, const Eigen::MatrixXd& X, 
         returns = 0.5 * (work.square + work.square.transpose());
         return returns.allFinite();
     }
-    const Eigen::VectorXd root = reflectance.cwiseSqrt();
+    Eigen::VectorXd& root = work.between;
+    root = reflectance.cwiseSqrt();
     work.square = -(root.asDiagonal() * X * root.asDiagonal());
     work.square.diagonal().array() += 1.0;
     if (!math::invert_positive_definite(work.square, returns)) return false;
@@ -78,19 +79,24 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
 
     const double n = boundary.index_above / boundary.index_below;
     // A beam that a mirror below sends back is reflected down again and again.
-    const Eigen::ArrayXd r = boundary.at_requested.array();
-    const bool has_mirror = below.specular.size() > 0;
-    const Eigen::ArrayXd mirror =
-        has_mirror ? Eigen::ArrayXd(below.specular.array()) : Eigen::ArrayXd::Zero(r.size());
-    const Eigen::ArrayXd t = boundary.passes_at_requested.array();
-    const Eigen::VectorXd passed = t / (1.0 - r * mirror);
-    result.specular = r + t * mirror * passed.array();
+    const auto r = boundary.at_requested.array();
+    const auto t = boundary.passes_at_requested.array();
+    Eigen::VectorXd &mirror = work.near, &passed = work.far;
+    if (below.specular.size() > 0) {
+        mirror = below.specular;
+    } else {
+        mirror.setZero(r.size());
+    }
+    passed = t / (1.0 - r * mirror.array());
+    result.specular = r + t * mirror.array() * passed.array();
 
-    math::ScratchMatrix out, in;
+    math::ScratchMatrix &out = work.first_out, &in = work.first_in;
     gather_rows(below.rows, requested.out, out);
     gather_rows(below.rows, requested.in, in);
+    work.through.resize(out.rows(), G.cols());
+    work.through.noalias() = 0.5 * out * G;
     result.multiple = below.multiple;
-    result.multiple.noalias() += 0.5 * (out * G) * in.transpose();
+    result.multiple.noalias() += work.through * in.transpose();
     for (Eigen::Index i = 0; i < result.multiple.cols(); ++i) {
         for (Eigen::Index o = 0; o < result.multiple.rows(); ++o) {
             result.multiple(o, i) *= n * n * passed[requested.in[std::size_t(i)]] *
@@ -99,15 +105,20 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
     }
 
     const Eigen::Index common = std::min(X.rows(), boundary.nodes_above);
-    const Eigen::VectorXd enters = boundary.passes_at_nodes.tail(common);
+    const auto enters = boundary.passes_at_nodes.tail(common);
     if (parts != ReflectorParts::pairs) {
+        work.other_square.resize(X.rows(), X.cols());
         work.other_square.noalias() = G * X;
-        Eigen::MatrixXd down = work.other_square;  // (I - Gamma X)^-1
+        Eigen::MatrixXd& down = work.below;  // (I - Gamma X)^-1
+        down = work.other_square;
         down.diagonal().array() += 1.0;
+        work.rows.resize(below.rows.rows(), X.cols());
+        work.rows.noalias() = below.rows * down;
         result.rows.setZero(below.rows.rows(), boundary.nodes_above);
-        result.rows.rightCols(common).noalias() =
-            (n * passed).asDiagonal() * below.rows * down.rightCols(common) * enters.asDiagonal();
-        Eigen::MatrixXd seen = X;
+        result.rows.rightCols(common) =
+            (n * passed).asDiagonal() * work.rows.rightCols(common) * enters.asDiagonal();
+        Eigen::MatrixXd& seen = work.square;
+        seen = X;
         seen.noalias() += X * work.other_square;
         result.nodes.setZero(boundary.nodes_above, boundary.nodes_above);
         result.nodes.diagonal().head(boundary.nodes_above - common) = boundary.trapped_above;
@@ -121,14 +132,18 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
         result.sky_at_requested.noalias() = result.rows * sky;
         result.sky_at_nodes.noalias() = result.nodes * sky;
     }
-    result.glow_at_nodes.resize(0);
-    if (below.glow_at_nodes.size() > 0) {
-        const Eigen::VectorXd again = G * below.glow_at_nodes;
-        const Eigen::VectorXd up = below.glow_at_nodes + X * again;
+    if (below.glow_at_nodes.size() == 0) {
+        result.glow_at_nodes.resize(0);
+    } else {
+        Eigen::VectorXd &again = work.downward, &up = work.upward;
+        again.noalias() = G * below.glow_at_nodes;
+        up = below.glow_at_nodes;
+        up.noalias() += X * again;
         result.glow_at_nodes.setZero(boundary.nodes_above);
         result.glow_at_nodes.tail(common) = enters.cwiseProduct(up.tail(common)) / n;
-        result.glow_at_requested =
-            passed.cwiseProduct(below.glow_at_requested + below.rows * again);
+        result.glow_at_requested = below.glow_at_requested;
+        result.glow_at_requested.noalias() += below.rows * again;
+        result.glow_at_requested.array() *= passed.array();
     }
 }
 

@@ -62,18 +62,33 @@ DiffusionEigenmode find_diffusion_eigenmode(const Eigen::MatrixXd& U,
 
 }  // namespace
 
-void EigenmodeSolver::form_matrices(const FourierMode& mode,
-                                    const Eigen::Ref<const Eigen::VectorXd>& strengths,
-                                    const ZenithGrid& grid) {
-    const Eigen::Index n = grid.size();
-    const auto form = [&](const auto& degrees, const auto& weights, Eigen::MatrixXd& result) {
+void EigenmodeSolver::form_node_kernels(const FourierMode& mode, const FourierMedium& medium) {
+    const Eigen::Index n = mode.scaled_nodes.rows();
+    const auto form = [&](const auto& degrees, const auto& weights, Eigen::MatrixXd& kernel) {
         scaled_ = degrees * weights.asDiagonal();
-        result.resize(n, n);
-        result.noalias() = -scaled_ * degrees.transpose();
-        result.diagonal() += grid.mu.cwiseInverse();
+        kernel.resize(n, n);
+        kernel.noalias() = scaled_ * degrees.transpose();
     };
-    form(even_columns(mode.scaled_nodes), even_part(strengths), eigenmodes_.even);
-    form(odd_columns(mode.scaled_nodes), odd_part(strengths), eigenmodes_.odd);
+    form(even_columns(mode.scaled_nodes), even_part(medium.strengths), kernels_.even);
+    form(odd_columns(mode.scaled_nodes), odd_part(medium.strengths), kernels_.odd);
+}
+
+const ScatteringKernels& EigenmodeSolver::form_kernels(const FourierMode& mode,
+                                                       const FourierMedium& medium) {
+    const Eigen::Index n = mode.scaled_nodes.rows();
+    const auto form = [&](const auto& degrees, const auto& at_requested, const auto& weights,
+                          Eigen::MatrixXd& kernel, Eigen::MatrixXd& rows) {
+        scaled_ = degrees * weights.asDiagonal();
+        kernel.resize(n, n);
+        kernel.noalias() = scaled_ * degrees.transpose();
+        rows.resize(at_requested.rows(), n);
+        rows.noalias() = at_requested * scaled_.transpose();
+    };
+    form(even_columns(mode.scaled_nodes), even_columns(mode.at_requested),
+         even_part(medium.strengths), kernels_.even, kernels_.even_rows);
+    form(odd_columns(mode.scaled_nodes), odd_columns(mode.at_requested), odd_part(medium.strengths),
+         kernels_.odd, kernels_.odd_rows);
+    return kernels_;
 }
 
 // One step of iterative refinement (Ogita & Aishima 2018, for a pencil): with R = I - F^T V F and
@@ -147,9 +162,19 @@ void EigenmodeSolver::append(const Eigen::VectorXd& vector, double rate_squared)
 
 const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMedium& medium,
                                         const ZenithGrid& grid, double tolerance) {
+    form_node_kernels(mode, medium);
+    return find_from_kernels(mode, medium, grid, tolerance);
+}
+
+const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
+                                                     const FourierMedium& medium,
+                                                     const ZenithGrid& grid, double tolerance) {
     const Eigen::Index n = grid.size();
     eigenmodes_.physical = false;
-    form_matrices(mode, medium.strengths, grid);
+    eigenmodes_.even = -kernels_.even;
+    eigenmodes_.even.diagonal() += grid.mu.cwiseInverse();
+    eigenmodes_.odd = -kernels_.odd;
+    eigenmodes_.odd.diagonal() += grid.mu.cwiseInverse();
     // Rows of one node start with one rate: no way to tell their eigenmodes apart.
     if (mode.fourier_order > 0 && mode.rows_per_node == 1 && medium.strongest() < kScattersLittle) {
         U_ = eigenmodes_.even;

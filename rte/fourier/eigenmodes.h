@@ -32,6 +32,14 @@ struct Eigenmodes {
     bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
 };
 
+/// sum_l a_l y_l y_l^T over the degrees of one parity of l - m, n x n: U = M^-1 - even and
+/// V = M^-1 - odd; and sum_l a_l Y_l(mu) y_l^T, requested x n: what scatters into the requested
+/// cosines out of s = i_up + i_down (even) and a = i_down - i_up (odd).
+struct ScatteringKernels {
+    Eigen::MatrixXd even, odd;
+    Eigen::MatrixXd even_rows, odd_rows;
+};
+
 /// Finds the eigenmodes of one Fourier order after the other in the same memory.
 class EigenmodeSolver {
   public:
@@ -40,7 +48,13 @@ class EigenmodeSolver {
     const Eigenmodes& find(const FourierMode& mode, const FourierMedium& medium,
                            const ZenithGrid& grid, double tolerance);
 
+    /// The same in two steps.
+    const ScatteringKernels& form_kernels(const FourierMode& mode, const FourierMedium& medium);
+    const Eigenmodes& find_from_kernels(const FourierMode& mode, const FourierMedium& medium,
+                                        const ZenithGrid& grid, double tolerance);
+
     const Eigenmodes& eigenmodes() const { return eigenmodes_; }
+    const ScatteringKernels& kernels() const { return kernels_; }
 
     /// F diag(h) F^T for values h_j = h(k_j); `result` is resized to n x n.
     template <typename Values>
@@ -51,14 +65,15 @@ class EigenmodeSolver {
     }
 
   private:
-    void form_matrices(const FourierMode& mode, const Eigen::Ref<const Eigen::VectorXd>& strengths,
-                       const ZenithGrid& grid);
+    /// Without rows.
+    void form_node_kernels(const FourierMode& mode, const FourierMedium& medium);
     bool refine_nodes(const ZenithGrid& grid, double tolerance);
     double refine(double steepest);
     double find_correction(double steepest);
     void append(const Eigen::VectorXd& vector, double rate_squared);
 
     Eigenmodes eigenmodes_;
+    ScatteringKernels kernels_;
     math::ScratchMatrix scaled_;
     Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
     Eigen::VectorXd root_;  ///< of the nodes
@@ -97,10 +112,17 @@ struct FourierWork {
     math::ScratchMatrix phi, weighted, phi_requested, moments;  ///< cosines x degrees
     math::ScratchMatrix beam, through, incoming, down, up;      ///< nodes x cosines
     math::ScratchMatrix pairs;
-    Eigen::VectorXd flux_weights, mu_over_flux_weights;
+    math::ScratchMatrix first_out, first_in;  ///< FourierMode::at_requested of both lists
+    Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;
     Eigen::VectorXd near, far, tanh_rates, sinh_rates;
-    Eigen::MatrixXd square, other_square, below, joint;  ///< n x n
-    Eigen::MatrixXd rows, seen, mirrored;                ///< cosines x n
+    Eigen::VectorXd between, incident, downward, upward;  ///< one answer of a layer on a base
+    Eigen::MatrixXd square, other_square, below, joint;   ///< n x n
+    Eigen::MatrixXd same_side, opposite_side, gain, product, to_nodes;        ///< n x n
+    Eigen::MatrixXd rows, seen, mirrored;                                     ///< cosines x n
+    Eigen::MatrixXd same_side_rows, opposite_side_rows, other_rows, to_rows;  ///< cosines x n
+    math::ScratchMatrix reflected_out, reflected_in, scattered_out, scattered_in;
+    /// Largest 4 (mu + mu') |R| between nodes of the half-space solved last.
+    double brightness = 0.0;
     Eigen::PartialPivLU<Eigen::MatrixXd> bounces;
 };
 

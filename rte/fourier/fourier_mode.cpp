@@ -10,7 +10,8 @@ namespace {
 void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     for (Eigen::Index lowest = 0; lowest < std::min<Eigen::Index>(2, mode.at_nodes.cols());
          ++lowest) {
-        const Eigen::VectorXd weighted = mode.at_nodes.col(lowest).cwiseProduct(grid.weights);
+        math::ScratchVector& weighted = mode.node_factors;
+        weighted = mode.at_nodes.col(lowest).cwiseProduct(grid.weights);
         const double norm = weighted.dot(mode.at_nodes.col(lowest));
         for (Eigen::Index c = lowest + 2; c < mode.at_nodes.cols(); c += 2) {
             const double overlap = weighted.dot(mode.at_nodes.col(c)) / norm;
@@ -55,12 +56,9 @@ void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
     legendre_functions_at_nodes(fourier_order, degrees, grid, mode);
     math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
     if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
+    mode.node_factors = grid.weights.cwiseQuotient(grid.mu).cwiseSqrt();
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
-    for (Eigen::Index p = 0; p < grid.size(); ++p) {
-        mode.scaled_nodes.row(p) = std::sqrt(grid.weights[p] / grid.mu[p]) * mode.at_nodes.row(p);
-    }
-    gather_rows(mode.at_requested, requested.out, mode.at_out);
-    gather_rows(mode.at_requested, requested.in, mode.at_in);
+    mode.scaled_nodes = mode.node_factors.asDiagonal() * mode.at_nodes;
 }
 
 ColumnsOfOneParity even_columns(const Eigen::Ref<const Eigen::MatrixXd>& table) {

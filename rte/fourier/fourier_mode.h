@@ -25,9 +25,8 @@ struct FourierMode {
     math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
-    math::ScratchMatrix at_out;        ///< the rows of at_requested of outgoing cosines
-    math::ScratchMatrix at_in;         ///< and of incident ones
     math::ScratchMatrix samples;       ///< at the fine nodes of the projection
+    math::ScratchVector node_factors;  ///< sqrt(w / mu); in between other factors
     NodeProjections projections = {};  ///< of the grids and degrees so far
     int rows_per_node = 1;
     /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.
@@ -78,6 +77,9 @@ struct FourierMedium {
     double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
     int lowest_degree = 0;          ///< m
     std::vector<int> degrees = {};  ///< of the columns; empty: m, m + 1, ...
+    /// FourierWork::brightness of order 0, where it is known: orders above it are solved to a share
+    /// of that. 0: of their own largest value.
+    double brightness = 0.0;
 
     /// Largest alpha |chi_l|, l >= m: bounds what part of a field one scattering returns, and how
     /// far the equations are from those without scattering.

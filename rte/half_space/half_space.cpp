@@ -1,6 +1,8 @@
 #include "rte/half_space/half_space.h"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 #include "rte/fourier/eigenmodes.h"
 #include "rte/math/matrices.h"
@@ -59,15 +61,19 @@ void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid&
                        const RequestedDirections& requested, Reflector& ground) {
     no_reflection(grid, requested, ground);
     if (mode.fourier_order > 0 || !mode.has_intensity()) return;
-    Eigen::VectorXd D = flux_weights(grid);
+    // In the memory of the sky's answer, which nobody has asked for yet.
+    Eigen::VectorXd &D = ground.sky_at_nodes, &one = ground.sky_at_requested;
+    D = (grid.weights.array() * grid.mu.array()).sqrt();
     mode.keep_intensity(D);
     // A rule that does not integrate mu exactly must still return the fraction `albedo` of the
     // flux.
     const double reflection = albedo * 0.5 / D.squaredNorm();
-    ground.nodes = 2.0 * reflection * D * D.transpose();
-    Eigen::VectorXd one = Eigen::VectorXd::Ones(requested.mu.size());
+    one.setOnes(requested.mu.size());
     mode.keep_intensity(one);
-    ground.rows = 2.0 * reflection * one * D.transpose();
+    for (Eigen::Index q = 0; q < D.size(); ++q) {
+        ground.nodes.col(q) = (2.0 * reflection * D[q]) * D;
+        ground.rows.col(q) = (2.0 * reflection * D[q]) * one;
+    }
     for (Eigen::Index i = 0; i < ground.multiple.cols(); ++i) {
         for (Eigen::Index o = 0; o < ground.multiple.rows(); ++o) {
             ground.multiple(o, i) =
@@ -78,48 +84,92 @@ void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid&
 
 namespace {
 
-// R(mu_p, mu_q) = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q) / (4 (mu_p + mu_q)) at the nodes: the
-// right side of eq. (3), factorised.
-void apply_equation_at_nodes(const FourierMode& mode, const ZenithGrid& grid, FourierWork& work,
-                             Eigen::MatrixXd& X) {
-    const Eigen::VectorXd& D = work.flux_weights;
-    reflected_moments(work.mu_over_flux_weights, X, mode, work.phi);
-    work.phi += mode.at_nodes;
-    work.weighted = work.phi * work.alternating.asDiagonal();
-    work.square.resize(X.rows(), X.cols());
-    work.square.noalias() = work.weighted * work.phi.transpose();
-    for (Eigen::Index q = 0; q < X.cols(); ++q) {
-        X.col(q) =
-            0.5 * D[q] * D.array() * work.square.col(q).array() / (grid.mu.array() + grid.mu[q]);
-    }
+// Orders above 0 may err by the tolerance times this share of order 0: it is brightest where it is,
+// and an error counts relative to the largest value at each incidence.
+constexpr double kShareOfOrderZero = 0.1;
+
+// Between nodes, eq. (3) factorises: 4 (mu_p + mu_q) R_pq = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q).
+// With psi = (D/M) phi = (I +- X) y, + for even l - m, and the kernels E, O of both parities
+//     Psi = (I + X) E (I + X) - (I - X) O (I - X) = B + X G + (X G)^T,  G = A + B X / 2,
+// A = E + O (scattered to the same side), B = E - O (to the opposite one), and
+//     X_pq = 2 D_p R_pq D_q = Psi_pq / (2 (1/mu_p + 1/mu_q)).
+
+void form_sides(FourierWork& work) {
+    const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
+    work.same_side = kernels.even + kernels.odd;
+    work.opposite_side = kernels.even - kernels.odd;
+    work.to_nodes.resize(work.inverse_mu.size(), work.inverse_mu.size());
+    for (Eigen::Index q = 0; q < work.to_nodes.cols(); ++q)
+        work.to_nodes.col(q) = 0.5 / (work.inverse_mu.array() + work.inverse_mu[q]);
+    work.same_side_rows = kernels.even_rows + kernels.odd_rows;
+    work.opposite_side_rows = kernels.even_rows - kernels.odd_rows;
+}
+
+// Psi of X into `psi`.
+void fill_psi(const Eigen::MatrixXd& X, FourierWork& work, Eigen::MatrixXd& psi) {
+    const Eigen::Index n = X.rows();
+    work.gain = work.same_side;
+    work.gain.noalias() += 0.5 * work.opposite_side * X;
+    work.product.resize(n, n);
+    work.product.noalias() = X * work.gain;
+    psi.resize(n, n);
+    psi = work.opposite_side + work.product + work.product.transpose();
+}
+
+void fill_nodes(const Eigen::MatrixXd& psi, const FourierWork& work, Eigen::MatrixXd& X) {
+    X = psi.cwiseProduct(work.to_nodes);
     X.triangularView<Eigen::StrictlyLower>() = X.transpose();  // reciprocity, exactly
 }
 
-// The same without its first term (Y Y), at the requested pairs.
-void fill_multiple(const FourierMode& mode, const RequestedDirections& requested, FourierWork& work,
-                   Reflector& result) {
-    reflected_moments(requested.mu, result.rows, mode, work.moments);
-    result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
-    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
-                      result.multiple);
+// Of 4 (mu + mu') R = (M/D) Psi (M/D), which stays bounded: R grows like 1/mu at grazing angles and
+// would hide errors everywhere else.
+double largest_bounded(const Eigen::MatrixXd& psi, const FourierWork& work) {
+    double largest = 0.0;
+    for (Eigen::Index q = 0; q < psi.cols(); ++q) {
+        const double at_column =
+            (psi.col(q).array().abs() * work.mu_over_flux_weights.array()).maxCoeff();
+        largest = std::max(largest, at_column * work.mu_over_flux_weights[q]);
+    }
+    return largest;
+}
+
+// Light scattered once alone is part of R between requested cosines, too, but is known in closed
+// form: with T = mu rows, 4 (mu_o + mu_i) R is without it
+//     T_o (A_i + T_i B)^T + A_o T_i^T.
+void fill_multiple(const RequestedDirections& requested, FourierWork& work, Reflector& result) {
+    const auto out = Eigen::Index(requested.out.size()), in = Eigen::Index(requested.in.size());
+    work.rows = requested.mu.asDiagonal() * result.rows;
+    gather_rows(work.rows, requested.in, work.reflected_in);
+    gather_rows(work.rows, requested.out, work.reflected_out);
+    gather_rows(work.same_side_rows, requested.in, work.scattered_in);
+    gather_rows(work.same_side_rows, requested.out, work.scattered_out);
+    work.scattered_in.noalias() += work.reflected_in * work.opposite_side;
+    result.multiple.resize(out, in);
+    result.multiple.noalias() = work.reflected_out * work.scattered_in.transpose();
+    result.multiple.noalias() += work.scattered_out * work.reflected_in.transpose();
     divide_by_cosines(requested, result.multiple);
 }
 
 // Upward radiance at mu from the source function integrated to infinite depth. Each eigenmode
 // decays as exp(-k tau), so its integral is 1 / (1 + mu k).
-void fill_rows_from_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
-                               const RequestedDirections& requested, FourierWork& work,
+void fill_rows_from_eigenmodes(const RequestedDirections& requested, FourierWork& work,
                                Reflector& result) {
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
-    work.sources.find(medium, mode, eigenmodes);
+    const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
+    const Eigen::Index cosines = requested.mu.size(), modes = eigenmodes.rates.size();
     Eigen::MatrixXd& weights = work.sources.even;
-    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+    weights.resize(cosines, modes);
+    work.sources.odd.resize(cosines, modes);
+    work.rows.resize(cosines, eigenmodes.vectors.rows());
+    work.rows.noalias() = kernels.even_rows * eigenmodes.odd;  // F^-T = V F
+    weights.noalias() = work.rows * eigenmodes.vectors;
+    work.sources.odd.noalias() = kernels.odd_rows * eigenmodes.vectors;
+    for (Eigen::Index j = 0; j < modes; ++j) {
         const double k = eigenmodes.rates[j];
         weights.col(j).array() = 0.5 *
                                  (weights.col(j).array() - k * work.sources.odd.col(j).array()) /
                                  (1.0 + k * requested.mu.array());
     }
-    work.rows.resize(weights.rows(), eigenmodes.vectors.rows());
     work.rows.noalias() = weights * eigenmodes.vectors.transpose();
     result.rows = work.rows;
     result.rows.noalias() += work.rows * result.nodes;  // s = (I + X) i_down at the surface
@@ -129,16 +179,83 @@ void fill_rows_from_eigenmodes(const FourierMedium& medium, const FourierMode& m
 bool solve_by_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
                          const ZenithGrid& grid, const RequestedDirections& requested,
                          double tolerance, FourierWork& work, Reflector& result) {
-    const Eigenmodes& eigenmodes = work.eigenmode_solver.find(mode, medium, grid, tolerance);
+    const Eigenmodes& eigenmodes =
+        work.eigenmode_solver.find_from_kernels(mode, medium, grid, tolerance);
     if (!eigenmodes.physical) return false;
     work.eigenmode_solver.function(eigenmodes.rates.array(), work.square);
     work.square.diagonal().array() += 1.0;
     if (!math::invert_positive_definite(work.square, result.nodes)) return false;
     result.nodes *= 2.0;
     result.nodes.diagonal().array() -= 1.0;
-    apply_equation_at_nodes(mode, grid, work, result.nodes);
-    fill_rows_from_eigenmodes(medium, mode, requested, work, result);
+    fill_psi(result.nodes, work, work.square);
+    work.brightness = largest_bounded(work.square, work);
+    fill_nodes(work.square, work, result.nodes);
+    fill_rows_from_eigenmodes(requested, work, result);
     return true;
+}
+
+// What is left to go after a step of the fixed point: each is at most `ratio` of the one before.
+double left_after(double step, double ratio) { return step * ratio / (1.0 - ratio); }
+
+// True where the fixed point converges in so few sweeps that it is cheaper than an eigenproblem:
+// high Fourier orders, whose remaining moments are small. X scatters on into X at most what the
+// phase function returns, as both directions take their part of it.
+bool few_sweeps_suffice(double ratio, double share) {
+    constexpr double most_sweeps = 10.0;
+    return ratio < 0.5 && std::log(share) > most_sweeps * std::log(std::max(ratio, 1e-30));
+}
+
+// The fixed point, without any linear system, until no more than `accuracy` of 4 (mu + mu') R is
+// left to go; `once` is the largest of light scattered once.
+bool sweep_half_space(const RequestedDirections& requested, double accuracy, double ratio,
+                      double once, FourierWork& work, Reflector& result) {
+    constexpr int most_sweeps = 40;
+    Eigen::MatrixXd& psi = work.square;
+    Eigen::MatrixXd& previous = work.other_square;
+    psi = work.opposite_side;
+    fill_nodes(psi, work, result.nodes);
+    double step = once, slowest = ratio;
+    const auto has_arrived = [&] { return left_after(step, std::min(slowest, 0.9)) <= accuracy; };
+    int sweep = 0;
+    for (; !has_arrived() && sweep < most_sweeps; ++sweep) {
+        previous.swap(psi);
+        fill_psi(result.nodes, work, psi);
+        fill_nodes(psi, work, result.nodes);
+        previous -= psi;
+        const double next = largest_bounded(previous, work);
+        slowest = std::max(ratio, next / step);
+        step = next;
+    }
+    if (!has_arrived()) return false;
+    // With X known, each requested cosine obeys a linear fixed point of its own:
+    // 2 R(mu, mu_q) D_q = (B_r + A_r X + mu rows (A + B X))_q mu_q / (2 (mu + mu_q)).
+    const Eigen::Index cosines = requested.mu.size(), n = result.nodes.rows();
+    work.gain = work.same_side;
+    work.gain.noalias() += work.opposite_side * result.nodes;
+    work.seen = work.opposite_side_rows;
+    work.seen.noalias() += work.same_side_rows * result.nodes;
+    work.rows = work.seen;
+    work.other_rows.resize(cosines, n);
+    work.to_rows.resize(cosines, n);
+    for (Eigen::Index q = 0; q < n; ++q)
+        work.to_rows.col(q) = 0.5 / (1.0 + work.inverse_mu[q] * requested.mu.array());
+    result.rows = work.rows.cwiseProduct(work.to_rows);
+    step = once;
+    for (sweep = 0; !(left_after(step, ratio) <= accuracy); ++sweep) {
+        if (sweep == most_sweeps) return false;
+        work.other_rows.swap(work.rows);
+        result.rows = requested.mu.asDiagonal() * result.rows;
+        work.rows = work.seen;
+        work.rows.noalias() += result.rows * work.gain;
+        result.rows = work.rows.cwiseProduct(work.to_rows);
+        step = 0.0;
+        for (Eigen::Index q = 0; q < n && cosines > 0; ++q) {
+            step =
+                std::max(step, (work.rows.col(q) - work.other_rows.col(q)).cwiseAbs().maxCoeff() *
+                                   work.mu_over_flux_weights[q]);
+        }
+    }
+    return result.nodes.allFinite() && result.rows.allFinite();
 }
 
 // The row of Ambartsumian's equation at each cosine, for any X that satisfies it at the nodes:
@@ -171,15 +288,21 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
                       double tolerance, FourierWork& work, Reflector& result) {
     work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
     work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
-    alternating(medium.strengths, work.alternating);
+    work.inverse_mu = grid.mu.cwiseInverse();
+    work.eigenmode_solver.form_kernels(mode, medium);
+    form_sides(work);
     result.specular.resize(0);
     if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
         result.residual = 0.0;
         result.converged = true;
-        if (few_sweeps_suffice(medium, tolerance)) {
-            sweep_half_space(mode, grid, requested, tolerance, work, result);
-            result.iterations = 0;
+        const double once = largest_bounded(work.opposite_side, work);
+        const double accuracy = tolerance * std::max(once, kShareOfOrderZero * medium.brightness);
+        const double ratio = medium.strongest();
+        result.physical = few_sweeps_suffice(ratio, once > 0.0 ? accuracy / once : 1.0) &&
+                          sweep_half_space(requested, accuracy, ratio, once, work, result);
+        if (result.physical) {
+            work.brightness = largest_bounded(work.square, work);
         } else {
             result.physical =
                 solve_by_eigenmodes(medium, mode, grid, requested, tolerance, work, result);
@@ -190,7 +313,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
                      : double_to_half_space(medium, mode, grid, tolerance);
         if (result.physical) fill_rows_by_solving(medium, mode, grid, requested, result);
     }
-    if (result.physical) fill_multiple(mode, requested, work, result);
+    if (result.physical) fill_multiple(requested, work, result);
 }
 
 Reflector solve_half_space(HalfSpaceMethod method, const FourierMedium& medium,

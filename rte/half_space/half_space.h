@@ -88,7 +88,9 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
 /// physical solution is a matrix geometric mean: with the matrices of eigenmodes.h,
 /// Z = F k F^T solves Z V Z = U, and X = 2 (I + Z)^-1 - I; then one application of eq. (3) removes
 /// the rounding at grazing nodes. About 19 n^3 operations, exact at albedo 1. High Fourier orders,
-/// where a few sweeps of the fixed point reach the tolerance, are solved by these instead.
+/// where a few sweeps of the fixed point reach the tolerance, are solved by these instead: to the
+/// tolerance times their own largest (mu + mu') R or a tenth of that of order 0
+/// (FourierMedium::brightness), whichever is more.
 /// `fixed_point`: the paper's iteration from single scattering; the number of steps grows without
 /// bound as the albedo tends to 1.
 /// `doubling`: structured doubling from a thin layer, quadratically convergent; independent of any
@@ -105,17 +107,6 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
 Reflector solve_half_space(HalfSpaceMethod method, const FourierMedium& medium,
                            const FourierMode& mode, const ZenithGrid& grid,
                            const RequestedDirections& requested, double tolerance = 1e-12);
-
-/// True where the fixed point converges in so few steps that it is cheaper than an eigenproblem:
-/// high Fourier orders, whose remaining moments are small.
-bool few_sweeps_suffice(const FourierMedium& medium, double tolerance);
-
-/// The fixed point at nodes and requested cosines at once, without any linear system; for media and
-/// orders of which few_sweeps_suffice. Fills nodes, rows, iterations, residual, converged,
-/// physical.
-void sweep_half_space(const FourierMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, FourierWork& work,
-                      Reflector& result);
 
 /// X by the paper's fixed-point iteration; fills nodes, iterations, residual, converged, physical.
 Reflector iterate_half_space(const FourierMedium& medium, const FourierMode& mode,

@@ -1,5 +1,5 @@
 // The iterative half-space methods: the paper's, doubling, which shares nothing with the closed
-// form but the equation, and the few sweeps that high Fourier orders take.
+// form but the equation.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
@@ -109,65 +109,6 @@ Reflector double_to_half_space(const FourierMedium& medium, const FourierMode& m
     result.nodes = 0.5 * (X + X.transpose());
     result.physical = result.nodes.allFinite();
     return result;
-}
-
-bool few_sweeps_suffice(const FourierMedium& medium, double tolerance) {
-    // At most half of what a scattering returns goes to the other side. A sweep costs about a fifth
-    // of an eigenproblem.
-    const double returned = 0.5 * medium.strongest();
-    return returned < 0.3 && std::log(tolerance) / std::log(std::max(returned, 1e-30)) < 5.0;
-}
-
-void sweep_half_space(const FourierMode& mode, const ZenithGrid& grid,
-                      const RequestedDirections& requested, double tolerance, FourierWork& work,
-                      Reflector& result) {
-    constexpr int most_sweeps = 40;
-    const Eigen::VectorXd& D = work.flux_weights;
-    const Eigen::Index n = grid.size();
-    const math::ScratchVector& strengths = work.alternating;
-    Eigen::MatrixXd& next = work.square;
-    Eigen::MatrixXd& previous = work.other_square;
-    next.resize(n, n);
-    previous.setZero(n, n);
-    result.nodes.resize(n, n);
-    result.converged = false;
-    work.phi = mode.at_nodes;
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-        work.weighted = work.phi * strengths.asDiagonal();
-        next.noalias() = work.weighted * work.phi.transpose();
-        const double scale = next.cwiseAbs().maxCoeff();
-        const double change = scale > 0.0 ? (next - previous).cwiseAbs().maxCoeff() / scale : 0.0;
-        for (Eigen::Index q = 0; q < n; ++q) {
-            result.nodes.col(q) =
-                0.5 * D[q] * next.col(q).array() * D.array() / (grid.mu.array() + grid.mu[q]);
-        }
-        result.residual = change;
-        result.converged = has_converged(change, tolerance, sweep > 0);
-        if (result.converged) break;
-        previous.swap(next);
-        reflected_moments(work.mu_over_flux_weights, result.nodes, mode, work.phi);
-        work.phi += mode.at_nodes;
-    }
-    // With phi at the nodes known, each requested cosine obeys a linear fixed point of its own.
-    const Eigen::Index cosines = requested.mu.size();
-    Eigen::MatrixXd& before = work.rows;
-    work.phi_requested = mode.at_requested;
-    result.rows.setZero(cosines, n);
-    before.resize(cosines, n);
-    for (int sweep = 0; sweep < most_sweeps && cosines > 0; ++sweep) {
-        before.swap(result.rows);
-        result.rows.noalias() = work.phi_requested * work.weighted.transpose();
-        for (Eigen::Index q = 0; q < n; ++q) {
-            result.rows.col(q).array() *= 0.5 * D[q] / (requested.mu.array() + grid.mu[q]);
-        }
-        if ((result.rows - before).cwiseAbs().maxCoeff() <=
-            tolerance * result.rows.cwiseAbs().maxCoeff()) {
-            break;
-        }
-        reflected_moments(requested.mu, result.rows, mode, work.phi_requested);
-        work.phi_requested += mode.at_requested;
-    }
-    result.physical = result.nodes.allFinite() && result.rows.allFinite() && result.converged;
 }
 
 }  // namespace miebrdf::rte

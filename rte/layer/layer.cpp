@@ -121,19 +121,24 @@ void fill_layer_pairs(const FourierMode& mode, const RequestedDirections& reques
                       FourierWork& work, LayerOperator& layer) {
     layer.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     reflected_moments(requested.mu, layer.reflection_rows, mode, work.moments);
-    work.products.add(work.alternating, work.moments, mode.at_out, mode.at_in, requested,
+    gather_rows(mode.at_requested, requested.out, work.first_out);
+    gather_rows(mode.at_requested, requested.in, work.first_in);
+    work.products.add(work.alternating, work.moments, work.first_out, work.first_in, requested,
                       layer.multiple);
     work.moments.noalias() = layer.transmission_rows * mode.scaled_nodes;
     for (Eigen::Index c = 0; c < work.moments.cols(); ++c) {
         work.moments.col(c).array() *= requested.mu.array();
     }
-    work.products.subtract_below(work.alternating, work.moments, layer.direct, mode.at_out,
-                                 mode.at_in, requested, layer.multiple);
+    work.products.subtract_below(work.alternating, work.moments, layer.direct, work.first_out,
+                                 work.first_in, requested, layer.multiple);
     divide_by_cosines(requested, layer.multiple);
 }
 
-Eigen::VectorXd LayerOperator::transmitted(const Eigen::VectorXd& incident) const {
-    return 2.0 * (alike * (coupling * (opposite * incident)));
+void LayerOperator::transmit(const Eigen::VectorXd& incident, Eigen::VectorXd& between,
+                             Eigen::VectorXd& transmitted) const {
+    transmitted.noalias() = opposite * incident;
+    between.noalias() = coupling * transmitted;
+    transmitted.noalias() = 2.0 * alike * between;
 }
 
 void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const FourierMode& mode,
@@ -259,29 +264,38 @@ void fill_pairs(const LayerOperator& layer, const Reflector& base,
 
 // The answer to a sky: down = T sky + X_c up, up = X_base down.
 void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::VectorXd& sky,
-              const FourierWork& work, Reflector& result) {
-    const Eigen::VectorXd down = work.bounces.solve(layer.transmitted(sky));
-    const Eigen::VectorXd up = base.nodes * down;
+              FourierWork& work, Reflector& result) {
+    Eigen::VectorXd &down = work.downward, &up = work.upward;
+    layer.transmit(sky, work.between, work.incident);
+    down = work.bounces.solve(work.incident);
+    up.noalias() = base.nodes * down;
     const bool has_mirror = base.specular.size() > 0;
-    result.sky_at_requested = layer.reflection_rows * sky + work.seen * down;
-    result.sky_at_requested += (has_mirror ? work.mirrored : layer.transmission_rows) * up;
+    result.sky_at_requested.noalias() = layer.reflection_rows * sky;
+    result.sky_at_requested.noalias() += work.seen * down;
+    result.sky_at_requested.noalias() +=
+        (has_mirror ? work.mirrored : layer.transmission_rows) * up;
     if (has_mirror) {
         result.sky_at_requested +=
             layer.direct.cwiseProduct(base.specular).asDiagonal() * (layer.transmission_rows * sky);
     }
-    result.sky_at_nodes = layer.reflection * sky + layer.transmitted(up);
+    layer.transmit(up, work.between, result.sky_at_nodes);
+    result.sky_at_nodes.noalias() += layer.reflection * sky;
 }
 
 /// Emission from below: up = U + X_base down, down = X_c up.
-void fill_glow(const LayerOperator& layer, const Reflector& base, const FourierWork& work,
+void fill_glow(const LayerOperator& layer, const Reflector& base, FourierWork& work,
                Reflector& result) {
     const Eigen::VectorXd& below = base.glow_at_nodes;
-    const Eigen::VectorXd down = work.bounces.solve(layer.reflection * below);
-    const Eigen::VectorXd up = below + base.nodes * down;
-    result.glow_at_nodes = layer.transmitted(up);
-    result.glow_at_requested =
-        (base.specular.size() > 0 ? work.mirrored : layer.transmission_rows) * up +
-        work.seen * down + layer.direct.cwiseProduct(base.glow_at_requested);
+    Eigen::VectorXd &down = work.downward, &up = work.upward;
+    work.incident.noalias() = layer.reflection * below;
+    down = work.bounces.solve(work.incident);
+    up = below;
+    up.noalias() += base.nodes * down;
+    layer.transmit(up, work.between, result.glow_at_nodes);
+    result.glow_at_requested = layer.direct.cwiseProduct(base.glow_at_requested);
+    result.glow_at_requested.noalias() +=
+        (base.specular.size() > 0 ? work.mirrored : layer.transmission_rows) * up;
+    result.glow_at_requested.noalias() += work.seen * down;
 }
 
 }  // namespace

@@ -28,8 +28,9 @@ struct LayerOperator {
     Eigen::MatrixXd opposite;  ///< (I + Z_m)^-1: with opposite signs, (I + X_c - T_c) / 2
     bool physical = false;
 
-    /// T_c times a vector.
-    Eigen::VectorXd transmitted(const Eigen::VectorXd& incident) const;
+    /// T_c times a vector; `between` is overwritten.
+    void transmit(const Eigen::VectorXd& incident, Eigen::VectorXd& between,
+                  Eigen::VectorXd& transmitted) const;
 };
 
 /// A free layer from the eigenmodes of its medium: with Z_p = F k tanh(k tau/2) F^T and

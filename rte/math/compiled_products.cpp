@@ -18,9 +18,33 @@ void for_storage(const Factor& A, const Factor& B, const Compute& compute) {
     return with_left(FactorByColumns(A.data, A.rows, A.cols, stride));
 }
 
+// A single row of numbers that lie side by side, as of one requested cosine: Eigen copies what it
+// does not know at compile time to be a vector.
+bool is_one_row(const Factor& A, ProductTarget target) {
+    return A.rows == 1 && (A.by_rows || A.stride == 1) && target.stride == 1;
+}
+
+template <typename Compute>
+void for_one_row(const Factor& A, const Factor& B, ProductTarget target, const Compute& compute) {
+    const Eigen::Map<const Eigen::VectorXd> row(A.data, A.cols);
+    Eigen::Map<Eigen::VectorXd> result(target.data, B.cols);
+    const Eigen::OuterStride<> stride(B.stride);
+    if (B.by_rows) {
+        compute(result, FactorByRows(B.data, B.rows, B.cols, stride).transpose(), row);
+    } else {
+        compute(result, FactorByColumns(B.data, B.rows, B.cols, stride).transpose(), row);
+    }
+}
+
 }  // namespace
 
 void set_product(double scale, const Factor& A, const Factor& B, ProductTarget target) {
+    if (is_one_row(A, target)) {
+        for_one_row(A, B, target, [scale](auto& result, const auto& left, const auto& right) {
+            result.noalias() = scale * left * right;
+        });
+        return;
+    }
     Target result(target.data, A.rows, B.cols, Eigen::OuterStride<>(target.stride));
     for_storage(A, B, [&](const auto& left, const auto& right) {
         result.noalias() = scale * left * right;
@@ -28,6 +52,12 @@ void set_product(double scale, const Factor& A, const Factor& B, ProductTarget t
 }
 
 void add_product(double scale, const Factor& A, const Factor& B, ProductTarget target) {
+    if (is_one_row(A, target)) {
+        for_one_row(A, B, target, [scale](auto& result, const auto& left, const auto& right) {
+            result.noalias() += scale * left * right;
+        });
+        return;
+    }
     Target result(target.data, A.rows, B.cols, Eigen::OuterStride<>(target.stride));
     for_storage(A, B, [&](const auto& left, const auto& right) {
         result.noalias() += scale * left * right;

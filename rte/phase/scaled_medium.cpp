@@ -46,6 +46,20 @@ int first_cutoff(double f, int moments) {
     return std::max(1, moments - int(std::lround(widest_share * peak_strength(f) * moments)));
 }
 
+// Whether the running means of split_forward_peak are the moments themselves, as of
+// Henyey-Greenstein: a second difference d of log chi moves a Gaussian mean by sigma^2 / 2 of it.
+bool is_geometric(std::span<const double> chi) {
+    double largest = 1.0, bend = 0.0;
+    for (std::size_t l = 1; l + 1 < chi.size(); ++l) {
+        const double square = chi[l] * chi[l];
+        if (!(chi[l] > 0.0 && square > 0.0)) return false;
+        bend = std::max(bend, std::abs(chi[l - 1] * chi[l + 1] - square) / square);
+        largest = std::max(largest, (2.0 * double(l) + 1.0) * chi[l]);
+    }
+    return chi.size() > 2 && chi.back() > 0.0 &&
+           0.5 * kSigma * kSigma * bend * largest <= kNegligible;
+}
+
 // Weight of one cutoff of the window: zero towards both ends, so that the share that is scaled away
 // sets in and ends without a kink.
 double cutoff_weight(int index, int cutoffs) {
@@ -103,6 +117,10 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cut
     split.first_degree = moments;
     const int count = int(chi.size());
     if (count <= moments + 1) return split;
+    if (is_geometric(chi)) {
+        split.peak.assign(chi.begin() + moments, chi.end());
+        return split;
+    }
 
     const Eigen::VectorXd kernel =
         (-0.5 / (kSigma * kSigma) *

@@ -75,7 +75,8 @@ struct ScaledMedium {
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
     /// Shares of degrees that the nodes do not resolve near retro-reflection, [degree][angle of
-    /// zenith, kResolvedAngles in equal steps to the horizon]; none: whatever moments describe.
+    /// zenith, kResolvedAngles in equal steps to the horizon]; none: whatever moments describe, or
+    /// `narrow` has no rest.
     std::vector<double> unresolved_shares = {};
 };
 

@@ -148,6 +148,7 @@ const ZenithGrid& StackGrids::of(double index) const {
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
     for (ScaledMedium& medium : stack.media) {
         medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
+        medium.unresolved_shares.clear();
         if (medium.narrow.rest.empty()) continue;
         medium.unresolved_shares = unresolved_shares(
             resolved_waves(grids.of(medium.index), kResolvedAngles), int(medium.scaled.chi.size()));
@@ -162,6 +163,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       options_(options),
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
+    memory_.brightness.assign(stack.media.size(), 0.0);
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -230,19 +232,41 @@ void StackSolver::put_on_rough_top(ReflectorParts parts) {
                        memory_.reflector);
 }
 
-void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
-                                  const Eigen::VectorXd& sky) {
-    const SmoothBoundary boundary(below, above, grids_.refraction(), requested_in(below));
-    std::swap(memory_.below, memory_.reflector);
-    put_boundary_on(boundary, memory_.below, requested_in(below), parts, sky, memory_.work,
-                    memory_.reflector);
+// Reflectances are the same in all Fourier orders, and in stacks of the same indices.
+const SmoothBoundary& StackSolver::boundary_between(double below, double above) {
+    constexpr std::size_t most = 8;
+    const Eigen::VectorXd& nodes = grids_.of(below).mu;
+    const RequestedDirections& requested = requested_in(below);
+    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return a.size() == b.size() && a == b;
+    };
+    for (const KnownBoundary& known : memory_.boundaries) {
+        const SmoothBoundary& boundary = known.boundary;
+        if (boundary.index_below == below && boundary.index_above == above &&
+            boundary.nodes_above == grids_.refraction().nodes_below(above) &&
+            alike(known.nodes, nodes) && alike(known.requested, requested.mu)) {
+            return boundary;
+        }
+    }
+    if (memory_.boundaries.size() == most) memory_.boundaries.erase(memory_.boundaries.begin());
+    memory_.boundaries.push_back(
+        {SmoothBoundary(below, above, grids_.refraction(), requested), nodes, requested.mu});
+    return memory_.boundaries.back().boundary;
 }
 
-void StackSolver::set_medium(const ScaledMedium& medium) {
-    const ScaledOptics& scaled = medium.scaled;
+void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
+                                  const Eigen::VectorXd& sky) {
+    std::swap(memory_.below, memory_.reflector);
+    put_boundary_on(boundary_between(below, above), memory_.below, requested_in(below), parts, sky,
+                    memory_.work, memory_.reflector);
+}
+
+void StackSolver::set_medium(std::size_t index) {
+    const ScaledOptics& scaled = stack_.media[index].scaled;
     const FourierMode& mode = memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
     memory_.medium.lowest_degree = mode.fourier_order;
+    memory_.medium.brightness = mode.fourier_order > 0 ? memory_.brightness[index] : 0.0;
     memory_.medium.strengths.resize(mode.at_nodes.cols());
     for (Eigen::Index c = 0; c < memory_.medium.strengths.size(); ++c) {
         const Eigen::Index l = mode.fourier_order + c;
@@ -259,19 +283,23 @@ bool StackSolver::may_leave_out_layers() const {
 std::size_t StackSolver::solve_lowest() {
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
-        set_medium(stack_.media[c]);
+        set_medium(c);
         if (!hides_in_fourier_order(memory_.medium, stack_.media[c].scaled_optical_depth,
                                     tolerance_ * std::min(stack_.brightness, 1.0))) {
             continue;
         }
-        const double index = stack_.media[c].index;
-        solve_half_space(HalfSpaceMethod::automatic, memory_.medium, mode_of(index),
-                         grids_.of(index), requested_in(index), tolerance_, memory_.work,
-                         memory_.reflector);
+        solve_as_half_space(HalfSpaceMethod::automatic, c);
         return c + 1;
     }
     solve_base();
     return first_coat;
+}
+
+void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t index) {
+    const double n = stack_.media[index].index;
+    solve_half_space(method, memory_.medium, mode_of(n), grids_.of(n), requested_in(n), tolerance_,
+                     memory_.work, memory_.reflector);
+    if (memory_.medium.lowest_degree == 0) memory_.brightness[index] = memory_.work.brightness;
 }
 
 void StackSolver::solve_base() {
@@ -280,7 +308,7 @@ void StackSolver::solve_base() {
     const FourierMode& mode = mode_of(index);
     const ZenithGrid& grid = grids_.of(index);
     const RequestedDirections& requested = requested_in(index);
-    memory_.reflector.glow_at_nodes.resize(0);
+    if (!stack_.transmits) memory_.reflector.glow_at_nodes.resize(0);
     switch (stack_.base) {
         case BaseKind::lambertian:
             lambertian_ground(stack_.ground_albedo, mode, grid, requested, memory_.reflector);
@@ -294,14 +322,13 @@ void StackSolver::solve_base() {
                           memory_.reflector);
             break;
         case BaseKind::half_space:
-            set_medium(stack_.media.front());
-            solve_half_space(options_.half_space_method, memory_.medium, mode, grid, requested,
-                             tolerance_, memory_.work, memory_.reflector);
+            set_medium(0);
+            solve_as_half_space(options_.half_space_method, 0);
             return;
     }
     if (!stack_.transmits) return;
     Reflector& ground = memory_.reflector;
-    ground.glow_at_nodes = flux_weights(grid);
+    ground.glow_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
     ground.glow_at_requested.setOnes(requested.mu.size());
     if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
         ground.glow_at_nodes -= ground.nodes * ground.glow_at_nodes;
@@ -311,7 +338,7 @@ void StackSolver::solve_base() {
 
 void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky) {
     const ScaledMedium& coat = stack_.media[index];
-    set_medium(coat);
+    set_medium(index);
     const FourierMode& mode = mode_of(coat.index);
     const ZenithGrid& grid = grids_.of(coat.index);
     const RequestedDirections& requested = requested_in(coat.index);

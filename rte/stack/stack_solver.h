@@ -11,6 +11,7 @@
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
+#include "rte/boundary/smooth_boundary.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
@@ -41,6 +42,12 @@ struct ScaledStack {
 };
 
 class RoughTop;
+
+/// A boundary at the cosines where it was last needed.
+struct KnownBoundary {
+    SmoothBoundary boundary;
+    Eigen::VectorXd nodes, requested;  ///< of the medium below
+};
 
 enum class NarrowPart { split, ignored };
 
@@ -98,6 +105,8 @@ struct StackMemory {
     LayerOperator layer = {};
     Reflector reflector = {}, below = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
+    std::vector<KnownBoundary> boundaries = {};
+    std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 
 /// Solves the base and puts the coats on it. Fourier orders after the first find their matrices
@@ -124,11 +133,14 @@ class StackSolver {
     std::size_t solve_lowest();
     void solve_base();
     void put_on_rough_top(ReflectorParts parts);
+    const SmoothBoundary& boundary_between(double below, double above);
     void put_on_boundary(double below, double above, ReflectorParts parts,
                          const Eigen::VectorXd& sky);
     void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
     /// Degrees that a medium has no moments for scatter nothing.
-    void set_medium(const ScaledMedium& medium);
+    void set_medium(std::size_t index);
+    /// After set_medium.
+    void solve_as_half_space(HalfSpaceMethod method, std::size_t index);
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
 

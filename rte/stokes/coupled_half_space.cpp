@@ -191,8 +191,11 @@ void solve_coupled_half_space(const StokesTables& tables, const StokesBlock& blo
     result.iterations = modes.steps;
     reflected_moments(requested.mu, result.rows, mode, work.fourier.moments);
     result.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
-    work.fourier.products.add(work.fourier.alternating, work.fourier.moments, mode.at_out,
-                              mode.at_in, requested, result.multiple);
+    gather_rows(mode.at_requested, requested.out, work.fourier.first_out);
+    gather_rows(mode.at_requested, requested.in, work.fourier.first_in);
+    work.fourier.products.add(work.fourier.alternating, work.fourier.moments,
+                              work.fourier.first_out, work.fourier.first_in, requested,
+                              result.multiple);
     divide_by_cosines(requested, result.multiple);
     result.multiple *= metric(result.multiple.cols(), c).asDiagonal();
 }

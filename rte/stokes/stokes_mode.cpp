@@ -228,8 +228,6 @@ void make_block_mode(const StokesTables& tables, const StokesBlock& block,
     mode.scaled_nodes.resize(mode.at_nodes.rows(), count);
     mode.scaled_nodes =
         (grid.weights.array() / grid.mu.array()).sqrt().matrix().asDiagonal() * mode.at_nodes;
-    gather_rows(mode.at_requested, requested.out, mode.at_out);
-    gather_rows(mode.at_requested, requested.in, mode.at_in);
 }
 
 }  // namespace miebrdf::rte

@@ -35,9 +35,12 @@ Eigen::Matrix3d fourier_sum(const rte::Optics& optics, int degrees, double mu_in
             rte::FourierMedium medium;
             rte::make_block_mode(tables, block, strengths, rte::repeated(grid, c),
                                  rte::repeated(cosines, c), mode, medium);
-            const Eigen::MatrixXd R = mode.at_out *
-                                      rte::alternating(medium.strengths).asDiagonal() *
-                                      mode.at_in.transpose();
+            const rte::RequestedDirections requested = rte::repeated(cosines, c);
+            math::ScratchMatrix at_out, at_in;
+            rte::gather_rows(mode.at_requested, requested.out, at_out);
+            rte::gather_rows(mode.at_requested, requested.in, at_in);
+            const Eigen::MatrixXd R =
+                at_out * rte::alternating(medium.strengths).asDiagonal() * at_in.transpose();
             for (int row = 0; row < c; ++row) {
                 for (int column = 0; column < c; ++column) {
                     const int r = int(block[std::size_t(row)]), k = int(block[std::size_t(column)]);
