@@ -182,7 +182,7 @@ std::vector<RayGroup> ray_groups(double index, bool exact) {
         index < 2 ? RayGroup{2, 2, {41, 49}, false} : RayGroup{2, 2, {25, 33}, false};
     if (exact) {
         return {{0, 0, {33, 41}, false}, {1, 1, {17, 25}, false},  two_ways,
-                {3, 4, {33, 41}, false}, {5, 16, {33, 41}, false}, {17, 0, {17, 25}, false}};
+                {3, 4, {33, 41}, false}, {5, 16, {17, 25}, false}, {17, 0, {17, 25}, false}};
     }
     return {{0, 0, {33, 41}, false},
             {1, 1, {8, 8}, true},

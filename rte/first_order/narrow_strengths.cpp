@@ -111,39 +111,13 @@ DegreeRange degrees_of(const std::vector<ScaledMedium>& media) {
     return range;
 }
 
-// J_0(z) ... J_last(z), z >= 0: Miller's recurrence downwards, whose start does not show.
-std::vector<double> bessel_functions(double z, int last) {
-    std::vector<double> values(std::size_t(last) + 1, 0.0);
-    values[0] = 1.0;
-    if (z == 0.0) return values;
-    double above = 0.0, here = 1e-250, sum = 0.0;
-    for (int m = 2 * (std::max(last, int(z)) / 2) + 40; m >= 0; --m) {
-        if (m <= last) values[std::size_t(m)] = here;
-        if (m % 2 == 0) sum += m == 0 ? here : 2.0 * here;  // J_0 + 2 J_2 + 2 J_4 + ... = 1
-        const double below = 2.0 * m / z * here - above;
-        above = here;
-        here = below;
-    }
-    for (double& value : values) value /= sum;
-    return values;
-}
-
 // The share of degree l that nodes do not resolve at an angle of zenith where they resolve so many
-// waves. Near retro-reflection P_l is the sum of its Fourier orders, each with the square of a
-// Bessel function J_m(l sin(angle)); order m has (l^2 - m^2 / sin^2(angle))^(1/2) waves along the
-// zenith angle. At the zenith all waves are along it; elsewhere a share of them is along the
-// azimuth, where Fourier orders resolve them whatever the nodes do.
-double share_unresolved(int l, double sine, double waves) {
-    if (double(l) <= waves) return 0.0;
-    constexpr double many = 30.0;
-    const double z = l * sine;
-    if (z > many) return (2.0 / std::numbers::pi) * std::acos(waves / l);
-    const double first_resolved = z * std::sqrt(1.0 - std::pow(waves / l, 2));
-    const std::vector<double> bessel = bessel_functions(z, int(first_resolved + 0.5));
-    double share = bessel[0] * bessel[0];
-    for (std::size_t m = 1; m < bessel.size(); ++m)
-        share += 2.0 * std::min(first_resolved + 0.5 - double(m), 1.0) * bessel[m] * bessel[m];
-    return std::min(share, 1.0);
+// waves. Of a function of the scattering angle that varies like l waves in all directions, some
+// directions are along the azimuth, which Fourier orders resolve whatever the nodes do. (At the
+// zenith all are along the zenith angle; so sharp a change within a degree of it would be worse
+// than what it mends.)
+double share_unresolved(int l, double waves) {
+    return double(l) <= waves ? 0.0 : (2.0 / std::numbers::pi) * std::acos(waves / double(l));
 }
 
 }  // namespace
@@ -174,10 +148,8 @@ std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, doubl
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees) {
     std::vector<double> shares;
     shares.reserve(std::size_t(degrees) * resolved_waves.size());
-    const double step = 0.5 * std::numbers::pi / double(kResolvedAngles - 1);
-    for (int l = 0; l < degrees && !resolved_waves.empty(); ++l) {
-        for (std::size_t k = 0; k < kResolvedAngles; ++k)
-            shares.push_back(share_unresolved(l, std::sin(step * double(k)), resolved_waves[k]));
+    for (int l = 0; l < degrees; ++l) {
+        for (const double waves : resolved_waves) shares.push_back(share_unresolved(l, waves));
     }
     return shares;
 }
