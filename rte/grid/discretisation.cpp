@@ -272,9 +272,14 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
     for (std::size_t step = 0; step < ladder.size(); ++step) {
         const int streams = ladder[step];
         fine = attempt_at(streams);
+        const int orders = fine.report.fourier_orders;
+        // Of larger spheres few nodes and what they do not resolve, in closed form, are as good as
+        // more nodes.
+        const bool can_be_resolved =
+            carrying > 0 && work_of(std::max(streams, carrying), orders) <= kPromisingWork;
         if (fine.physical && coarse.physical) {
             estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
-                           backwards, options.tolerance);
+                           can_be_resolved ? backwards : std::vector<bool>(), options.tolerance);
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
             fine.report.share_within_tolerance = 0.0;
@@ -283,10 +288,9 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
-        const int orders = fine.report.fourier_orders;
-        // The one before must carry all moments, too, or the two still differ by them.
-        const bool promising = coarse.report.streams < carrying &&
-                               work_of(std::max(streams, carrying), orders) <= kPromisingWork;
+        // The two before must carry all moments, too, or the three still differ by them.
+        const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
+        const bool promising = fewest < carrying && can_be_resolved;
         if (stalled && !promising && step + 1 < ladder.size() &&
             !is_worth_a_try(ladder[step + 1], orders)) {
             break;
