@@ -23,6 +23,10 @@ using Rule = SizeRefinement::Rule;
 constexpr double kMatrixRounding = 1e-13;  // no estimate below what rounding leaves
 constexpr double kNegligible = 1e-15;      // coefficients without 2l + 1: rounding of the sums
 constexpr double kProductsPerSecond = 4e9;
+// Points of P have the errors of all degrees: what their relative change counts as beside that of
+// single degrees. Where P is dim, it is relative to this.
+constexpr double kPhasePerDegree = 10.0;
+constexpr double kDim = 0.5;
 constexpr int kNodesAtOnce = 64;        // whose functions stay in the cache
 constexpr double kMostProducts = 1e11;  // a further pass of sizes is not begun beyond
 
@@ -157,8 +161,13 @@ class MatrixAverage {
             total_ = std::move(sums);
         }
         const MatrixExpansion before = std::move(result_.expansion);
-        result_.expansion = expansion_of(
-            projected(elements(total_.products, total_.spheres.scattered), rule_, degree_));
+        const Eigen::MatrixXd here = elements(total_.products, total_.spheres.scattered);
+        result_.expansion = expansion_of(projected(here, rule_, degree_));
+        const Eigen::ArrayXd phase = here.col(0);
+        phase_change_ = 0.0;
+        if (phase_.size() > 0)
+            phase_change_ = ((phase - phase_) / phase.max(kDim)).abs().maxCoeff();
+        phase_ = phase;
         estimate_error(before);
     }
 
@@ -175,7 +184,8 @@ class MatrixAverage {
         const bool single = refinement_.rule() == Rule::single;
         error_ = single ? kMatrixRounding : 1.0;
         if (single || refinement_.pass() == 0) return;
-        const double change = largest_change(before, result_.expansion);
+        const double change =
+            std::max(largest_change(before, result_.expansion), phase_change_ / kPhasePerDegree);
         const double q_ext =
             2 * (total_.spheres.scattered + total_.spheres.absorbed) / problem_.share;
         const double missed = exact_q_ext_ > 0 ? std::abs(q_ext / exact_q_ext_ - 1) : change;
@@ -217,6 +227,8 @@ class MatrixAverage {
     math::Quadrature rule_;
     SizeRefinement refinement_;
     SizeSums total_;
+    Eigen::ArrayXd phase_ = {};  // P at the nodes after the last pass
+    double phase_change_ = 0;    // by that pass, relative
     double error_ = 1, change_before_ = 0, doubt_ = 0;
     double exact_q_ext_ = 0;  // of the even rule; 0: not known
     MatrixOptics result_;
