@@ -33,6 +33,17 @@ double mie_bytes(const MieWork& work) {
     return (work.whole_phase ? whole : moments) * x;
 }
 
+double mie_working_bytes(const MieWork& work) {
+    if (!work.whole_phase) return 0.0;
+    // Functions of 400 angles and the waves of a level that are kept, for each order of the largest
+    // sphere; measured for log-normal ice of 50 to 1,000 um.
+    constexpr double per_order = 6.5e3;
+    const double wave_number_per_um =
+        2.0e3 * std::numbers::pi * work.host_index / work.wavelength_nm;
+    return per_order * wave_number_per_um *
+           mie::radius_range(work.sizes, 1e-6, 1.0 / wave_number_per_um).largest_um;
+}
+
 namespace {
 
 /// Powers and factors of a fit to run times.

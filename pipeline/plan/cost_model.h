@@ -24,6 +24,8 @@ struct MieWork {
 double mie_seconds(const MieWork& work);
 /// What is kept of it.
 double mie_bytes(const MieWork& work);
+/// What it takes while it is computed, beside the program.
+double mie_working_bytes(const MieWork& work);
 
 /// The program by itself, and each value at one wavelength: once until it is written, more often
 /// while its wavelength is solved.

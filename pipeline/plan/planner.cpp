@@ -78,7 +78,7 @@ Plan Planner::plan() {
 }
 
 double Planner::memory_bytes() const {
-    double bytes = kProgramBytes;
+    double bytes = kProgramBytes, working = 0.0;
     if (!is_albedo()) {
         const double wavelengths = static_cast<double>(scene_.wavelength_nm.size());
         bytes += static_cast<double>(distinct_.requested()) *
@@ -89,13 +89,15 @@ double Planner::memory_bytes() const {
             for (const ResolvedSpecies& species : scene_.media[m].species) {
                 if (!species.needs_mie()) continue;
                 const Particles& at = species.particles[job.wavelength];
-                bytes +=
-                    mie_bytes({species.sizes, at.index / at.host_index, at.host_index,
-                               at.wavelength_nm, solver_.tolerance, demand_.whole_phase_function});
+                const MieWork work{species.sizes,     at.index / at.host_index,
+                                   at.host_index,     at.wavelength_nm,
+                                   solver_.tolerance, demand_.whole_phase_function};
+                bytes += mie_bytes(work);
+                working = std::max(working, mie_working_bytes(work));
             }
         }
     }
-    return bytes;
+    return std::max(bytes, kProgramBytes + working);
 }
 
 std::size_t Planner::cosines() const {
