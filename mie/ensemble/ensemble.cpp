@@ -185,11 +185,11 @@ void EnsembleAverage::add_pass() {
 }
 
 // A half-space that reflects little is made of small differences of moments: for radiative transfer
-// they are wanted better by as much as it is dark.
+// they are wanted better by the square of how dark it is.
 bool EnsembleAverage::is_enough() const {
     double share = 1.0;
     if (request_.phase_floor > 0)
-        share = std::clamp(half_space_albedo(optics_) / kDark, kLeastDarkShare, 1.0);
+        share = std::clamp(std::pow(half_space_albedo(optics_) / kDark, 2), kLeastDarkShare, 1.0);
     return optics_.converged && optics_.error_estimate <= share * request_.tolerance;
 }
 
