@@ -278,9 +278,9 @@ void EnsembleAverage::put_phase_table() {
     options.floor = bright * request_.phase_floor;
     options.scattering_efficiency = optics_.q_sca * share_;
     if (by_rays_) options.ray_bias = phase_ray_bias(problem_of(request_));
-    options.by_rays = options.ray_bias > 0 && options.floor >= kLeastRayFloor &&
-                      options.ray_bias <= kRayBiasShare * options.size_tolerance;
-    if (!options.by_rays) options.ray_bias = 0;
+    options.by_rays = options.ray_bias.everywhere > 0 && options.floor >= kLeastRayFloor &&
+                      options.ray_bias.typical() <= kRayBiasShare * options.size_tolerance;
+    if (!options.by_rays) options.ray_bias = {};
     // Moments of the table shall not be worse than those of the band; many panels share the error.
     if (moments_from_table_) {
         options.first_moment = kSafeBandWidth + 1;
@@ -330,7 +330,7 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     options.scattering_efficiency = q_sca * area_share_within(request.sizes, range);
     const EnsembleProblem problem = problem_of(request);
     options.ray_bias = phase_ray_bias(problem, true);
-    options.by_rays = options.ray_bias > 0;
+    options.by_rays = options.ray_bias.everywhere > 0;
     if (options.by_rays && !(q_sca > 0)) {
         const auto rays = average_over_rays(problem, 1, request.tolerance, pieces);
         if (rays) options.scattering_efficiency = rays->q_sca * problem.share;

@@ -213,7 +213,7 @@ class AngleSeries {
         double error = kDeviations * angle.noise;
         bool too_biased = false;
         if (options_.by_rays) {
-            const double bias = kRayDeviations * angle.bias(options_.ray_bias);
+            const double bias = kRayDeviations * angle.bias(options_.ray_bias.everywhere);
             // No more than is worth having, in case that sizes do not do better.
             too_biased = !(bias <= kRayShare * enough(angle)) && error <= bias;
             error += bias;

@@ -22,6 +22,9 @@ constexpr double kSlowestGain = 0.5;
 // too.
 constexpr double kShareOfChange = 0.5;
 
+// By rays bows that few sizes see are narrower than a panel: one node may have all of the noise.
+constexpr double kShareOfWorst = 0.8;
+
 // Where glories are.
 constexpr double kBackward = 165 * std::numbers::pi / 180;
 
@@ -73,8 +76,12 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const Size
         sums_.intensity += parts_[i].intensity;
         for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
     }
+    // Parts are on levels of their own: what they scatter together would err as the coarsest.
+    const bool by_rays = parts_.size() > 1 && options.scattering_efficiency > 0;
+    for (const int family : {0, 1})
+        whole_[family] = by_rays ? options.scattering_efficiency / 2 : sums_.scattered[family];
     const bool may_agree = sizes.rippled() && level_ > 0 && parts_.size() == 1 && is_backward();
-    judge(sizes.rippled(), options, may_agree ? before : values());
+    judge(sizes, options, may_agree ? before : values());
 }
 
 std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
@@ -89,15 +96,17 @@ std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double toler
     return levels;
 }
 
-Eigen::VectorXd PhasePanel::values() const {
-    return sums_.intensity.rowwise().sum() / (sums_.scattered[0] + sums_.scattered[1]);
+Eigen::VectorXd PhasePanel::values() const { return part_values(sums_); }
+
+Eigen::VectorXd PhasePanel::part_values(const FamilyIntensity& part) const {
+    return part.intensity.rowwise().sum() / (whole_[0] + whole_[1]);
 }
 
 Eigen::VectorXd PhasePanel::values_of(int family) const {
     return sums_.intensity.col(family) / sums_.scattered[family];
 }
 
-void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options,
+void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& options,
                        const Eigen::VectorXd& before) {
     const double scattering_efficiency = options.scattering_efficiency, floor = options.floor;
     const Eigen::VectorXd P = values();
@@ -107,35 +116,52 @@ void PhasePanel::judge(bool rippled, const PhaseTabulationOptions& options,
     double rms = 0;
     if (sums_.scattered[1] > 0) {
         // The mean of two families errs by half their difference.
-        const Eigen::VectorXd error = 0.5 * (values_of(0) - values_of(1));
+        const Eigen::VectorXd error =
+            0.5 * (sums_.intensity.col(0) / whole_[0] - sums_.intensity.col(1) / whole_[1]);
         const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
         const double root = std::sqrt(double(PhaseTable::kPanelNodes));
         worst_ = relative.cwiseAbs().maxCoeff();
         relative_ = relative.norm() / root;
-        rms = error.norm() / root;
+        rms = 0.5 * (values_of(0) - values_of(1)).norm() / root;
         part_noise_.clear();
         for (const FamilyIntensity& part : parts_) {
-            const Eigen::VectorXd of_part = 0.5 * (part.intensity.col(0) / sums_.scattered[0] -
-                                                   part.intensity.col(1) / sums_.scattered[1]);
+            const Eigen::VectorXd of_part =
+                0.5 * (part.intensity.col(0) / whole_[0] - part.intensity.col(1) / whole_[1]);
             part_noise_.push_back(of_part.cwiseQuotient(P.cwiseMax(floor)).norm() / root);
         }
     } else {
         part_noise_.assign(parts_.size(), 0.0);
     }
-    const double doubt = rippled && level_ > 0 ? kSlowestGain : 0.0;
+    const double doubt = sizes.rippled() && level_ > 0 ? kSlowestGain : 0.0;
     double missed = 0;
     if (scattering_efficiency > 0) {
-        const double sampled = sums_.scattered[0] + sums_.scattered[1];
+        const double sampled = whole_[0] + whole_[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
     const Eigen::VectorXd changed = kShareOfChange * (P - before).cwiseQuotient(P.cwiseMax(floor));
     const double by_level = changed.norm() / std::sqrt(double(PhaseTable::kPanelNodes));
-    const double bias = options.ray_bias;
-    noise_ = std::max({relative_, doubt * relative_before, missed, by_level}) + bias;
+    // Rays of one number of ways interfere as the sizes have it.
+    Eigen::VectorXd mixed = P.cwiseAbs2();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (sizes.is_one_ray(i)) mixed -= part_values(parts_[i]).cwiseAbs2();
+    }
+    const Eigen::VectorXd bias =
+        (options.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(P.cwiseMax(floor)))
+            .array() +
+        options.ray_bias.everywhere;
+    const bool by_rays = parts_.size() > 1;
+    // They are independent of each other, but glories have more of both than families tell.
+    const auto together = [this](double of_sizes, double of_rays) {
+        return is_backward() ? of_sizes + of_rays : std::hypot(of_sizes, of_rays);
+    };
+    noise_ = together(std::max({relative_, by_rays ? kShareOfWorst * worst_ : 0.0,
+                                doubt * relative_before, missed, by_level}),
+                      bias.norm() / std::sqrt(double(PhaseTable::kPanelNodes)));
     worst_noise_ =
-        std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()}) + bias;
+        together(std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()}),
+                 bias.maxCoeff());
     // What parts on coarser levels miss, more sizes of the noisy ones do not mend.
-    rms_ = parts_.size() > 1 ? rms : std::max(rms, missed * largest);
+    rms_ = by_rays ? rms : std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
     tail_ = last_two(P) / largest;

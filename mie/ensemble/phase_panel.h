@@ -50,9 +50,11 @@ class PhasePanel {
     double moment_tail(int first_moment) const;
 
   private:
+    Eigen::VectorXd part_values(const FamilyIntensity& part) const;
     double solid_angle_of_moments(int first_moment) const;
     /// @param before  values that the last level has changed; those of now: it tells nothing
-    void judge(bool rippled, const PhaseTabulationOptions& options, const Eigen::VectorXd& before);
+    void judge(const SizeFamilies& sizes, const PhaseTabulationOptions& options,
+               const Eigen::VectorXd& before);
 
     double lower_, upper_;
     int generation_;
@@ -61,6 +63,7 @@ class PhasePanel {
     std::vector<int> part_levels_;
     std::vector<double> part_noise_;
     FamilyIntensity sums_;             // over parts
+    double whole_[2] = {0, 0};         // what each family scatters: P is relative to it
     double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
     double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
     double rms_ = 0, largest_ = 0;  // noise, and P

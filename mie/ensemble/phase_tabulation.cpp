@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -97,8 +98,10 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
 // Panels that share the next level of sizes: halves wait until all of their generation are there,
 // because the spheres are computed anew for each call.
 std::vector<PhasePanel> PhaseTabulation::take_next() {
+    // Forward other parts of P are noisy than backward.
     const auto order = [](const PhasePanel& panel) {
-        return std::pair(panel.generation(), panel.level());
+        const bool backward = panel.level() >= 0 && panel.lower() > 0.499 * std::numbers::pi;
+        return std::tuple(panel.generation(), panel.level(), backward);
     };
     auto first = order(active_.front());
     for (const PhasePanel& panel : active_) first = std::min(first, order(panel));
@@ -213,7 +216,7 @@ PhaseTable PhaseTabulation::table_of(int family) const {
         }
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
-        noise.push_back(panels[p]->level() == 0
+        noise.push_back(panels[p]->level() == 0 && !options_.by_rays
                             ? around[p]
                             : std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
                                         panels[std::min(p + 1, panels.size() - 1)]->noise()}));

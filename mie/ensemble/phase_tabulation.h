@@ -9,6 +9,18 @@
 
 namespace miebrdf::mie {
 
+/// What P by rays errs by, rms over the angles.
+struct PhaseRayBias {
+    /// Relative to max(P, 1/2). 0: P is not to be computed by rays (no RayBound, or too few ripples
+    /// for rays to be cheaper).
+    double everywhere = 0;
+    /// What rays of different ways p and q leave at sharp ends of the sizes, relative to the root
+    /// of the sum of P_p P_q over p != q.
+    double ends = 0;
+
+    double typical() const { return everywhere + 0.3 * ends; }
+};
+
 struct PhaseTabulationOptions {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
     double size_tolerance = 1e-2;  ///< relative to max(P, floor), rms over the nodes of each panel
@@ -17,10 +29,8 @@ struct PhaseTabulationOptions {
     int last_moment = -1;  ///< highest one; -1: none
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
-    bool by_rays = false;  ///< see SizeFamilies
-    /// Part of the noise by rays, relative to max(P, floor): what those that interfere after all
-    /// leave, rms over the angles; three times that is reckoned with backward.
-    double ray_bias = 0;
+    bool by_rays = false;        ///< see SizeFamilies
+    PhaseRayBias ray_bias = {};  ///< part of the noise by rays, relative to max(P, floor)
     double most_work = std::numeric_limits<double>::infinity();  ///< EnsembleRequest::phase_work
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
 };

@@ -34,16 +34,27 @@ constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
 constexpr int kMostSizes = 128;
 
 // P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
-constexpr double kPhaseBias = 0.5, kExactPhaseBias = 0.005;
+constexpr double kExactPhaseBias = 0.005, kEndsPhaseBias = 1.5;
 // Below this index bright rays of p and p + 1 ways are of one length at some angle, and coherent:
 // ways p (m - s) > 1 + s, s^2 = m^2 - 1, that is p = 4 at 1.25, 6 at 1.46, 18 at 2.6.
-constexpr double kCrossingIndex = 1.4, kCrossingPhaseBias = 1.5;
+constexpr double kCrossingIndex = 1.4, kCrossingPhaseBias = 0.5, kExactCrossingPhaseBias = 1.5;
 constexpr double kLargestPhaseBound = 1e-3;
 constexpr int kLeastRipples = 240;
 
 double rule_error(double x_effective, int highest_moment, int sizes) {
     const double fineness = std::max(highest_moment, 1) / x_effective;
     return (kRuleError + kRuleErrorOfHighMoments * fineness * fineness) * kSizesPerRule / sizes;
+}
+
+// The share of the area per x at both ends (sharp ones), summed in squares, over the rate at which
+// phases of rays of p and p + 1 ways part with x.
+double phase_of_ends(const EnsembleProblem& problem) {
+    if (!problem.sizes.kind.law().has_ends) return 0;
+    const auto density = area_density(problem.sizes);
+    const double k = problem.wave_number_per_um;
+    const double at_ends =
+        std::hypot(density->at(problem.range.smallest_um), density->at(problem.range.largest_um));
+    return at_ends / (k * problem.share) / (2 * (problem.relative_index.real() - 1));
 }
 
 }  // namespace
@@ -83,18 +94,19 @@ RayBound ray_bound(const EnsembleProblem& problem) {
     return bound;
 }
 
-double phase_ray_bias(const EnsembleProblem& problem, bool exact) {
+PhaseRayBias phase_ray_bias(const EnsembleProblem& problem, bool exact) {
     const RayBound bound = ray_bound(problem);
     const double k = problem.wave_number_per_um;
     const double width = k * (problem.range.largest_um - problem.range.smallest_um);
+    const double index = problem.relative_index.real();
     if (!(bound.total() <= kLargestPhaseBound) ||
-        coarsest_even_count(problem.relative_index.real(), width) < kLeastRipples) {
-        return 0;
+        coarsest_even_count(index, width) < kLeastRipples) {
+        return {};
     }
     const double x = k * effective_radius_of(problem.sizes);
-    if (!exact) return kPhaseBias / x;
-    return problem.relative_index.real() < kCrossingIndex ? kCrossingPhaseBias / x
-                                                          : kExactPhaseBias / x + bound.spread;
+    if (index < kCrossingIndex) return {(exact ? kExactCrossingPhaseBias : kCrossingPhaseBias) / x};
+    return {kExactPhaseBias / x + bound.spread,
+            exact ? 0 : kEndsPhaseBias * phase_of_ends(problem)};
 }
 
 std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,

@@ -6,6 +6,7 @@
 
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/ensemble_problem.h"
+#include "mie/ensemble/phase_tabulation.h"
 
 namespace miebrdf::mie {
 
@@ -20,11 +21,9 @@ struct RayBound {
 };
 RayBound ray_bound(const EnsembleProblem& problem);
 
-/// What P by rays errs by, relative to max(P, 1/2), rms over the angles, found in the same way; 0
-/// where P is not to be computed by rays: no bound above, or too few ripples for rays to be
-/// cheaper.
+/// What P by rays errs by, rms over the angles, found in the same way.
 /// @param exact  of SizeFamilies::Method::exact_rays
-double phase_ray_bias(const EnsembleProblem& problem, bool exact = false);
+PhaseRayBias phase_ray_bias(const EnsembleProblem& problem, bool exact = false);
 
 /// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is
 /// within the tolerance; nothing otherwise. Beside ray_bound the estimate has what the extinction

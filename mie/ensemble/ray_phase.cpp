@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "mie/ensemble/far_rays.h"
@@ -22,9 +23,10 @@ using Block = SphereBlockOf<float>;
 // 3e-6 makes 3e-3 of P.
 constexpr double kFaintShare = 1e-9;
 constexpr double kNothing = 1e-11;
+constexpr float kRoundedToNothing = 1e-14F;  // of |1 - R|^2, where |R| is 1 to rounding
 
-MIEBRDF_VECTOR ComplexVector power(const ComplexVector& z, int exponent) {
-    ComplexVector result{Vector{} + 1, Vector{}}, square = z;
+MIEBRDF_VECTOR ComplexFloatVector power(const ComplexFloatVector& z, int exponent) {
+    ComplexFloatVector result{FloatVector{} + 1, FloatVector{}}, square = z;
     for (; exponent > 0; exponent /= 2) {
         if (exponent % 2 == 1) result = result * square;
         square = square * square;
@@ -33,12 +35,18 @@ MIEBRDF_VECTOR ComplexVector power(const ComplexVector& z, int exponent) {
 }
 
 // first e^(i phi) / (1 - R e^(i phi))
-MIEBRDF_VECTOR ComplexVector all_from(const ComplexVector& first, const ComplexVector& inner,
-                                      const ComplexVector& turn) {
-    const ComplexVector turned = inner * turn;
-    const ComplexVector below{1 - turned.re, -turned.im};
-    const Vector scale = 1 / (norm(below) + 1e-28);
+MIEBRDF_VECTOR ComplexFloatVector all_from(const ComplexFloatVector& first,
+                                           const ComplexFloatVector& inner,
+                                           const ComplexFloatVector& turn) {
+    const ComplexFloatVector turned = inner * turn;
+    const ComplexFloatVector below{1 - turned.re, -turned.im};
+    const FloatVector scale = 1 / (norm(below) + kRoundedToNothing);
     return scale * ((first * turn) * conjugate(below));
+}
+
+// 1 - z, which in single precision would lose what is left of it.
+MIEBRDF_VECTOR ComplexFloatVector beside_one(const ComplexLanes& z, int first) {
+    return {single(1 - load(z.re, first)), single(-load(z.im, first))};
 }
 
 // The rays of a group for eight sizes, put into the block's columns.
@@ -67,7 +75,7 @@ class GroupColumns {
     double put(int order, const RayResponse& a, const RayResponse& b) {
         double energy = 0;
         for (int first = 0; first < kLaneCount; first += kVectorSize) {
-            const Vector sums = put_some(order, a, b, first);
+            const FloatVector sums = put_some(order, a, b, first);
             for (int i = 0; i < kVectorSize; ++i) energy += sums[i];
         }
         return energy;
@@ -97,22 +105,22 @@ class GroupColumns {
     }
 
   private:
-    MIEBRDF_VECTOR Vector put_some(int order, const RayResponse& a, const RayResponse& b,
-                                   int first) {
-        const Vector weight = load(half_root_weight_, first);
+    // Sums over these columns are in single precision anyway.
+    MIEBRDF_VECTOR FloatVector put_some(int order, const RayResponse& a, const RayResponse& b,
+                                        int first) {
+        const FloatVector weight = single(load(half_root_weight_, first));
         Columns to{block_.U.row(order).data() + first_column_ + first,
-                   block_.V.row(order).data() + first_column_ + first, block_.size, Vector{}};
+                   block_.V.row(order).data() + first_column_ + first, block_.size, FloatVector{}};
         if (group_.first_way == 0) {
-            const ComplexVector outer_a = load(a.outer, first), outer_b = load(b.outer, first);
-            to.put(weight, {1 - outer_a.re, -outer_a.im}, {1 - outer_b.re, -outer_b.im});
+            to.put(weight, beside_one(a.outer, first), beside_one(b.outer, first));
             return to.energy;
         }
-        const ComplexVector inner_a = load(a.inner, first), inner_b = load(b.inner, first);
-        ComplexVector of_a = load(a.through, first) * power(inner_a, group_.first_way - 1);
-        ComplexVector of_b = load(b.through, first) * power(inner_b, group_.first_way - 1);
+        const auto inner_a = load_single(a.inner, first), inner_b = load_single(b.inner, first);
+        auto of_a = load_single(a.through, first) * power(inner_a, group_.first_way - 1);
+        auto of_b = load_single(b.through, first) * power(inner_b, group_.first_way - 1);
         if (group_.phases > 0) {
             for (const ComplexLanes& lanes : turns_) {
-                const ComplexVector turn = load(lanes, first);
+                const auto turn = load_single(lanes, first);
                 to.put(weight, all_from(of_a, inner_a, turn), all_from(of_b, inner_b, turn));
             }
             return to.energy;
@@ -128,12 +136,12 @@ class GroupColumns {
     struct Columns {
         float *u, *v;
         int imaginary;  // columns further on
-        Vector energy;
+        FloatVector energy;
 
         // a, b: twice the coefficients; their sign does not matter.
-        MIEBRDF_VECTOR void put(const Vector& half, const ComplexVector& a,
-                                const ComplexVector& b) {
-            const ComplexVector A = half * a, B = half * b;
+        MIEBRDF_VECTOR void put(const FloatVector& half, const ComplexFloatVector& a,
+                                const ComplexFloatVector& b) {
+            const ComplexFloatVector A = half * a, B = half * b;
             store(A.re + B.re, u);
             store(A.im + B.im, u + imaginary);
             store(A.re - B.re, v);
@@ -187,13 +195,13 @@ std::vector<RayGroup> ray_groups(double index, bool exact) {
     return {{0, 0, {33, 41}, false},
             {1, 1, {8, 8}, true},
             two_ways,
-            {3, 4, {17, 25}, false},
+            {3, 4, {33, 41}, false},
             {5, 0, {8, 8}, true, 6}};
 }
 
 RayWindow::RayWindow(double index, double smallest_x, double largest_x)
     : smallest_(smallest_x), largest_(largest_x) {
-    constexpr double kNarrowest = 25, kPhases = 8, kWidest = 0.45;
+    constexpr double kNarrowest = 15, kPhases = 8, kWidest = 0.45;
     width_ =
         std::min(std::max(kNarrowest, kPhases / (index - 1)), kWidest * (largest_x - smallest_x));
 }
@@ -207,17 +215,24 @@ double RayWindow::at(double x) const {
 }
 
 WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um, int family,
-                        int level) {
+                        const RadiusRange& range, double wave_number_per_um, int family, int level,
+                        const RayWindow* window) {
     const int count = group.sizes[family];
-    if (!group.is_smooth) {
-        return WeightedSizes(
-            nested_size_nodes(distribution, range, count, level, SizeSpacing::geometric),
-            wave_number_per_um);
+    SizeNodes nodes =
+        group.is_smooth
+            ? smooth_size_nodes(distribution, range, count << level,
+                                family == 0 ? SmoothRule::gauss : SmoothRule::fejer)
+            : nested_size_nodes(distribution, range, count, level, SizeSpacing::geometric);
+    if (window == nullptr) {
+        const double sampled =
+            std::accumulate(nodes.area_share.begin(), nodes.area_share.end(), 0.0);
+        const double exact = area_share_within(distribution, range);
+        for (double& share : nodes.area_share) share *= exact / sampled;
     }
-    return WeightedSizes(smooth_size_nodes(distribution, range, count << level,
-                                           family == 0 ? SmoothRule::gauss : SmoothRule::fejer),
-                         wave_number_per_um);
+    WeightedSizes sizes(nodes, wave_number_per_um);
+    for (std::size_t i = 0; window != nullptr && i < sizes.weights.size(); ++i)
+        sizes.weights[i] *= window->at(sizes.parameters[i]);
+    return sizes;
 }
 
 double waves_of_rays(Complex relative_index, const RayGroup& group, const WeightedSizes& sizes,

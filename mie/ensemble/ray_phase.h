@@ -53,8 +53,11 @@ class RayWindow {
 };
 
 /// Sizes of one family of a group at a level (SizeFamilies).
+/// @param window  null: none; few sizes miss some of the area at the ends, which all then make up
+///                for, since what a ray scatters goes with the area
 WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um, int family, int level);
+                        const RadiusRange& range, double wave_number_per_um, int family, int level,
+                        const RayWindow* window);
 
 /// Sum over sizes of one group; the same bits for any executor.
 struct RayIntensity {

@@ -205,11 +205,9 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
             std::max(1, kMostRayColumns / (kLaneCount * groups_[g].columns())) * kLaneCount;
         for (const int family : {0, 1}) {
             sizes[g].push_back(ray_sizes(groups_[g], distribution_, range_, wave_number_per_um_,
-                                         family, levels[g]));
-            WeightedSizes& own = sizes[g].back();
+                                         family, levels[g], window_ ? &*window_ : nullptr));
+            const WeightedSizes& own = sizes[g].back();
             const int count = static_cast<int>(own.parameters.size());
-            for (int i = 0; window_ && i < count; ++i)
-                own.weights[i] *= window_->at(own.parameters[i]);
             for (int first = 0; first < count; first += most) {
                 const int here = std::min(most, count - first);
                 const double waves =

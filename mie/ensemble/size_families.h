@@ -73,6 +73,10 @@ class SizeFamilies {
     bool resolves(int level) const { return level >= resolved_level_; }
 
     int part_count() const;
+    /// Whether a part has rays of one number of ways through the sphere alone.
+    bool is_one_ray(std::size_t part) const {
+        return part < groups_.size() && groups_[part].first_way == groups_[part].last_way;
+    }
     /// One level's spheres alone, part by part.
     /// @param levels  one for each part; -1: not wanted
     std::vector<FamilyIntensity> levels(const std::vector<int>& levels,

@@ -30,33 +30,60 @@ MIEBRDF_VECTOR Vector load(const Lanes& lanes, int first) {
 MIEBRDF_VECTOR void store(const Vector& v, Lanes& lanes, int first) {
     std::memcpy(lanes.data() + first, &v, sizeof v);
 }
-MIEBRDF_VECTOR void store(const Vector& v, float* to) {
-    const FloatVector single = __builtin_convertvector(v, FloatVector);
-    std::memcpy(to, &single, sizeof single);
+MIEBRDF_VECTOR FloatVector single(const Vector& v) {
+    return __builtin_convertvector(v, FloatVector);
 }
+MIEBRDF_VECTOR void store(const FloatVector& v, float* to) { std::memcpy(to, &v, sizeof v); }
+MIEBRDF_VECTOR void store(const Vector& v, float* to) { store(single(v), to); }
 
-struct ComplexVector {
-    Vector re, im;
+/// Complex numbers in double or in single precision.
+template <typename Scalar>
+struct ComplexVectorOf;
+template <>
+struct ComplexVectorOf<double> {
+    using Real = Vector;
+    Real re, im;
 };
+template <>
+struct ComplexVectorOf<float> {
+    using Real = FloatVector;
+    Real re, im;
+};
+using ComplexVector = ComplexVectorOf<double>;
+using ComplexFloatVector = ComplexVectorOf<float>;
+template <typename Scalar>
+using RealVectorOf = typename ComplexVectorOf<Scalar>::Real;
 
 MIEBRDF_VECTOR ComplexVector load(const ComplexLanes& z, int first) {
     return {load(z.re, first), load(z.im, first)};
+}
+MIEBRDF_VECTOR ComplexFloatVector load_single(const ComplexLanes& z, int first) {
+    return {single(load(z.re, first)), single(load(z.im, first))};
 }
 MIEBRDF_VECTOR void store(const ComplexVector& z, ComplexLanes& to, int first) {
     store(z.re, to.re, first);
     store(z.im, to.im, first);
 }
 
-MIEBRDF_VECTOR ComplexVector operator+(const ComplexVector& a, const ComplexVector& b) {
+template <typename Scalar>
+MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator+(const ComplexVectorOf<Scalar>& a,
+                                                 const ComplexVectorOf<Scalar>& b) {
     return {a.re + b.re, a.im + b.im};
 }
-MIEBRDF_VECTOR ComplexVector operator-(const ComplexVector& a, const ComplexVector& b) {
+template <typename Scalar>
+MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator-(const ComplexVectorOf<Scalar>& a,
+                                                 const ComplexVectorOf<Scalar>& b) {
     return {a.re - b.re, a.im - b.im};
 }
-MIEBRDF_VECTOR ComplexVector operator*(const ComplexVector& a, const ComplexVector& b) {
+template <typename Scalar>
+MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator*(const ComplexVectorOf<Scalar>& a,
+                                                 const ComplexVectorOf<Scalar>& b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 MIEBRDF_VECTOR ComplexVector operator*(const Vector& a, const ComplexVector& b) {
+    return {a * b.re, a * b.im};
+}
+MIEBRDF_VECTOR ComplexFloatVector operator*(const FloatVector& a, const ComplexFloatVector& b) {
     return {a * b.re, a * b.im};
 }
 MIEBRDF_VECTOR ComplexVector operator*(double a, const ComplexVector& b) {
@@ -65,8 +92,14 @@ MIEBRDF_VECTOR ComplexVector operator*(double a, const ComplexVector& b) {
 MIEBRDF_VECTOR ComplexVector operator*(std::complex<double> a, const ComplexVector& b) {
     return {a.real() * b.re - a.imag() * b.im, a.real() * b.im + a.imag() * b.re};
 }
-MIEBRDF_VECTOR ComplexVector conjugate(const ComplexVector& z) { return {z.re, -z.im}; }
-MIEBRDF_VECTOR Vector norm(const ComplexVector& z) { return z.re * z.re + z.im * z.im; }
+template <typename Scalar>
+MIEBRDF_VECTOR ComplexVectorOf<Scalar> conjugate(const ComplexVectorOf<Scalar>& z) {
+    return {z.re, -z.im};
+}
+template <typename Scalar>
+MIEBRDF_VECTOR RealVectorOf<Scalar> norm(const ComplexVectorOf<Scalar>& z) {
+    return z.re * z.re + z.im * z.im;
+}
 MIEBRDF_VECTOR ComplexVector inverse(const ComplexVector& z) {
     const Vector scale = 1 / norm(z);
     return {z.re * scale, -z.im * scale};
