@@ -51,19 +51,18 @@ void FirstOrderTable::add_narrow(const std::vector<std::vector<rte::ScaledMedium
     // Column node * stride + w; row = degree.
     const std::size_t nodes = layers_ > 1 ? kSlants : 1;
     Eigen::MatrixXd strengths;
+    const std::vector<rte::NarrowStrengths> of_stacks(stacks.begin(), stacks.end());
     for (std::size_t node = 0; node < nodes; ++node) {
         for (std::size_t w = 0; w < stacks.size(); ++w) {
-            const std::vector<double> of_degree =
-                rte::narrow_strengths(stacks[w], slant_node(node));
-            const auto degrees = Eigen::Index(of_degree.size());
+            const Eigen::VectorXd of_degree = of_stacks[w].of_all(slant_node(node));
+            const Eigen::Index degrees = of_degree.size();
             if (degrees == 0) continue;
             if (strengths.rows() < degrees) {
                 const Eigen::Index old = strengths.rows();
                 strengths.conservativeResize(degrees, Eigen::Index(nodes * stride_));
                 strengths.bottomRows(degrees - old).setZero();
             }
-            strengths.col(Eigen::Index(node * stride_ + w)).head(degrees) =
-                Eigen::Map<const Eigen::VectorXd>(of_degree.data(), degrees);
+            strengths.col(Eigen::Index(node * stride_ + w)).head(degrees) = of_degree;
         }
     }
     if (strengths.rows() == 0) return;

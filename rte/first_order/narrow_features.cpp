@@ -52,25 +52,21 @@ bool depends_on_q(std::span<const std::vector<ScaledMedium>> stacks) {
     });
 }
 
-using Strengths = std::function<std::vector<double>(const std::vector<ScaledMedium>&, double q)>;
-
 // Row = place in the list of log q * stacks + stack, column = degree.
-Eigen::MatrixXd strengths_at(std::span<const std::vector<ScaledMedium>> stacks,
+template <typename Strengths>
+Eigen::MatrixXd strengths_at(const std::vector<NarrowStrengths>& stacks,
                              const Strengths& strengths_of, const Eigen::VectorXd& log_q) {
-    std::vector<std::vector<double>> rows;
-    std::size_t degrees = 0;
+    std::vector<Eigen::VectorXd> rows;
+    Eigen::Index degrees = 0;
     for (const double at : log_q) {
-        for (const auto& media : stacks) {
-            rows.push_back(strengths_of(media, std::exp(at)));
+        for (const NarrowStrengths& stack : stacks) {
+            rows.push_back(strengths_of(stack, std::exp(at)));
             degrees = std::max(degrees, rows.back().size());
         }
     }
-    Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(rows.size()),  //
-                                                      Eigen::Index(degrees));
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t l = 0; l < rows[r].size(); ++l)
-            strengths(Eigen::Index(r), Eigen::Index(l)) = rows[r][l];
-    }
+    Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(rows.size()), degrees);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        strengths.row(Eigen::Index(r)).head(rows[r].size()) = rows[r].transpose();
     return strengths;
 }
 
@@ -140,9 +136,11 @@ NarrowFeatures::NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    known_ = slant_functions(stacks, narrow_strengths, tolerance_);
+    const std::vector<NarrowStrengths> all(stacks.begin(), stacks.end());
+    const bool one_q = !depends_on_q(stacks);
+    known_ = slant_functions(all, one_q, std::mem_fn(&NarrowStrengths::of_all), tolerance_);
     strengths_ = known_.strengths;
-    add_unresolved(stacks);
+    add_unresolved(all, one_q);
 }
 
 void NarrowFeatures::tabulate() {
@@ -159,12 +157,12 @@ Eigen::VectorXd NarrowFeatures::SlantFunctions::at(double t) const {
 }
 
 NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
-    std::span<const std::vector<ScaledMedium>> stacks, const Strengths& strengths_of,
+    const std::vector<NarrowStrengths>& stacks, bool one_q, const Strengths& strengths_of,
     double tolerance) const {
     const auto log_q = [&](double t) { return log_q_middle_ + log_q_half_ * t; };
     SlantFunctions functions;
     Eigen::MatrixXd& strengths = functions.strengths;
-    for (int count = depends_on_q(stacks) ? 6 : 1;; count += count / 2) {
+    for (int count = one_q ? 1 : 6;; count += count / 2) {
         functions.nodes = math::ChebyshevPoints(count);
         functions.at_nodes = Eigen::MatrixXd::Identity(count, count);
         Eigen::VectorXd at_nodes(count);
@@ -200,9 +198,10 @@ NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
     return functions;
 }
 
-void NarrowFeatures::add_unresolved(std::span<const std::vector<ScaledMedium>> stacks) {
+void NarrowFeatures::add_unresolved(const std::vector<NarrowStrengths>& stacks, bool one_q) {
     // Sums over degrees are over all angles of zenith here, and two of these count.
-    unresolved_ = slant_functions(stacks, unresolved_strengths, 0.5 * kResolvedAngles * tolerance_);
+    unresolved_ = slant_functions(stacks, one_q, std::mem_fn(&NarrowStrengths::of_unresolved),
+                                  0.5 * kResolvedAngles * tolerance_);
     const Eigen::MatrixXd& strengths = unresolved_.strengths;
     const Eigen::Index stack_count = Eigen::Index(stacks_);
     const Eigen::Index functions = strengths.rows() / stack_count;

@@ -13,22 +13,49 @@
 
 namespace miebrdf::rte {
 
-/// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C of NarrowFeatures (below) at one
-/// q = 1/mu_in + 1/mu_out; empty if there are none.
-std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q);
-
-/// |coefficients| of P_l, l = 0, 1, ..., in what the discrete equations know of narrow features
-/// that light reaches by way of the forward peak (the second part of C below) at one q.
-std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q);
-
 /// Of P_l, l = 0 ... degrees - 1, near retro-reflection, the shares that nodes do not resolve:
 /// [degree][angle of zenith, kResolvedAngles of them].
 /// @param resolved_waves  by the nodes, at these angles; empty: everything is resolved
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees);
 
-/// [degree][angle of zenith, kResolvedAngles of them]: coefficients of P_l in what the nodes do not
-/// resolve of that, of the half of the light that is scattered forward at this angle.
-std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media, double q);
+/// What the media of one stack change in C of NarrowFeatures (below), degree by degree: all that
+/// does not depend on q = 1/mu_in + 1/mu_out is computed once.
+class NarrowStrengths {
+  public:
+    /// @param media  from the bottom up, as for single_scattering
+    explicit NarrowStrengths(const std::vector<ScaledMedium>& media);
+
+    /// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C at one q; empty if there are none.
+    Eigen::VectorXd of_all(double q) const;
+    /// |coefficients| of P_l, l = 0, 1, ..., in what the discrete equations know of narrow features
+    /// that light reaches by way of the forward peak (the second part of C below) at one q.
+    Eigen::VectorXd of_kept(double q) const;
+    /// [degree][angle of zenith, kResolvedAngles of them]: coefficients of P_l in what the nodes do
+    /// not resolve of that, of the half of the light that is scattered forward at this angle.
+    Eigen::VectorXd of_unresolved(double q) const;
+
+  private:
+    /// Of degrees from first_ on; `kept` ones are known to the discrete equations.
+    /// Of degrees from first_ on.
+    struct Medium {
+        double scaled_optical_depth = 0.0;
+        double depth_factor = 1.0;
+        Eigen::ArrayXd strength;  ///< alpha (2l+1) N_l
+        /// Of light when F_l of the scattering counts as none, relative to that by delta-M.
+        Eigen::ArrayXd loss;
+        Eigen::ArrayXd loss_of_kept;  ///< the same with what the discrete equations keep of F_l
+        Eigen::ArrayXd share_kept;    ///< of N_l in the discrete equations
+        Eigen::Index kept = 0;        ///< of these degrees below the medium's own cutoff
+        std::vector<double> unresolved_shares;
+    };
+    /// Calls visit(medium, G(F_l) - G(f) of so many degrees, G(F'_l) - G(f)) from the top down.
+    template <typename Visit>
+    void for_each_medium(double q, Eigen::Index degrees, const Visit& visit) const;
+
+    int first_ = 0;
+    Eigen::Index count_ = 0, kept_ = 0;  ///< degrees; of these below the cutoff of any medium
+    std::vector<Medium> media_;          ///< from the top down
+};
 
 /// What the first order must change because light is diffracted before and after it is scattered:
 /// C(q, Theta) / (4 (mu_in + mu_out)),
@@ -89,13 +116,13 @@ class NarrowFeatures {
         Eigen::MatrixXd strengths;  ///< row = function * stacks + stack, column = degree
         Eigen::VectorXd at(double t) const;
     };
-    using Strengths =
-        std::function<std::vector<double>(const std::vector<ScaledMedium>&, double q)>;
+    using Strengths = std::function<Eigen::VectorXd(const NarrowStrengths&, double q)>;
     /// With as many nodes as the tolerance needs, and as few functions of them as that allows.
-    SlantFunctions slant_functions(std::span<const std::vector<ScaledMedium>> stacks,
+    /// @param one_q  the strengths do not depend on q
+    SlantFunctions slant_functions(const std::vector<NarrowStrengths>& stacks, bool one_q,
                                    const Strengths& strengths, double tolerance) const;
     /// What the nodes do not resolve, with functions of q and of both cosines.
-    void add_unresolved(std::span<const std::vector<ScaledMedium>> stacks);
+    void add_unresolved(const std::vector<NarrowStrengths>& stacks, bool one_q);
     void add_from_table(double* reflection, std::span<const double> mu_in,
                         std::span<const double> mu_out, std::span<const double> cos_azimuth,
                         double* unresolved) const;

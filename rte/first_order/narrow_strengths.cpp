@@ -33,69 +33,6 @@ DegreeOfMedium degree_of(const ScaledMedium& medium, int l) {
     return degree;
 }
 
-// The factor G of each medium, from the top down: how much light reaches it, and how much of that
-// it can scatter, when a fraction of its scattering counts as none.
-class AttenuatedPath {
-  public:
-    explicit AttenuatedPath(double q) : q_(q) {}
-
-    double scatter(const ScaledMedium& medium, double not_scattered) {
-        const double alpha = medium.exact.single_scattering_albedo;
-        const double loss = (1.0 - not_scattered) + medium.exact.one_minus_albedo * not_scattered;
-        if (loss == medium.scaled.depth_factor || alpha == 0.0) {
-            return advance(medium.scaled_optical_depth * q_) / medium.scaled.depth_factor;
-        }
-        return advance(medium.scaled_optical_depth * q_ * (loss / medium.scaled.depth_factor)) /
-               loss;
-    }
-
-  private:
-    double advance(double slant) {
-        const double absorbed = above_ * -std::expm1(-slant);
-        above_ -= absorbed;
-        return absorbed;
-    }
-
-    double q_;
-    double above_ = 1.0;
-};
-
-// What one degree of one medium adds to C: its strength times what the factor G of the true peak,
-// and that of what the discrete equations keep of it, differ from G(f).
-struct DegreeChange {
-    double strength = 0.0;  // alpha (2l+1) N_l
-    double of_true = 0.0, of_kept = 0.0;
-    double share_kept = 1.0;
-};
-
-// Calls visit(l, medium, change) for all degrees of all media.
-template <typename Visit>
-void for_each_degree(const std::vector<ScaledMedium>& media, double q, int first, int end,
-                     const Visit& visit) {
-    std::vector<double> without;  // from the top down, of no degree in particular
-    AttenuatedPath no_peak(q);
-    for (auto medium = media.rbegin(); medium != media.rend(); ++medium)
-        without.push_back(no_peak.scatter(*medium, medium->scaled.truncated));
-    for (int l = first; l < end; ++l) {
-        AttenuatedPath true_peak(q), kept_peak(q);
-        // The discrete equations know a peak only up to their own moments.
-        const bool any_kept = std::any_of(media.begin(), media.end(), [l](const auto& medium) {
-            return l < medium.scaled.chi.size();
-        });
-        for (std::size_t m = 0; m < media.size(); ++m) {
-            const ScaledMedium& medium = media[media.size() - 1 - m];
-            const DegreeOfMedium degree = degree_of(medium, l);
-            const double with_true = true_peak.scatter(medium, degree.peak);
-            const double with_kept =
-                any_kept ? kept_peak.scatter(medium, degree.kept_peak) : without[m];
-            visit(
-                l, medium,
-                DegreeChange{(2.0 * l + 1.0) * medium.exact.single_scattering_albedo * degree.rest,
-                             with_true - without[m], with_kept - without[m], degree.share_kept});
-        }
-    }
-}
-
 struct DegreeRange {
     int first = 0, end = 0;
 };
@@ -120,30 +57,23 @@ double share_unresolved(int l, double waves) {
     return double(l) <= waves ? 0.0 : (2.0 / std::numbers::pi) * std::acos(waves / double(l));
 }
 
+// 1 - exp(-x) of x >= 0, of which the library's own has no vectors.
+Eigen::ArrayXd one_minus_exp(const Eigen::ArrayXd& x) {
+    constexpr double few = 0.01;  // six terms leave few^6 / 7!, 2e-16
+    const Eigen::ArrayXd small = x.min(few);
+    Eigen::ArrayXd series = 1.0 - small * (1.0 / 6);
+    for (const double factor : {1.0 / 5, 1.0 / 4, 1.0 / 3, 1.0 / 2})
+        series = 1.0 - factor * small * series;
+    return (x < few).select(small * series, 1.0 - (-x).exp());
+}
+
+// What a medium takes of the light that reaches it, degree by degree.
+Eigen::ArrayXd absorbed_of(const Eigen::ArrayXd& above, double slant, const Eigen::ArrayXd& loss) {
+    if (!std::isfinite(slant)) return above;
+    return above * one_minus_exp(slant * loss);
+}
+
 }  // namespace
-
-std::vector<double> narrow_strengths(const std::vector<ScaledMedium>& media, double q) {
-    const auto [first, end] = degrees_of(media);
-    std::vector<double> strengths(std::size_t(end), 0.0);
-    for_each_degree(media, q, first, end,
-                    [&](int l, const ScaledMedium&, const DegreeChange& change) {
-                        strengths[std::size_t(l)] +=
-                            change.strength * (change.of_true - change.share_kept * change.of_kept);
-                    });
-    return strengths;
-}
-
-std::vector<double> kept_strengths(const std::vector<ScaledMedium>& media, double q) {
-    const auto [first, end] = degrees_of(media);
-    std::vector<double> strengths(std::size_t(end), 0.0);
-    for_each_degree(media, q, first, end,
-                    [&](int l, const ScaledMedium& medium, const DegreeChange& change) {
-                        if (l < medium.scaled.chi.size())
-                            strengths[std::size_t(l)] +=
-                                std::abs(change.strength * change.share_kept * change.of_kept);
-                    });
-    return strengths;
-}
 
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees) {
     std::vector<double> shares;
@@ -154,22 +84,104 @@ std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves,
     return shares;
 }
 
-std::vector<double> unresolved_strengths(const std::vector<ScaledMedium>& media, double q) {
-    const auto [first, end] = degrees_of(media);
-    std::size_t kept = 0;
+NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media) {
+    const DegreeRange range = degrees_of(media);
+    first_ = range.first;
+    count_ = range.end - range.first;
+    if (count_ == 0) return;
     for (const ScaledMedium& medium : media)
-        kept = std::max(kept, medium.unresolved_shares.size() / kResolvedAngles);
-    const std::size_t degrees = std::min(std::size_t(end), kept);
-    std::vector<double> strengths(degrees * kResolvedAngles, 0.0);
-    for_each_degree(media, q, first, int(degrees),
-                    [&](int l, const ScaledMedium& medium, const DegreeChange& change) {
-                        const std::size_t row = std::size_t(l) * kResolvedAngles;
-                        if (row >= medium.unresolved_shares.size()) return;
-                        const double half =
-                            0.5 * change.strength * change.share_kept * change.of_kept;
-                        for (std::size_t k = 0; k < kResolvedAngles; ++k)
-                            strengths[row + k] += half * medium.unresolved_shares[row + k];
-                    });
+        kept_ =
+            std::max(kept_, std::clamp(medium.scaled.chi.size() - first_, Eigen::Index(0), count_));
+    for (auto from = media.rbegin(); from != media.rend(); ++from) {
+        const double alpha = from->exact.single_scattering_albedo;
+        const auto loss_with = [&](double not_scattered) {
+            return (1.0 - not_scattered) + from->exact.one_minus_albedo * not_scattered;
+        };
+        Medium medium;
+        medium.scaled_optical_depth = from->scaled_optical_depth;
+        medium.depth_factor = from->scaled.depth_factor;
+        medium.kept = std::clamp(from->scaled.chi.size() - first_, Eigen::Index(0), count_);
+        medium.unresolved_shares = from->unresolved_shares;
+        for (Eigen::ArrayXd* part : {&medium.strength, &medium.loss, &medium.share_kept})
+            part->resize(count_);
+        medium.loss_of_kept.resize(kept_);
+        for (Eigen::Index i = 0; i < count_; ++i) {
+            const int l = first_ + int(i);
+            const DegreeOfMedium degree = degree_of(*from, l);
+            medium.strength[i] = alpha * (2.0 * l + 1.0) * degree.rest;
+            medium.loss[i] = loss_with(degree.peak) / medium.depth_factor;
+            medium.share_kept[i] = degree.share_kept;
+            if (i < kept_)
+                medium.loss_of_kept[i] = loss_with(degree.kept_peak) / medium.depth_factor;
+        }
+        media_.push_back(std::move(medium));
+    }
+}
+
+// G of each medium, from the top down, is how much light reaches it and how much of that it can
+// scatter.
+template <typename Visit>
+void NarrowStrengths::for_each_medium(double q, Eigen::Index degrees, const Visit& visit) const {
+    double above_without = 1.0;
+    Eigen::ArrayXd above = Eigen::ArrayXd::Ones(degrees), above_kept = Eigen::ArrayXd::Ones(kept_);
+    for (const Medium& medium : media_) {
+        const double slant = medium.scaled_optical_depth * q, factor = medium.depth_factor;
+        const double without = above_without * -std::expm1(-slant);
+        above_without -= without;
+        const Eigen::ArrayXd of_true = absorbed_of(above, slant, medium.loss.head(degrees));
+        above -= of_true;
+        // The discrete equations know a peak only up to their own moments.
+        const Eigen::ArrayXd of_kept = absorbed_of(above_kept, slant, medium.loss_of_kept);
+        above_kept -= of_kept;
+        visit(medium, (of_true / medium.loss.head(degrees) - without) / factor,
+              (of_kept / medium.loss_of_kept - without) / factor);
+    }
+}
+
+Eigen::VectorXd NarrowStrengths::of_all(double q) const {
+    Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
+    auto sums = strengths.tail(count_).array();
+    for_each_medium(
+        q, count_,
+        [&](const Medium& medium, const Eigen::ArrayXd& of_true, const Eigen::ArrayXd& of_kept) {
+            sums += medium.strength * of_true;
+            sums.head(kept_) -=
+                medium.strength.head(kept_) * medium.share_kept.head(kept_) * of_kept;
+        });
+    return strengths;
+}
+
+Eigen::VectorXd NarrowStrengths::of_kept(double q) const {
+    Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
+    for_each_medium(
+        q, 0, [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept) {
+            const Eigen::Index own = medium.kept;
+            strengths.segment(first_, own).array() +=
+                (medium.strength.head(own) * medium.share_kept.head(own) * of_kept.head(own)).abs();
+        });
+    return strengths;
+}
+
+Eigen::VectorXd NarrowStrengths::of_unresolved(double q) const {
+    std::size_t listed = 0;
+    for (const Medium& medium : media_) listed = std::max(listed, medium.unresolved_shares.size());
+    const Eigen::Index degrees =
+        std::min(first_ + count_, Eigen::Index(listed / std::size_t(kResolvedAngles)));
+    Eigen::VectorXd strengths = Eigen::VectorXd::Zero(degrees * kResolvedAngles);
+    if (degrees <= first_) return strengths;
+    for_each_medium(
+        q, 0, [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept) {
+            const auto own = Eigen::Index(medium.unresolved_shares.size()) / kResolvedAngles;
+            for (Eigen::Index l = first_; l < std::min(degrees, own); ++l) {
+                const Eigen::Index i = l - first_;
+                const double kept = i < kept_ ? of_kept[i] : 0.0;
+                const double half = 0.5 * medium.strength[i] * medium.share_kept[i] * kept;
+                for (Eigen::Index k = 0; k < kResolvedAngles; ++k) {
+                    const Eigen::Index at = l * kResolvedAngles + k;
+                    strengths[at] += half * medium.unresolved_shares[std::size_t(at)];
+                }
+            }
+        });
     return strengths;
 }
 

@@ -68,12 +68,12 @@ double FourierSizes::relative(const Eigen::VectorXd& largest) const {
 }
 
 FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
-    : strengths_(kept_strengths(stack.media, 2.0 / requested.mu.maxCoeff())) {}
+    : strengths_(NarrowStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
 
 // Of P_l near retro-reflection, the orders above m are the share 2/pi acos(m / l).
 double FeatureOrders::beyond(int m) const {
     double sum = 0.0;
-    for (std::size_t l = std::size_t(m) + 1; l < strengths_.size(); ++l)
+    for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
         sum += strengths_[l] * (2.0 / std::numbers::pi) * std::acos(double(m) / double(l));
     return sum;
 }

@@ -81,7 +81,7 @@ class FeatureOrders {
   private:
     std::vector<int> probes(int m, double scale, double tolerance) const;
     double beyond(int m) const;
-    std::vector<double> strengths_;  ///< by degree
+    Eigen::VectorXd strengths_;  ///< by degree
 };
 
 /// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.

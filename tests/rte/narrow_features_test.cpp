@@ -172,14 +172,14 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     double largest_error = 0.0;
     for (const double mu_in : {0.01, 0.033, 0.25, 0.7, 1.0}) {
         for (const double mu_out : {0.01, 0.02, 0.5, 0.93, 1.0}) {
-            const std::vector<double> strengths =
-                rte::narrow_strengths(media, 1.0 / mu_in + 1.0 / mu_out);
+            const Eigen::VectorXd strengths =
+                rte::NarrowStrengths(media).of_all(1.0 / mu_in + 1.0 / mu_out);
             for (const double cos_azimuth : {-1.0, -0.9, 0.1, 1.0}) {
                 const double x = rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth);
                 double P0 = 1.0;
                 double P1 = x;
                 double exact = 0.0;
-                for (std::size_t l = 0; l < strengths.size(); ++l) {
+                for (Eigen::Index l = 0; l < strengths.size(); ++l) {
                     exact += strengths[l] * P0;
                     const double P2 = ((2.0 * double(l) + 3.0) * x * P1 - (double(l) + 1.0) * P0) /
                                       (double(l) + 2.0);
