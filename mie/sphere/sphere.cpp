@@ -11,6 +11,7 @@
 
 #include <miebrdf/error.h>
 #include "mie/sphere/lane_waves.h"
+#include "mie/sphere/order_sums.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -98,24 +99,6 @@ PartialWaves by_coefficients(Complex m, double x) {
     return waves;
 }
 
-// Eight orders at once where psi_n(mx) can be taken without loss, otherwise by mie_coefficients.
-// Cost at x = 1000: docs/maths-mie.md.
-PartialWaves partial_waves(Complex relative_index, double size_parameter) {
-    const Complex m = relative_index;  // a NaN goes to mie_coefficients, which refuses it
-    const bool by_vector = size_parameter >= kLeastVectorSize && size_parameter <= 1e7 &&
-                           std::abs(m - 1.0) >= kWellOffTheHost && m.real() >= 0.01 &&
-                           m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4;
-    if (!by_vector) return by_coefficients(relative_index, size_parameter);
-    if (relative_index.imag() == 0) return by_vectors(relative_index.real(), size_parameter);
-    return by_vectors(relative_index, size_parameter);
-}
-
-struct OrderSums {
-    double scattered = 0, absorbed = 0;
-    double asymmetric = 0;  // x^2 g Q_sca / 4
-    Complex back = 0;
-};
-
 // Eight orders at once. The asymmetry is the sum over n of (n-1)(n+1)/n Re(a_n a*_{n-1} + b_n
 // b*_{n-1}) + (2n+1)/(n (n+1)) Re(a_n b*_n) (Bohren & Huffman 1983, sect. 4.5).
 OrderSums sum_orders(const PartialWaves& w) {
@@ -143,6 +126,21 @@ OrderSums sum_orders(const PartialWaves& w) {
     return {scattered.sum(), absorbed.sum(), asymmetric.sum(), {back_re.sum(), back_im.sum()}};
 }
 
+// By vectors where psi_n(mx) can be taken without loss, otherwise by mie_coefficients. Cost at
+// x = 1000: docs/maths-mie.md.
+OrderSums sums_of(Complex m, double x) {
+    // A NaN goes to mie_coefficients, which refuses it.
+    const bool by_vector = x >= kLeastVectorSize && x <= 1e7 &&
+                           std::abs(m - 1.0) >= kWellOffTheHost && m.real() >= 0.01 &&
+                           m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4;
+    if (!by_vector) return sum_orders(by_coefficients(m, x));
+    const auto sums = [x](auto index) {
+        return x < kLeastSegmentedSize ? sum_orders(by_vectors(index, x))
+                                       : sum_orders_by_segments(index, x);
+    };
+    return m.imag() == 0 ? sums(m.real()) : sums(m);
+}
+
 // What rounding leaves: the coefficients hang on m^2 - 1, formed from parts of size 1.
 double estimated_accuracy(Complex m, double x) {
     const double rounding = std::numeric_limits<double>::epsilon();
@@ -153,8 +151,7 @@ double estimated_accuracy(Complex m, double x) {
 }  // namespace
 
 SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
-    const PartialWaves waves = partial_waves(relative_index, size_parameter);
-    const OrderSums sums = sum_orders(waves);
+    const OrderSums sums = sums_of(relative_index, size_parameter);
     // Divided one factor at a time: x^2 alone may underflow.
     const double x = size_parameter;
     SphereOptics optics;
@@ -163,7 +160,7 @@ SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
     optics.q_ext = optics.q_sca + optics.q_abs;
     optics.q_back = std::norm(sums.back / x);
     optics.asymmetry = sums.scattered > 0 ? 2 * sums.asymmetric / sums.scattered : 0;
-    optics.terms = waves.terms;
+    optics.terms = number_of_terms(x);
     optics.accuracy = estimated_accuracy(relative_index, x);
     optics.reached = optics.accuracy <= 1e-12 && std::isfinite(optics.q_ext);
     if (!optics.reached) {

@@ -12,7 +12,7 @@ namespace miebrdf::mie {
 
 /// Efficiencies are cross-sections over pi r^2.
 struct SphereOptics {
-    double q_ext = 0.0;  ///< q_sca + q_abs, both sums of positive terms
+    double q_ext = 0.0;  ///< q_sca + q_abs
     double q_sca = 0.0;
     double q_abs = 0.0;   ///< summed, never extinction minus scattering; exactly 0 for k = 0
     double q_back = 0.0;  ///< radar backscattering, 4 |S(180)|^2 / x^2
