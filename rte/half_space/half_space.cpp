@@ -41,6 +41,7 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
     none.rows.setZero(requested.mu.size(), grid.size());
     none.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     none.specular.resize(0);
+    none.has_glow = false;
     none.iterations = 0;
     none.residual = 0.0;
     none.converged = none.physical = true;
@@ -52,6 +53,7 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
     mirror.rows.setZero(at_requested.size(), at_nodes.size());
     mirror.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     mirror.specular = at_requested;
+    mirror.has_glow = false;
     mirror.iterations = 0;
     mirror.residual = 0.0;
     mirror.converged = mirror.physical = true;
@@ -157,7 +159,7 @@ void fill_rows_from_eigenmodes(const RequestedDirections& requested, FourierWork
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
     const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
     const Eigen::Index cosines = requested.mu.size(), modes = eigenmodes.rates.size();
-    Eigen::MatrixXd& weights = work.sources.even;
+    math::ScratchMatrix& weights = work.sources.even;
     weights.resize(cosines, modes);
     work.sources.odd.resize(cosines, modes);
     work.rows.resize(cosines, eigenmodes.vectors.rows());
@@ -292,6 +294,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
     work.eigenmode_solver.form_kernels(mode, medium);
     form_sides(work);
     result.specular.resize(0);
+    result.has_glow = false;
     if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
         result.residual = 0.0;

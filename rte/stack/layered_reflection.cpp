@@ -34,6 +34,7 @@ struct AlbedoMemory::Parts {
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
     ScaledStack exact = {};
+    Attempts attempts = {};
 
     Solution& solution_of(int streams) {
         const auto found = std::find_if(solutions.begin(), solutions.end(),
@@ -53,10 +54,10 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-Attempt reflect_with(const Stack& stack, const Directions& directions,
-                     const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation, StackMemory& memory,
-                     FourierOrders& orders, StackFirstOrder& first_order) {
+void reflect_with(const Stack& stack, const Directions& directions,
+                  const RequestedDirections& requested, const SolverOptions& options,
+                  const Discretisation& discretisation, StackMemory& memory, FourierOrders& orders,
+                  StackFirstOrder& first_order, Attempt& attempt) {
     ScaledStack scaled =
         scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
@@ -67,7 +68,6 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
         sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,
                            kFourierTailShare * options.tolerance, options, &memory, orders);
     orders = std::move(multiple.by_fourier_order);
-    Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
     attempt.plane_albedo = std::move(multiple.plane_albedo);
@@ -76,7 +76,6 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
     if (attempt.physical) first_order.add_to(attempt.values, scaled, &attempt.unresolved);
-    return attempt;
 }
 
 /// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
@@ -86,10 +85,10 @@ bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_sur
            options.coat_method == CoatMethod::automatic;
 }
 
-Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
-                    const SolverOptions& options, const Discretisation& discretisation,
-                    AlbedoMemory::Parts::Solution& solution,
-                    const std::function<SurfaceWeights(double mu)>& surface) {
+void albedo_with(const Stack& stack, const RequestedDirections& requested,
+                 const SolverOptions& options, const Discretisation& discretisation,
+                 AlbedoMemory::Parts::Solution& solution,
+                 const std::function<SurfaceWeights(double mu)>& surface, Attempt& attempt) {
     ScaledStack& scaled = solution.scaled;
     scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
     scaled.transmits = has_transmittance(scaled.base, options, bool(surface));
@@ -111,9 +110,8 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     }
     StackSolver solver(scaled, *solution.grids, requested, options, solution.memory);
     const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
-    Attempt attempt;
     attempt.physical = reflector.physical;
-    if (!attempt.physical) return attempt;
+    if (!attempt.physical) return;
     attempt.values.reserve((requested.in.size() + 1) * (scaled.transmits ? 2 : 1));
     const bool has_mirror = reflector.specular.size() > 0;
     for (const int i : requested.in) {
@@ -132,19 +130,17 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
     attempt.report.error_estimate = reflector.residual;
-    return attempt;
 }
 
 // Nothing scattered is taken for a beam here: with the optical depths as they are.
-std::vector<double> mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
-                                        ScaledStack& exact) {
-    std::vector<double> reflectances;
-    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return reflectances;
+void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
+                              ScaledStack& exact, std::vector<double>& reflectances) {
+    reflectances.clear();
+    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
     scale_stack(stack, 1, false, NarrowPart::ignored, exact);
-    if (exact.top_index == 1.0 && !exact.has_mirrors()) return reflectances;
-    if (exact.boundary && exact.boundary->is_rough()) return reflectances;
+    if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
+    if (exact.boundary && exact.boundary->is_rough()) return;
     for (const double mu : mu_in) reflectances.push_back(mirror_reflectance(exact, mu));
-    return reflectances;
 }
 
 void name_worst_direction(const Directions& directions, SolverReport& report) {
@@ -200,52 +196,66 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
     StackMemory own;
-    ScaledStack exact;
     FourierOrders orders;  // of the solution before, with fewer nodes
     StackFirstOrder first_order(judged, options);
-    Attempt attempt = solve_with_estimate(
+    Attempts attempts;
+    Attempt& attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
-        [&](const Discretisation& discretisation) {
-            return reflect_with(stack, judged, requested, options, discretisation,
-                                memory != nullptr ? *memory : own, orders, first_order);
+        [&](const Discretisation& discretisation, Attempt& one) {
+            reflect_with(stack, judged, requested, options, discretisation,
+                         memory != nullptr ? *memory : own, orders, first_order, one);
         },
-        watch, near_retro_reflection(judged));
+        attempts, watch, near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {
         attempt.plane_albedo.assign(directions.mu_in.size(),
                                     std::numeric_limits<double>::quiet_NaN());
     }
-    return {probes.without(std::move(attempt.values)), std::move(attempt.plane_albedo),
-            mirror_reflectances(stack, directions.mu_in, exact), std::move(attempt.report)};
+    ReflectionTable table{probes.without(std::move(attempt.values)),
+                          std::move(attempt.plane_albedo),
+                          {},
+                          std::move(attempt.report)};
+    ScaledStack exact;
+    find_mirror_reflectances(stack, directions.mu_in, exact, table.mirror_reflectance);
+    return table;
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options,
                    const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory* memory) {
+    std::optional<AlbedoMemory> own;
+    AlbedoTable table;
+    albedo(stack, mu_in, options, surface, memory != nullptr ? *memory : own.emplace(), table);
+    return table;
+}
+
+void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
+            const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory& memory,
+            AlbedoTable& table) {
     validate(stack);
     validate(options);
     require_cosines(mu_in, "mu_in");
-    std::optional<AlbedoMemory> own;
-    AlbedoMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
+    AlbedoMemory::Parts& kept = memory.parts();
     if (kept.mu_in != mu_in) {
         kept.requested = collect(mu_in, {});
         kept.mu_in = mu_in;
     }
     const bool transmits = has_transmittance(lowest_kind(stack), options, bool(surface));
     const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
-    const auto solve = [&](const Discretisation& discretisation) {
-        return albedo_with(stack, kept.requested, options, discretisation,
-                           kept.solution_of(discretisation.streams), surface);
+    const auto solve = [&](const Discretisation& discretisation, Attempt& attempt) {
+        albedo_with(stack, kept.requested, options, discretisation,
+                    kept.solution_of(discretisation.streams), surface, attempt);
     };
-    Attempt attempt = solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve));
-    std::vector<double>& values = attempt.values;
-    const auto end_of_plane = values.begin() + std::ptrdiff_t(mu_in.size());
-    return {{values.begin(), end_of_plane},
-            *end_of_plane,
-            {end_of_plane + 1, values.end()},
-            mirror_reflectances(stack, mu_in, kept.exact),
-            std::move(attempt.report)};
+    const Attempt& attempt =
+        solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve), kept.attempts);
+    const auto plane = attempt.values.begin();
+    const auto spherical = plane + std::ptrdiff_t(mu_in.size());
+    table.plane_albedo.assign(plane, spherical);
+    table.spherical_albedo = *spherical;
+    table.transmittance.assign(spherical + 1, attempt.values.end());
+    find_mirror_reflectances(stack, mu_in, kept.exact, table.mirror_reflectance);
+    table.report = attempt.report;
 }
 
 }  // namespace miebrdf::rte

@@ -81,5 +81,9 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options = {},
                    const std::function<SurfaceWeights(double mu)>& surface = {},
                    AlbedoMemory* memory = nullptr);
+/// @param table  overwritten; its memory is used again
+void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
+            const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory& memory,
+            AlbedoTable& table);
 
 }  // namespace miebrdf::rte

@@ -178,6 +178,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         if (has_mirrors) own = with_cosines_beside(own);
     }
     memory_.modes.resize(memory_.requested.size());
+    memory_.reflectors.resize(memory_.requested.size());
     if (is_rough) {
         rough_top_ =
             std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
@@ -186,6 +187,12 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
 }
 
 StackSolver::~StackSolver() = default;
+
+// Where what is solved next goes: not on what has been solved so far.
+Reflector& StackSolver::free_reflector(double index) {
+    auto& [one, other] = memory_.reflectors[place_of(index)];
+    return reflector_ == &one ? other : one;
+}
 
 std::size_t StackSolver::place_of(double index) const {
     const auto& indices = grids_.indices();
@@ -203,33 +210,33 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
     const std::size_t first_coat = solve_lowest();
     bool has_sky = has_boundary;
     double index = first_coat > 0 ? stack_.media[first_coat - 1].index : stack_.ground_index;
-    for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
+    for (std::size_t c = first_coat; c < stack_.media.size() && reflector_->physical; ++c) {
         const bool is_top = c + 1 == stack_.media.size() && !has_boundary;
         const double next = stack_.media[c].index;
         if (next != index) put_on_boundary(index, next, ReflectorParts::nodes, sky);
         index = next;
-        if (!memory_.reflector.physical) break;
+        if (!reflector_->physical) break;
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
-    if (has_boundary && memory_.reflector.physical) {
+    if (has_boundary && reflector_->physical) {
         if (rough_top_) {
             put_on_rough_top(parts);
         } else {
             put_on_boundary(index, 1.0, parts, sky);
         }
     }
-    if (parts == ReflectorParts::sky && !has_sky && memory_.reflector.physical) {
-        memory_.reflector.sky_at_requested.noalias() = memory_.reflector.rows * sky;
-        memory_.reflector.sky_at_nodes.noalias() = memory_.reflector.nodes * sky;
+    if (parts == ReflectorParts::sky && !has_sky && reflector_->physical) {
+        reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
+        reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
     }
-    return memory_.reflector;
+    return *reflector_;
 }
 
 void StackSolver::put_on_rough_top(ReflectorParts parts) {
-    std::swap(memory_.below, memory_.reflector);
-    rough_top_->put_on(memory_.modes.front().fourier_order, memory_.below, parts,
-                       memory_.reflector);
+    Reflector& result = free_reflector(1.0);
+    rough_top_->put_on(memory_.modes.front().fourier_order, *reflector_, parts, result);
+    reflector_ = &result;
 }
 
 // Reflectances are the same in all Fourier orders, and in stacks of the same indices.
@@ -256,9 +263,10 @@ const SmoothBoundary& StackSolver::boundary_between(double below, double above) 
 
 void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
                                   const Eigen::VectorXd& sky) {
-    std::swap(memory_.below, memory_.reflector);
-    put_boundary_on(boundary_between(below, above), memory_.below, requested_in(below), parts, sky,
-                    memory_.work, memory_.reflector);
+    Reflector& result = free_reflector(above);
+    put_boundary_on(boundary_between(below, above), *reflector_, requested_in(below), parts, sky,
+                    memory_.work, result);
+    reflector_ = &result;
 }
 
 void StackSolver::set_medium(std::size_t index) {
@@ -297,37 +305,35 @@ std::size_t StackSolver::solve_lowest() {
 
 void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t index) {
     const double n = stack_.media[index].index;
+    reflector_ = &free_reflector(n);
     solve_half_space(method, memory_.medium, mode_of(n), grids_.of(n), requested_in(n), tolerance_,
-                     memory_.work, memory_.reflector);
+                     memory_.work, *reflector_);
     if (memory_.medium.lowest_degree == 0) memory_.brightness[index] = memory_.work.brightness;
 }
 
 void StackSolver::solve_base() {
-    const double index =
-        stack_.base == BaseKind::half_space ? stack_.media.front().index : stack_.ground_index;
+    if (stack_.base == BaseKind::half_space) {
+        set_medium(0);
+        solve_as_half_space(options_.half_space_method, 0);
+        return;
+    }
+    const double index = stack_.ground_index;
     const FourierMode& mode = mode_of(index);
     const ZenithGrid& grid = grids_.of(index);
     const RequestedDirections& requested = requested_in(index);
-    if (!stack_.transmits) memory_.reflector.glow_at_nodes.resize(0);
-    switch (stack_.base) {
-        case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, mode, grid, requested, memory_.reflector);
-            break;
-        case BaseKind::none:
-            no_reflection(grid, requested, memory_.reflector);
-            break;
-        case BaseKind::mirror:
-            mirror_ground(boundary_reflectance(index, stack_.mirror_index, grid.mu),
-                          boundary_reflectance(index, stack_.mirror_index, requested.mu), requested,
-                          memory_.reflector);
-            break;
-        case BaseKind::half_space:
-            set_medium(0);
-            solve_as_half_space(options_.half_space_method, 0);
-            return;
+    Reflector& ground = free_reflector(index);
+    reflector_ = &ground;
+    if (stack_.base == BaseKind::lambertian) {
+        lambertian_ground(stack_.ground_albedo, mode, grid, requested, ground);
+    } else if (stack_.base == BaseKind::mirror) {
+        mirror_ground(boundary_reflectance(index, stack_.mirror_index, grid.mu),
+                      boundary_reflectance(index, stack_.mirror_index, requested.mu), requested,
+                      ground);
+    } else {
+        no_reflection(grid, requested, ground);
     }
+    ground.has_glow = stack_.transmits;
     if (!stack_.transmits) return;
-    Reflector& ground = memory_.reflector;
     ground.glow_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
     ground.glow_at_requested.setOnes(requested.mu.size());
     if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
@@ -345,20 +351,20 @@ void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eig
     if (options_.coat_method != CoatMethod::automatic) {
         const std::vector<ScaledMedium> below(stack_.media.begin(),
                                               stack_.media.begin() + std::ptrdiff_t(index));
-        memory_.reflector = step_through_coat(options_.coat_method, options_.coat_substeps,
-                                              coat.scaled_optical_depth, memory_.medium,
-                                              first_order_of(below, mode, requested), mode, grid,
-                                              requested, std::move(memory_.reflector));
+        *reflector_ = step_through_coat(
+            options_.coat_method, options_.coat_substeps, coat.scaled_optical_depth, memory_.medium,
+            first_order_of(below, mode, requested), mode, grid, requested, std::move(*reflector_));
         return;
     }
     solve_layer(coat.scaled_optical_depth, memory_.medium, mode, grid, requested, parts, tolerance_,
                 memory_.work, memory_.layer);
     if (!memory_.layer.physical) {
-        memory_.reflector.physical = false;
+        reflector_->physical = false;
         return;
     }
-    std::swap(memory_.below, memory_.reflector);
-    put_on(memory_.layer, memory_.below, requested, parts, sky, memory_.work, memory_.reflector);
+    Reflector& result = free_reflector(coat.index);
+    put_on(memory_.layer, *reflector_, requested, parts, sky, memory_.work, result);
+    reflector_ = &result;
 }
 
 }  // namespace miebrdf::rte

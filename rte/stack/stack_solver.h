@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <memory>
@@ -103,7 +104,9 @@ struct StackMemory {
     FourierMedium medium = {};            ///< of the base or coat that is being solved
     FourierWork work = {};
     LayerOperator layer = {};
-    Reflector reflector = {}, below = {};
+    /// Two in each medium, by index: what has been solved so far, and what comes next. Sizes differ
+    /// from index to index.
+    std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
@@ -144,6 +147,7 @@ class StackSolver {
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
 
+    Reflector& free_reflector(double index);
     std::size_t place_of(double index) const;
     const FourierMode& mode_of(double index) const { return memory_.modes[place_of(index)]; }
     const RequestedDirections& requested_in(double index) const {
@@ -156,6 +160,7 @@ class StackSolver {
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order
     StackMemory& memory_;
+    Reflector* reflector_ = nullptr;  ///< of all that has been solved so far in this order
 };
 
 }  // namespace miebrdf::rte

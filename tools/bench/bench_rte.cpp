@@ -5,7 +5,6 @@
 #include <miebrdf/layer_albedos.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -14,18 +13,9 @@
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
+#include "tools/bench/allocation_count.h"
 
 using namespace miebrdf;
-
-#ifdef __GLIBC__
-// Counts what is allocated, by Eigen too: its matrices do not go through operator new.
-static std::atomic<long> allocations{0};
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* malloc(std::size_t size) {
-    allocations.fetch_add(1, std::memory_order_relaxed);
-    return __libc_malloc(size);
-}
-#endif
 
 namespace {
 
@@ -216,13 +206,9 @@ void orders_of_a_stack(benchmark::State& state) {
     solver.solve(0, rte::ReflectorParts::pairs);
     double count = NAN;
     for (auto _ : state) {
-#ifdef __GLIBC__
-        const long before = allocations;
-#endif
+        const long before = bench::allocation_count();
         for (int m = 1; m <= highest; ++m) solver.solve(m, rte::ReflectorParts::pairs);
-#ifdef __GLIBC__
-        count = double(allocations - before) / highest;
-#endif
+        if (bench::kCountsAllocations) count = double(bench::allocation_count() - before) / highest;
     }
     report(state, highest, NAN, NAN);
     state.counters["allocations"] = count;
@@ -244,21 +230,18 @@ void layers_of_a_batch(benchmark::State& state) {
     long count = 0;
     double converged = 0.0;
     for (auto _ : state) {
-#ifdef __GLIBC__
-        const long before = allocations;
-#endif
+        const long before = bench::allocation_count();
         const auto all =
             layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
-#ifdef __GLIBC__
-        count += allocations - before;
-#endif
+        count += bench::allocation_count() - before;
         converged = double(std::count(all.converged.begin(), all.converged.end(), 1));
     }
     const auto layers = double(albedo.size());
     state.counters["layers"] =
         benchmark::Counter(layers * double(state.iterations()), benchmark::Counter::kIsRate);
     state.counters["converged"] = converged / layers;
-    state.counters["allocations"] = double(count) / double(state.iterations()) / layers;
+    state.counters["allocations"] =
+        bench::kCountsAllocations ? double(count) / double(state.iterations()) / layers : NAN;
 }
 BENCHMARK(layers_of_a_batch)->Unit(benchmark::kMillisecond)->DenseRange(0, 2);
 
