@@ -195,13 +195,13 @@ void orders_of_a_stack(benchmark::State& state) {
     }
     const int streams = int(state.range(0));
     const auto scaled = rte::scale_stack(stack, 2 * streams, true);
-    const auto grid = rte::make_mapped_gauss_grid(streams);
+    const rte::StackGrids grids(rte::make_mapped_gauss_grid(streams));
     rte::RequestedDirections requested{Eigen::VectorXd::LinSpaced(20, 0.05, 1.0), {}, {}};
     for (int k = 0; k < 20; ++k) requested.out.push_back(k);
     requested.in = {3, 9, 19};
     const rte::SolverOptions options{.tolerance = 1e-5};
     rte::StackMemory memory;
-    rte::StackSolver solver(scaled, grid, requested, options, memory);
+    rte::StackSolver solver(scaled, grids, requested, options, memory);
     constexpr int highest = 8;
     solver.solve(0, rte::ReflectorParts::pairs);
     double count = NAN;
