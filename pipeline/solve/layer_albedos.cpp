@@ -122,7 +122,7 @@ class LayerSolver {
     rte::Optics medium_;
     rte::Stack half_space_;
     rte::Stack on_ground_{.coats = {rte::Coat{}}, .base_kind = rte::BaseKind::lambertian};
-    rte::AlbedoMemory memory_;
+    rte::SolutionMemory memory_;
     rte::AlbedoTable table_;
 };
 

@@ -20,7 +20,7 @@
 
 namespace miebrdf::rte {
 
-struct AlbedoMemory::Parts {
+struct SolutionMemory::Parts {
     /// With one number of nodes.
     struct Solution {
         int streams = 0;
@@ -28,6 +28,13 @@ struct AlbedoMemory::Parts {
         std::optional<StackGrids> grids = {};
         StackMemory memory = {};
         Eigen::VectorXd flux_weights = {}, let_in = {}, let_out = {};
+
+        /// Of `scaled`.
+        const StackGrids& grids_for(const Discretisation& discretisation) {
+            if (!grids || !grids->fit(scaled, discretisation.grid, discretisation.streams))
+                grids.emplace(scaled, discretisation.grid, discretisation.streams);
+            return *grids;
+        }
     };
 
     std::vector<std::unique_ptr<Solution>> solutions = {};
@@ -36,7 +43,10 @@ struct AlbedoMemory::Parts {
     ScaledStack exact = {};
     Attempts attempts = {};
 
+    /// With more nodes one takes the place of the other: 256 of them are 30 MB.
     Solution& solution_of(int streams) {
+        constexpr int most = 64;
+        streams = std::min(streams, most + 1);
         const auto found = std::find_if(solutions.begin(), solutions.end(),
                                         [=](const auto& s) { return s->streams == streams; });
         if (found != solutions.end()) return **found;
@@ -56,17 +66,17 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
 
 void reflect_with(const Stack& stack, const Directions& directions,
                   const RequestedDirections& requested, const SolverOptions& options,
-                  const Discretisation& discretisation, StackMemory& memory, FourierOrders& orders,
-                  StackFirstOrder& first_order, Attempt& attempt) {
-    ScaledStack scaled =
-        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
+                  const Discretisation& discretisation, SolutionMemory::Parts::Solution& solution,
+                  FourierOrders& orders, StackFirstOrder& first_order, Attempt& attempt) {
+    ScaledStack& scaled = solution.scaled;
+    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
         scaled.brightness = least_brightness(scaled, directions);
-    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    const StackGrids& grids = solution.grids_for(discretisation);
     if (options.single_scattering_correction) split_by_resolution(scaled, grids);
-    MultipleScattering multiple =
-        sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,
-                           kFourierTailShare * options.tolerance, options, &memory, orders);
+    MultipleScattering multiple = sum_fourier_orders(
+        scaled, grids, requested, directions.azimuth_deg, kFourierTailShare * options.tolerance,
+        options, &solution.memory, orders);
     orders = std::move(multiple.by_fourier_order);
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
@@ -87,15 +97,13 @@ bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_sur
 
 void albedo_with(const Stack& stack, const RequestedDirections& requested,
                  const SolverOptions& options, const Discretisation& discretisation,
-                 AlbedoMemory::Parts::Solution& solution,
+                 SolutionMemory::Parts::Solution& solution,
                  const std::function<SurfaceWeights(double mu)>& surface, Attempt& attempt) {
     ScaledStack& scaled = solution.scaled;
     scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
     scaled.transmits = has_transmittance(scaled.base, options, bool(surface));
-    if (!solution.grids ||
-        !solution.grids->fit(scaled, discretisation.grid, discretisation.streams))
-        solution.grids.emplace(scaled, discretisation.grid, discretisation.streams);
-    const ZenithGrid& grid = solution.grids->top();
+    const StackGrids& grids = solution.grids_for(discretisation);
+    const ZenithGrid& grid = grids.top();
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     Eigen::VectorXd& D = solution.flux_weights;
     Eigen::VectorXd& let_in = solution.let_in;
@@ -108,7 +116,7 @@ void albedo_with(const Stack& stack, const RequestedDirections& requested,
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    StackSolver solver(scaled, *solution.grids, requested, options, solution.memory);
+    StackSolver solver(scaled, grids, requested, options, solution.memory);
     const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
     attempt.physical = reflector.physical;
     if (!attempt.physical) return;
@@ -155,10 +163,10 @@ void name_worst_direction(const Directions& directions, SolverReport& report) {
 
 }  // namespace
 
-AlbedoMemory::AlbedoMemory() : parts_(std::make_unique<Parts>()) {}
-AlbedoMemory::~AlbedoMemory() = default;
-AlbedoMemory::AlbedoMemory(AlbedoMemory&&) noexcept = default;
-AlbedoMemory& AlbedoMemory::operator=(AlbedoMemory&&) noexcept = default;
+SolutionMemory::SolutionMemory() : parts_(std::make_unique<Parts>()) {}
+SolutionMemory::~SolutionMemory() = default;
+SolutionMemory::SolutionMemory(SolutionMemory&&) noexcept = default;
+SolutionMemory& SolutionMemory::operator=(SolutionMemory&&) noexcept = default;
 
 void validate(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
@@ -186,7 +194,7 @@ void validate(const SolverOptions& options) {
 }
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options, StackMemory* memory,
+                        const SolverOptions& options, SolutionMemory* memory,
                         const LadderWatch& watch) {
     validate(stack);
     validate(options);
@@ -195,7 +203,8 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const Directions& judged = probes.directions();
     const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
-    StackMemory own;
+    std::optional<SolutionMemory> own;
+    SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
     FourierOrders orders;  // of the solution before, with fewer nodes
     StackFirstOrder first_order(judged, options);
     Attempts attempts;
@@ -203,7 +212,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
         stack, options, judged.mu_in.size() * block, block,
         [&](const Discretisation& discretisation, Attempt& one) {
             reflect_with(stack, judged, requested, options, discretisation,
-                         memory != nullptr ? *memory : own, orders, first_order, one);
+                         kept.solution_of(discretisation.streams), orders, first_order, one);
         },
         attempts, watch, near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
@@ -223,20 +232,21 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options,
-                   const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory* memory) {
-    std::optional<AlbedoMemory> own;
+                   const std::function<SurfaceWeights(double mu)>& surface,
+                   SolutionMemory* memory) {
+    std::optional<SolutionMemory> own;
     AlbedoTable table;
     albedo(stack, mu_in, options, surface, memory != nullptr ? *memory : own.emplace(), table);
     return table;
 }
 
 void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
-            const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory& memory,
+            const std::function<SurfaceWeights(double mu)>& surface, SolutionMemory& memory,
             AlbedoTable& table) {
     validate(stack);
     validate(options);
     require_cosines(mu_in, "mu_in");
-    AlbedoMemory::Parts& kept = memory.parts();
+    SolutionMemory::Parts& kept = memory.parts();
     if (kept.mu_in != mu_in) {
         kept.requested = collect(mu_in, {});
         kept.mu_in = mu_in;

@@ -88,6 +88,7 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
         scale_optics(optics, moments, delta_m, medium.scaled);
         medium.scaled_optical_depth = bounded_depth(optical_depth * medium.scaled.depth_factor);
         medium.narrow = {};
+        medium.unresolved_shares.clear();
         if (medium.scaled.truncated > 0.0 && wanted == NarrowPart::split)
             medium.narrow = split_forward_peak(optics.chi, medium.scaled.first_cutoff);
         medium.index = index;
@@ -177,6 +178,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         }
         if (has_mirrors) own = with_cosines_beside(own);
     }
+    memory_.tables.resize(memory_.requested.size());
     memory_.modes.resize(memory_.requested.size());
     memory_.reflectors.resize(memory_.requested.size());
     if (is_rough) {
@@ -203,8 +205,8 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
-        make_fourier_mode(fourier_order, stack_.moments, grids_.of(indices[k]),
-                          memory_.requested[k], memory_.modes[k]);
+        memory_.modes[k] = &memory_.tables[k].find(fourier_order, stack_.moments,
+                                                   grids_.of(indices[k]), memory_.requested[k]);
     }
     const bool has_boundary = stack_.top_index != 1.0;
     const std::size_t first_coat = solve_lowest();
@@ -235,7 +237,7 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
 
 void StackSolver::put_on_rough_top(ReflectorParts parts) {
     Reflector& result = free_reflector(1.0);
-    rough_top_->put_on(memory_.modes.front().fourier_order, *reflector_, parts, result);
+    rough_top_->put_on(memory_.modes.front()->fourier_order, *reflector_, parts, result);
     reflector_ = &result;
 }
 
@@ -271,7 +273,7 @@ void StackSolver::put_on_boundary(double below, double above, ReflectorParts par
 
 void StackSolver::set_medium(std::size_t index) {
     const ScaledOptics& scaled = stack_.media[index].scaled;
-    const FourierMode& mode = memory_.modes.front();
+    const FourierMode& mode = *memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
     memory_.medium.lowest_degree = mode.fourier_order;
     memory_.medium.brightness = mode.fourier_order > 0 ? memory_.brightness[index] : 0.0;

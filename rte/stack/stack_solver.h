@@ -95,13 +95,15 @@ class StackGrids {
 /// Narrow features of all degrees (ScaledMedium::narrow), and which of them these nodes resolve.
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids);
 
-/// All matrices that a stack takes, for one Fourier order, one number of nodes and one stack after
-/// the other. Wavelengths solved in the same memory save 0 to 5 % of the time at 16 and 24 nodes
-/// and 9 to 19 % at 48, where every new memory is fresh pages of the system (31 coated half-spaces,
-/// 1 to 1024 pairs of directions). Results are the same to the last bit. Not thread-safe.
+/// All matrices and tables that a stack takes, for one Fourier order, one number of nodes and one
+/// stack after the other. Wavelengths solved in the same memory save 0 to 5 % of the time at 16 and
+/// 24 nodes and 9 to 19 % at 48, where every new memory is fresh pages of the system (31 coated
+/// half-spaces, 1 to 1024 pairs of directions). Results are the same to the last bit. Not
+/// thread-safe.
 struct StackMemory {
-    std::vector<FourierMode> modes = {};  ///< of the order that is being solved, by index
-    FourierMedium medium = {};            ///< of the base or coat that is being solved
+    std::vector<FourierModes> tables = {};       ///< by index
+    std::vector<const FourierMode*> modes = {};  ///< of the order that is being solved, by index
+    FourierMedium medium = {};                   ///< of the base or coat that is being solved
     FourierWork work = {};
     LayerOperator layer = {};
     /// Two in each medium, by index: what has been solved so far, and what comes next. Sizes differ
@@ -149,7 +151,7 @@ class StackSolver {
 
     Reflector& free_reflector(double index);
     std::size_t place_of(double index) const;
-    const FourierMode& mode_of(double index) const { return memory_.modes[place_of(index)]; }
+    const FourierMode& mode_of(double index) const { return *memory_.modes[place_of(index)]; }
     const RequestedDirections& requested_in(double index) const {
         return memory_.requested[place_of(index)];
     }

@@ -28,12 +28,13 @@ int all_modes(const rte::Optics& optics, int streams, double tolerance) {
     const Eigen::VectorXd strengths = scaled.strengths();
     const Eigen::VectorXd D = rte::flux_weights(grid);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::LegendreSampling sampling;
     rte::FourierMode mode;
     double order_zero = 0.0;
     int small_orders = 0;
     int order = 0;
     for (; order < moments && small_orders < 2; ++order) {
-        rte::make_fourier_mode(order, moments, grid, none, mode);
+        rte::make_fourier_mode(order, moments, grid, none, sampling, mode);
         const rte::FourierMedium medium{strengths.tail(moments - order), scaled.one_minus_albedo,
                                         order};
         const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, medium, mode,
@@ -113,8 +114,9 @@ void order_zero(benchmark::State& state) {
     const auto scaled = rte::scale_optics(optics, 2 * streams, true);
     const auto grid = rte::make_mapped_gauss_grid(streams);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::LegendreSampling sampling;
     rte::FourierMode mode;
-    rte::make_fourier_mode(0, 2 * streams, grid, none, mode);
+    rte::make_fourier_mode(0, 2 * streams, grid, none, sampling, mode);
     const rte::FourierMedium medium{scaled.strengths(), scaled.one_minus_albedo};
     int iterations = 0;
     for (auto _ : state) {
@@ -173,8 +175,8 @@ void wavelengths_of_a_coat(benchmark::State& state) {
     }
     rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
     for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
-    rte::StackMemory memory;
-    rte::StackMemory* const shared = state.range(1) == 1 ? &memory : nullptr;
+    rte::SolutionMemory memory;
+    rte::SolutionMemory* const shared = state.range(1) == 1 ? &memory : nullptr;
     const rte::SolverOptions options{.tolerance = 1e-5, .streams = int(state.range(0))};
     for (auto _ : state) {
         for (const rte::Stack& stack : stacks) {
