@@ -9,6 +9,7 @@
 #include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/first_order/narrow_features.h"
+#include "rte/half_space/sweeps.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -165,6 +166,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
     memory_.brightness.assign(stack.media.size(), 0.0);
+    memory_.side_by_side.clear();
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -203,6 +205,10 @@ std::size_t StackSolver::place_of(double index) const {
 
 const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
+    if (parts == ReflectorParts::pairs && fourier_order > 0) {
+        const Reflector* found = solve_side_by_side(fourier_order);
+        if (found != nullptr) return *found;
+    }
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
         memory_.modes[k] = &memory_.tables[k].find(fourier_order, stack_.moments,
@@ -233,6 +239,38 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
         reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
     }
     return *reflector_;
+}
+
+const Reflector* StackSolver::solve_side_by_side(int fourier_order) {
+    const bool is_bare = stack_.base == BaseKind::half_space && stack_.media.size() == 1 &&
+                         !stack_.refracts() &&
+                         options_.half_space_method == HalfSpaceMethod::automatic;
+    if (!is_bare) return nullptr;
+    FourHalfSpaces& four = memory_.side_by_side;
+    const RequestedDirections& requested = memory_.requested.front();
+    if (four.multiple(fourier_order) == nullptr) {
+        const ZenithGrid& grid = grids_.top();
+        if (!four.begin(fourier_order, grid.size(), requested)) return nullptr;
+        const int end = std::min(stack_.moments, fourier_order + FourHalfSpaces::kOrders);
+        for (int m = fourier_order; m < end; ++m) {
+            memory_.modes.front() =
+                &memory_.tables.front().find(m, stack_.moments, grid, requested);
+            set_medium(0);
+            form_sides(memory_.medium, *memory_.modes.front(), grid, memory_.work);
+            if (!four.add(memory_.medium, tolerance_, memory_.work)) return nullptr;
+        }
+        four.solve(requested, memory_.work);
+    }
+    const Eigen::MatrixXd* multiple = four.multiple(fourier_order);
+    if (multiple == nullptr) return nullptr;
+    reflector_ = &free_reflector(stack_.media.front().index);
+    reflector_->multiple = *multiple;
+    reflector_->specular.resize(0);
+    reflector_->has_glow = false;
+    reflector_->iterations = 0;
+    reflector_->residual = 0.0;
+    reflector_->converged = reflector_->physical = true;
+    return reflector_;
 }
 
 void StackSolver::put_on_rough_top(ReflectorParts parts) {

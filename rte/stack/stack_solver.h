@@ -15,6 +15,7 @@
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
+#include "rte/half_space/four_half_spaces.h"
 #include "rte/layer/layer.h"
 #include "rte/phase/scaled_medium.h"
 
@@ -111,6 +112,7 @@ struct StackMemory {
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
+    FourHalfSpaces side_by_side = {};
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 
@@ -137,6 +139,9 @@ class StackSolver {
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
+    /// Pairs of a half-space without anything above it, together with the orders that come next.
+    /// Null where orders are better solved one by one.
+    const Reflector* solve_side_by_side(int fourier_order);
     void put_on_rough_top(ReflectorParts parts);
     const SmoothBoundary& boundary_between(double below, double above);
     void put_on_boundary(double below, double above, ReflectorParts parts,
