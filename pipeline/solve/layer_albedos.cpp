@@ -76,22 +76,21 @@ class LayerSolver {
         : fields_(fields), mu_in_(mu_in.begin(), mu_in.end()), options_(options) {}
 
     void solve(std::size_t layer, LayerAlbedos& all) {
-        set(layer);
-        const rte::AlbedoTable table = rte::albedo(stack_, mu_in_, options_, {}, &memory_);
+        rte::albedo(stack_of(layer), mu_in_, options_, {}, memory_, table_);
         const auto first = std::ptrdiff_t(layer * mu_in_.size());
-        std::copy(table.plane_albedo.begin(), table.plane_albedo.end(),
+        std::copy(table_.plane_albedo.begin(), table_.plane_albedo.end(),
                   all.plane_albedo.begin() + first);
-        if (!table.transmittance.empty()) {
-            std::copy_n(table.transmittance.begin(), mu_in_.size(),
+        if (!table_.transmittance.empty()) {
+            std::copy_n(table_.transmittance.begin(), mu_in_.size(),
                         all.plane_transmittance.begin() + first);
         }
-        all.spherical_albedo[layer] = table.spherical_albedo;
-        all.error_estimate[layer] = table.report.error_estimate;
-        all.converged[layer] = table.report.converged ? 1 : 0;
+        all.spherical_albedo[layer] = table_.spherical_albedo;
+        all.error_estimate[layer] = table_.report.error_estimate;
+        all.converged[layer] = table_.report.converged ? 1 : 0;
     }
 
   private:
-    void set(std::size_t layer) {
+    const rte::Stack& stack_of(std::size_t layer) {
         const double g = fields_[kAsymmetry].at(layer), albedo = fields_[kAlbedo].at(layer);
         if (asymmetry_ != g) {
             medium_ = rte::henyey_greenstein_optics(albedo, g);
@@ -101,19 +100,19 @@ class LayerSolver {
         medium_.single_scattering_albedo = albedo;
         medium_.one_minus_albedo = 1.0 - albedo;
         const double depth = fields_[kDepth].at(layer), index = fields_[kIndex].at(layer);
-        const bool is_half_space = std::isinf(depth);
-        stack_.base_kind = is_half_space ? rte::BaseKind::half_space : rte::BaseKind::lambertian;
-        stack_.ground_albedo = is_half_space ? 0.0 : fields_[kGround].at(layer);
-        stack_.base_index = index;
-        stack_.boundary = index == 1.0 ? std::optional<rte::Boundary>{} : rte::Boundary{};
-        stack_.coats.resize(is_half_space ? 0 : 1);
-        if (is_half_space) {
-            stack_.base = medium_;
+        rte::Stack& stack = std::isinf(depth) ? half_space_ : on_ground_;
+        stack.base_index = index;
+        stack.boundary = index == 1.0 ? std::optional<rte::Boundary>{} : rte::Boundary{};
+        if (std::isinf(depth)) {
+            stack.base = medium_;
         } else {
-            stack_.coats[0].optics = medium_;
-            stack_.coats[0].optical_depth = depth;
-            stack_.coats[0].index = index;
+            stack.ground_albedo = fields_[kGround].at(layer);
+            rte::Coat& coat = stack.coats.front();
+            coat.optics = medium_;
+            coat.optical_depth = depth;
+            coat.index = index;
         }
+        return stack;
     }
 
     const BatchFields& fields_;
@@ -121,8 +120,10 @@ class LayerSolver {
     rte::SolverOptions options_;
     std::optional<double> asymmetry_;
     rte::Optics medium_;
-    rte::Stack stack_;
-    rte::AlbedoMemory memory_;
+    rte::Stack half_space_;
+    rte::Stack on_ground_{.coats = {rte::Coat{}}, .base_kind = rte::BaseKind::lambertian};
+    rte::SolutionMemory memory_;
+    rte::AlbedoTable table_;
 };
 
 }  // namespace

@@ -79,7 +79,7 @@ LayerSlice black(const LayerRequest& request) {
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& request,
                               const SolverOptions& solver, std::size_t w,
-                              rte::AlbedoMemory& memory) {
+                              rte::SolutionMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
     if (request.quantity == LayerQuantity::albedo)
         return rte::albedo(stack, mu_in, solver, {}, &memory);
@@ -132,15 +132,9 @@ LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optic
     return slice;
 }
 
-/// Of one thread.
-struct TransferMemory {
-    rte::StackMemory reflections = {};
-    rte::AlbedoMemory albedos = {};
-};
-
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                  const OpticsDemand& demand, const LightChoice& light, const mie::Executor& run,
-                 TransferMemory& memory) {
+                 rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary)
         return black(request);
@@ -155,8 +149,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     slice.report.optical_depths = optics.optical_depths;
     slice.report.polarisation_left_out = light.left_out;
     if (reflects) {
-        rte::ReflectionTable table =
-            rte::reflect(stack, request.directions, solver, &memory.reflections);
+        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
         slice.report.phase_noise =
@@ -167,7 +160,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         slice.mirror_reflectance = std::move(table.mirror_reflectance);
         remove_rounding(slice.plane_albedo);
     } else {
-        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory.albedos);
+        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
         slice.values = std::move(table.plane_albedo);
         slice.values.push_back(table.spherical_albedo);
         remove_rounding(slice.values);
@@ -293,7 +286,7 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     // What passes the layers is wanted too: only what lets nothing through hides a ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
     const double hiding = transmits ? 0.0 : request.solver.tolerance;
-    tbb::enumerable_thread_specific<TransferMemory> memories;
+    tbb::enumerable_thread_specific<rte::SolutionMemory> memories;
     // Returns the jobs that want more moments than these.
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
         std::vector<std::size_t> wavelengths;

@@ -126,7 +126,7 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     gather_rows(entering, requested_.out, out);
     gather_rows(entering, requested_.in, in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();
-    result.glow_at_nodes.resize(0);
+    result.has_glow = fourier_order == 0 && below.has_glow;
     if (fourier_order > 0) return;
     result.specular = light_.outer_reflectance;
     const ZenithGrid medium = boundary_->grid().in_medium(index_);
@@ -139,7 +139,7 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
             boundary_->external_diffuse_reflectance() + 2.0 * n2 * enters.dot(seen * enters);
         result.sky_at_nodes = spherical * air;
     }
-    if (below.glow_at_nodes.size() > 0) {
+    if (result.has_glow) {
         const Eigen::VectorXd up = solver.solve(below.glow_at_nodes);
         result.glow_at_requested = entering * up;
         result.glow_at_nodes = 2.0 * n2 * enters.dot(up) * air;

@@ -43,12 +43,14 @@ bool find_returns(const Eigen::VectorXd& reflectance, const Eigen::MatrixXd& X, 
 
 }  // namespace
 
+double boundary_reflectance(double here, std::complex<double> beyond, double mu) {
+    return beyond.imag() == 0.0 ? dielectric_reflectance(here, beyond.real(), mu)
+                                : fresnel_reflectance(beyond / here, mu);
+}
+
 Eigen::VectorXd boundary_reflectance(double here, std::complex<double> beyond,
                                      const Eigen::VectorXd& mu) {
-    return mu.unaryExpr([=](double cosine) {
-        return beyond.imag() == 0.0 ? dielectric_reflectance(here, beyond.real(), cosine)
-                                    : fresnel_reflectance(beyond / here, cosine);
-    });
+    return mu.unaryExpr([=](double cosine) { return boundary_reflectance(here, beyond, cosine); });
 }
 
 SmoothBoundary::SmoothBoundary(double below, double above, const RefractionGrid& grid,
@@ -132,9 +134,8 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
         result.sky_at_requested.noalias() = result.rows * sky;
         result.sky_at_nodes.noalias() = result.nodes * sky;
     }
-    if (below.glow_at_nodes.size() == 0) {
-        result.glow_at_nodes.resize(0);
-    } else {
+    result.has_glow = below.has_glow;
+    if (below.has_glow) {
         Eigen::VectorXd &again = work.downward, &up = work.upward;
         again.noalias() = G * below.glow_at_nodes;
         up = below.glow_at_nodes;

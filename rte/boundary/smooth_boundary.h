@@ -13,6 +13,7 @@ namespace miebrdf::rte {
 /// Fresnel reflectance of unpolarised light that meets `beyond` from a medium of index `here`, at
 /// cosines in that medium; exactly 1 where it is totally reflected.
 /// @param beyond  n + ik
+double boundary_reflectance(double here, std::complex<double> beyond, double mu);
 Eigen::VectorXd boundary_reflectance(double here, std::complex<double> beyond,
                                      const Eigen::VectorXd& mu);
 

@@ -15,52 +15,52 @@ constexpr double kDeflateBelow = 1e-3;
 // of 1e-5 to 1e-7, HG 0.7 and 0.8).
 constexpr double kScattersLittle = 0.05;
 
-struct DiffusionEigenmode {
-    Eigen::VectorXd vector;  ///< f, normalised to f^T V f = 1
-    double rate_squared = 0.0;
-};
-
 // What the eigensolver alone leaves in X of an order above 0 (measured: Rayleigh, HG 0.75 and 0.99,
 // albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has slow
 // eigenmodes that amplify it, and must conserve energy.
 double left_by_eigensolver(Eigen::Index nodes) { return 2e-17 * std::pow(double(nodes), 4); }
 
-// Smallest eigenpair of U g = k0^2 V^-1 g. Without absorption it is known: U g0 = 0 for
-// g0 = (W M)^(1/2) 1. With a little, inverse iteration from there; k0^2 from the Rayleigh quotient
-// written so that nothing cancels: with U = Uc + (1 - alpha) sum beta y y^T and g = g0 + d,
+}  // namespace
+
+// Without absorption it is known: U g0 = 0 for g0 = (W M)^(1/2) 1. With a little, inverse iteration
+// from there; k0^2 from the Rayleigh quotient written so that nothing cancels: with U = Uc + (1 -
+// alpha) sum beta y y^T and g = g0 + d,
 //     g^T U g = d^T Uc d + (1 - alpha) sum beta (y.g)^2.
-DiffusionEigenmode find_diffusion_eigenmode(const Eigen::MatrixXd& U,
-                                            const Eigen::MatrixXd& V_matrix,
-                                            const FourierMode& mode, const FourierMedium& medium,
-                                            const ZenithGrid& grid) {
+void DiffusionEigenmode::find(const Eigen::MatrixXd& U, const Eigen::MatrixXd& V,
+                              const FourierMode& mode, const FourierMedium& medium,
+                              const ZenithGrid& grid) {
     const double one_minus_albedo = medium.one_minus_albedo;
-    const Eigen::LLT<Eigen::MatrixXd> V(V_matrix);
-    Eigen::VectorXd g0 = (grid.weights.array() * grid.mu.array()).sqrt();
-    mode.keep_intensity(g0);
-    Eigen::VectorXd d = Eigen::VectorXd::Zero(g0.size());
+    V_.compute(V);
+    g0_ = (grid.weights.array() * grid.mu.array()).sqrt();
+    mode.keep_intensity(g0_);
+    d_.setZero(g0_.size());
     if (one_minus_albedo > 0.0) {
-        const Eigen::LDLT<Eigen::MatrixXd> U_factor(U);
-        Eigen::VectorXd g = g0;
+        U_.compute(U);
+        g_ = g0_;
         for (int step = 0; step < 12; ++step) {
-            g = U_factor.solve(V.solve(g));
-            g *= g0.squaredNorm() / g0.dot(g);
-            const double change = (g - g0 - d).norm();
-            d = g - g0;
-            if (change <= 1e-15 * g0.norm()) break;
+            f_ = V_.solve(g_);
+            g_ = U_.solve(f_);
+            g_ *= g0_.squaredNorm() / g0_.dot(g_);
+            const double change = (g_ - g0_ - d_).norm();
+            d_ = g_ - g0_;
+            if (change <= 1e-15 * g0_.norm()) break;
         }
     }
-    const Eigen::VectorXd g = g0 + d;
-    const Eigen::VectorXd f = V.solve(g);
-    const double norm = g.dot(f);
+    g_ = g0_ + d_;
+    f_ = V_.solve(g_);
+    const double norm = g_.dot(f_);
     const auto even = even_columns(mode.scaled_nodes);
-    const Eigen::ArrayXd beta = even_part(medium.strengths).array() / (1.0 - one_minus_albedo);
-    const double absorbed_d = (beta * (even.transpose() * d).array().square()).sum();
-    const double absorbed_g = (beta * (even.transpose() * g).array().square()).sum();
-    const double quotient = d.dot(U * d) + one_minus_albedo * (absorbed_g - absorbed_d);
-    return {f / std::sqrt(norm), std::max(0.0, quotient / norm)};
+    beta_ = even_part(medium.strengths) / (1.0 - one_minus_albedo);
+    const auto absorbed = [&](const Eigen::VectorXd& radiance) {
+        moments_.noalias() = even.transpose() * radiance;
+        return (beta_.array() * moments_.array().square()).sum();
+    };
+    const double absorbed_d = absorbed(d_), absorbed_g = absorbed(g_);
+    Ud_.noalias() = U * d_;
+    const double quotient = d_.dot(Ud_) + one_minus_albedo * (absorbed_g - absorbed_d);
+    f_ /= std::sqrt(norm);
+    rate_squared_ = std::max(0.0, quotient / norm);
 }
-
-}  // namespace
 
 void EigenmodeSolver::form_node_kernels(const FourierMode& mode, const FourierMedium& medium) {
     const Eigen::Index n = mode.scaled_nodes.rows();
@@ -98,7 +98,7 @@ const ScatteringKernels& EigenmodeSolver::form_kernels(const FourierMode& mode,
 // back to rounding for a few matrix products (docs/numerics.md). Returns the largest correction;
 // its square is the error that is left. `steepest`: as of find_correction.
 double EigenmodeSolver::refine(double steepest) {
-    Eigen::MatrixXd& F = eigenmodes_.vectors;
+    math::ScratchMatrix& F = eigenmodes_.vectors;
     VF_.noalias() = eigenmodes_.odd * F;
     R_.noalias() = -F.transpose() * VF_;
     R_.diagonal().array() += 1.0;
@@ -112,7 +112,7 @@ double EigenmodeSolver::refine(double steepest) {
 // Rates closer than 1 / `steepest` of their coupling need no rotation: any function is the same
 // for both.
 double EigenmodeSolver::find_correction(double steepest) {
-    Eigen::VectorXd& rates_squared = eigenmodes_.rates;
+    math::ScratchVector& rates_squared = eigenmodes_.rates;
     const Eigen::Index n = R_.rows();
     product_.noalias() = U_ * VF_;
     S_.noalias() = VF_.transpose() * product_;
@@ -149,15 +149,15 @@ bool EigenmodeSolver::refine_nodes(const ZenithGrid& grid, double tolerance) {
     return largest * largest <= tolerance && eigenmodes_.rates.minCoeff() > 0.0;
 }
 
-void EigenmodeSolver::append(const Eigen::VectorXd& vector, double rate_squared) {
-    const Eigen::Index n = vector.size();
-    const Eigen::RowVectorXd overlaps =
-        (eigenmodes_.odd * vector).transpose() * eigenmodes_.vectors;
-    eigenmodes_.vectors -= vector * overlaps;
-    eigenmodes_.vectors.conservativeResize(Eigen::NoChange, n + 1);
-    eigenmodes_.vectors.col(n) = vector;
-    eigenmodes_.rates.conservativeResize(n + 1);
-    eigenmodes_.rates[n] = std::sqrt(rate_squared);
+// The others become V-orthogonal to it.
+void EigenmodeSolver::append_diffusion() {
+    const Eigen::VectorXd& f = diffusion_.vector();
+    Vf_.noalias() = eigenmodes_.odd * f;
+    overlaps_.noalias() = Vf_.transpose() * eigenmodes_.vectors;
+    product_.noalias() = f * overlaps_;
+    eigenmodes_.vectors -= product_;
+    eigenmodes_.vectors.append_column(f);
+    eigenmodes_.rates.append(std::sqrt(diffusion_.rate_squared()));
 }
 
 const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMedium& medium,
@@ -191,14 +191,15 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
     const bool deflate =
         mode.fourier_order == 0 && mode.has_intensity() && medium.one_minus_albedo < kDeflateBelow;
     U_ = eigenmodes_.even;
-    DiffusionEigenmode diffusion;
+    for (Eigen::MatrixXd* square : {&product_, &C_, &VF_, &R_, &S_}) square->resize(n, n);
     if (deflate) {
-        diffusion = find_diffusion_eigenmode(U_, eigenmodes_.odd, mode, medium, grid);
-        U_ += (1.0 - diffusion.rate_squared) * diffusion.vector * diffusion.vector.transpose();
+        diffusion_.find(U_, eigenmodes_.odd, mode, medium, grid);
+        Vf_ = (1.0 - diffusion_.rate_squared()) * diffusion_.vector();
+        product_.noalias() = Vf_ * diffusion_.vector().transpose();
+        U_ += product_;
     }
 
     // U = F k^2 F^T and V^-1 = F F^T: with V = L L^T, L^T U L = Q k^2 Q^T, F = L^-T Q.
-    for (Eigen::MatrixXd* square : {&product_, &C_, &VF_, &R_, &S_}) square->resize(n, n);
     product_.noalias() = U_ * L_;
     C_.noalias() = L_.transpose() * product_;
     if (!eigen_.compute(C_) || !(eigen_.values()[0] > 0.0)) return eigenmodes_;
@@ -214,7 +215,7 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
         if (refine(1e-3) <= 1e-8) break;
     }
     eigenmodes_.rates = eigenmodes_.rates.cwiseMax(0.0).cwiseSqrt();
-    if (deflate) append(diffusion.vector, diffusion.rate_squared);
+    if (deflate) append_diffusion();
     eigenmodes_.physical = true;
     return eigenmodes_;
 }

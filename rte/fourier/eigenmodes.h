@@ -2,6 +2,7 @@
 // the requested cosines, and the memory in which Fourier orders are solved.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
 
@@ -25,11 +26,11 @@ namespace miebrdf::rte {
 /// rounding whatever the eigensolver left behind. F has then n + 1 columns, one of them (nearly)
 /// zero.
 struct Eigenmodes {
-    Eigen::MatrixXd vectors;  ///< F, n x K with K = n or n + 1
-    Eigen::VectorXd rates;    ///< k >= 0, K
-    Eigen::MatrixXd even;     ///< U, n x n
-    Eigen::MatrixXd odd;      ///< V, n x n
-    bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
+    math::ScratchMatrix vectors;  ///< F, n x K with K = n or n + 1
+    math::ScratchVector rates;    ///< k >= 0, K
+    Eigen::MatrixXd even;         ///< U, n x n
+    Eigen::MatrixXd odd;          ///< V, n x n
+    bool physical = false;        ///< U and V are positive definite: the truncation fits the grid
 };
 
 /// sum_l a_l y_l y_l^T over the degrees of one parity of l - m, n x n: U = M^-1 - even and
@@ -38,6 +39,23 @@ struct Eigenmodes {
 struct ScatteringKernels {
     Eigen::MatrixXd even, odd;
     Eigen::MatrixXd even_rows, odd_rows;
+};
+
+/// The slowest eigenmode where little is absorbed, the smallest eigenpair of U g = k0^2 V^-1 g. Of
+/// one medium after the other in the same memory.
+class DiffusionEigenmode {
+  public:
+    void find(const Eigen::MatrixXd& U, const Eigen::MatrixXd& V, const FourierMode& mode,
+              const FourierMedium& medium, const ZenithGrid& grid);
+
+    const Eigen::VectorXd& vector() const { return f_; }  ///< V^-1 g, normalised to f^T V f = 1
+    double rate_squared() const { return rate_squared_; }
+
+  private:
+    Eigen::LLT<Eigen::MatrixXd> V_;
+    Eigen::LDLT<Eigen::MatrixXd> U_;
+    Eigen::VectorXd g0_, d_, g_, f_, Ud_, beta_, moments_;
+    double rate_squared_ = 0.0;
 };
 
 /// Finds the eigenmodes of one Fourier order after the other in the same memory.
@@ -70,12 +88,15 @@ class EigenmodeSolver {
     bool refine_nodes(const ZenithGrid& grid, double tolerance);
     double refine(double steepest);
     double find_correction(double steepest);
-    void append(const Eigen::VectorXd& vector, double rate_squared);
+    void append_diffusion();
 
     Eigenmodes eigenmodes_;
     ScatteringKernels kernels_;
     math::ScratchMatrix scaled_;
     Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
+    DiffusionEigenmode diffusion_;
+    Eigen::VectorXd Vf_;
+    Eigen::RowVectorXd overlaps_;
     Eigen::VectorXd root_;  ///< of the nodes
     math::SymmetricEigen eigen_;
 };
@@ -93,8 +114,8 @@ class EigenmodeSources {
   public:
     void find(const FourierMedium& medium, const FourierMode& mode, const Eigenmodes& eigenmodes);
 
-    Eigen::MatrixXd even;
-    Eigen::MatrixXd odd;
+    math::ScratchMatrix even;
+    math::ScratchMatrix odd;
 
   private:
     math::ScratchMatrix weighted_, product_, degrees_;
@@ -114,7 +135,8 @@ struct FourierWork {
     math::ScratchMatrix pairs;
     math::ScratchMatrix first_out, first_in;  ///< FourierMode::at_requested of both lists
     Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;
-    Eigen::VectorXd near, far, tanh_rates, sinh_rates;
+    Eigen::VectorXd near, far;
+    math::ScratchVector tanh_rates, sinh_rates;
     Eigen::VectorXd between, incident, downward, upward;  ///< one answer of a layer on a base
     Eigen::MatrixXd square, other_square, below, joint;   ///< n x n
     Eigen::MatrixXd same_side, opposite_side, gain, product, to_nodes;        ///< n x n

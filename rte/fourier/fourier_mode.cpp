@@ -24,15 +24,15 @@ void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
 // The lowest two of order 0 are polynomials that any grid holds, and energy depends on their last
 // digits.
 void legendre_functions_at_nodes(int fourier_order, int degrees, const ZenithGrid& grid,
-                                 FourierMode& mode) {
+                                 LegendreSampling& sampling, FourierMode& mode) {
     if (points_suffice(grid, degrees)) {
         math::legendre_functions(fourier_order, degrees, grid.mu, mode.at_nodes);
         return;
     }
-    const NodeProjection& projection = mode.projections.find(grid, degrees);
-    math::legendre_functions(fourier_order, degrees, projection.fine.mu, mode.samples);
-    mode.at_nodes.resize(grid.size(), mode.samples.cols());
-    mode.at_nodes.noalias() = projection.of_order(fourier_order) * mode.samples;
+    const NodeProjection& projection = sampling.projections.find(grid, degrees);
+    math::legendre_functions(fourier_order, degrees, projection.fine.mu, sampling.samples);
+    mode.at_nodes.resize(grid.size(), sampling.samples.cols());
+    mode.at_nodes.noalias() = projection.of_order(fourier_order) * sampling.samples;
     if (fourier_order > 0) return;
     mode.at_nodes.col(0).setOnes();
     if (degrees > 1) mode.at_nodes.col(1) = grid.mu;
@@ -51,14 +51,45 @@ void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vect
 }
 
 void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
-                       const RequestedDirections& requested, FourierMode& mode) {
+                       const RequestedDirections& requested, LegendreSampling& sampling,
+                       FourierMode& mode) {
     mode.fourier_order = fourier_order;
-    legendre_functions_at_nodes(fourier_order, degrees, grid, mode);
+    legendre_functions_at_nodes(fourier_order, degrees, grid, sampling, mode);
     math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
     if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
     mode.node_factors = grid.weights.cwiseQuotient(grid.mu).cwiseSqrt();
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
     mode.scaled_nodes = mode.node_factors.asDiagonal() * mode.at_nodes;
+}
+
+bool FourierModes::are_of(int degrees, const ZenithGrid& grid,
+                          const RequestedDirections& requested) const {
+    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return a.size() == b.size() && a == b;
+    };
+    return degrees_ == degrees && alike(grid_.mu, grid.mu) && alike(grid_.weights, grid.weights) &&
+           grid_.panels == grid.panels && alike(requested_, requested.mu);
+}
+
+const FourierMode& FourierModes::find(int fourier_order, int degrees, const ZenithGrid& grid,
+                                      const RequestedDirections& requested) {
+    if (!are_of(degrees, grid, requested)) {
+        degrees_ = degrees;
+        grid_ = grid;
+        requested_ = requested.mu;
+        for (Known& known : known_) known.is_filled = false;
+    }
+    // All together at most 2 MB: of 32 nodes and 10 cosines 28 orders.
+    constexpr Eigen::Index most = 1 << 18;
+    const Eigen::Index size = (2 * grid.size() + requested.mu.size()) * degrees;
+    const auto order = std::size_t(fourier_order);
+    const bool is_kept = Eigen::Index(order + 1) * size <= most;
+    if (is_kept && order >= known_.size()) known_.resize(order + 1);
+    Known& known = is_kept ? known_[order] : passing_;
+    if (!is_kept || !known.is_filled)
+        make_fourier_mode(fourier_order, degrees, grid, requested, sampling_, known.mode);
+    known.is_filled = is_kept;
+    return known.mode;
 }
 
 ColumnsOfOneParity even_columns(const Eigen::Ref<const Eigen::MatrixXd>& table) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <vector>
 
 #include "rte/grid/directions.h"
@@ -25,9 +26,7 @@ struct FourierMode {
     math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
     math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
     math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
-    math::ScratchMatrix samples;       ///< at the fine nodes of the projection
     math::ScratchVector node_factors;  ///< sqrt(w / mu); in between other factors
-    NodeProjections projections = {};  ///< of the grids and degrees so far
     int rows_per_node = 1;
     /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.
     std::array<double, 4> unpolarised = {1.0, 0.0, 0.0, 0.0};
@@ -38,6 +37,12 @@ struct FourierMode {
         for (Eigen::Index r = 0; r < rows.size(); ++r)
             rows[r] *= unpolarised[std::size_t(r % rows_per_node)];
     }
+};
+
+/// Functions of mu at finer nodes than those of a grid, and how these see them.
+struct LegendreSampling {
+    NodeProjections projections = {};  ///< of the grids and degrees so far
+    math::ScratchMatrix samples;       ///< at the fine nodes
 };
 
 /// Rows of a table: result(k, .) = table(which[k], .).
@@ -53,8 +58,34 @@ void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vect
 /// quadrature, at the nodes and by the same combination everywhere else. On a rule that integrates
 /// products of two kept degrees exactly this changes nothing; on any other it restores conservation
 /// of energy and of the diffusive flux, which half-range quadrature otherwise loses.
+/// @param sampling  used again by the next order
 void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
-                       const RequestedDirections& requested, FourierMode& mode);
+                       const RequestedDirections& requested, LegendreSampling& sampling,
+                       FourierMode& mode);
+
+/// These tables for one medium after the other: as long as nodes, cosines and the number of degrees
+/// stay, each order is found once.
+class FourierModes {
+  public:
+    /// @return valid until the next call
+    const FourierMode& find(int fourier_order, int degrees, const ZenithGrid& grid,
+                            const RequestedDirections& requested);
+
+  private:
+    struct Known {
+        FourierMode mode = {};
+        bool is_filled = false;
+    };
+
+    bool are_of(int degrees, const ZenithGrid& grid, const RequestedDirections& requested) const;
+
+    int degrees_ = 0;
+    ZenithGrid grid_;
+    Eigen::VectorXd requested_;
+    std::deque<Known> known_;  ///< by order
+    Known passing_;            ///< of orders that are too many to be kept
+    LegendreSampling sampling_;
+};
 
 using ColumnsOfOneParity = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using ElementsOfOneParity = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<2>>;

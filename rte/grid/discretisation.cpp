@@ -98,24 +98,28 @@ int coarser_streams(int streams) {
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
 
-std::string method_name(const SolverOptions& options, GridKind grid) {
+void name_method(const SolverOptions& options, GridKind grid, std::string& name) {
     const char* const half_space[] = {"closed form", "fixed point", "doubling"};
     const char* const coat[] = {"impedance", "first order", "first order, patched", "exponential"};
     const char* const grids[] = {"automatic", "Gauss", "mapped Gauss", "paper"};
-    return fmt::format("{}, {}, {} grid", half_space[int(options.half_space_method)],
-                       coat[int(options.coat_method)], grids[int(grid)]);
+    name.clear();
+    fmt::format_to(std::back_inserter(name), "{}, {}, {} grid",
+                   half_space[int(options.half_space_method)], coat[int(options.coat_method)],
+                   grids[int(grid)]);
 }
 
 // With too many moments for the nodes the discrete equations have no physical solution: fewer then.
-Attempt with_fewer_moments_if_needed(Discretisation discretisation, const Solve& solve) {
-    Attempt attempt = solve(discretisation);
+void with_fewer_moments_if_needed(Discretisation discretisation, const Solve& solve,
+                                  Attempt& attempt) {
+    attempt.clear();
+    solve(discretisation, attempt);
     while (!attempt.physical && discretisation.moments > 1) {
         discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
-        attempt = solve(discretisation);
+        attempt.clear();
+        solve(discretisation, attempt);
     }
     attempt.report.streams = discretisation.streams;
     attempt.report.moments = discretisation.moments;
-    return attempt;
 }
 
 // Calls visit(k, largest) for each value, with the largest of its block (one incidence).
@@ -145,7 +149,7 @@ void raise(double& largest, double value) {
 // counts.
 double least_believed(double before, bool slow, bool backwards) {
     if (slow) return backwards ? before : 0.1 * before;
-    return before < 1.0 ? std::pow(before, 1.5) : before;
+    return before < 1.0 ? before * std::sqrt(before) : before;
 }
 
 // Narrow features that the nodes do not resolve err by no less than this share of themselves,
@@ -250,28 +254,42 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     return choice;
 }
 
-Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve, const LadderWatch& watch,
-                            const std::vector<bool>& backwards) {
-    const auto attempt_at = [&](int streams) {
-        Attempt attempt =
-            with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve);
+void Attempt::clear() {
+    values.clear();
+    plane_albedo.clear();
+    unresolved.clear();
+    std::string method = std::move(report.method);
+    report = {};
+    report.method = std::move(method);
+    report.method.clear();
+    physical = false;
+}
+
+Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
+                             std::size_t block, const Solve& solve, Attempts& attempts,
+                             const LadderWatch& watch, const std::vector<bool>& backwards) {
+    auto& [coarsest, coarse, fine] = attempts;
+    const auto solve_at = [&](int streams, Attempt& attempt) {
+        with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve,
+                                     attempt);
         require_physical(attempt, count);
-        return attempt;
     };
     const std::span<const int> ladder = options.streams == 0
                                             ? stream_ladder(stack, options)
                                             : std::span<const int>(&options.streams, 1);
     const int coarser = coarser_streams(ladder.front());
-    Attempt coarsest;
-    if (coarser_streams(coarser) < coarser) coarsest = attempt_at(coarser_streams(coarser));
-    Attempt coarse = attempt_at(coarser);
-    Attempt fine;
+    coarsest.clear();
+    if (coarser_streams(coarser) < coarser) solve_at(coarser_streams(coarser), coarsest);
+    solve_at(coarser, coarse);
     LadderProgress progress;
     const int carrying = fewest_carrying(ladder, stack, options);
     for (std::size_t step = 0; step < ladder.size(); ++step) {
         const int streams = ladder[step];
-        fine = attempt_at(streams);
+        if (step > 0) {
+            std::swap(coarsest, coarse);
+            std::swap(coarse, fine);
+        }
+        solve_at(streams, fine);
         const int orders = fine.report.fourier_orders;
         // Of larger spheres few nodes and what they do not resolve, in closed form, are as good as
         // more nodes.
@@ -296,10 +314,8 @@ Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, st
             break;
         }
         if (watch && step + 1 < ladder.size() && !watch(fine.report, ladder[step + 1])) break;
-        coarsest = std::move(coarse);
-        coarse = fine;
     }
-    fine.report.method = method_name(options, choose_discretisation(stack, options, 2).grid);
+    name_method(options, choose_discretisation(stack, options, 2).grid, fine.report.method);
     return fine;
 }
 

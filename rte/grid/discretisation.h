@@ -33,7 +33,7 @@ int first_streams(double tolerance);
 /// tolerance shows.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
-/// One solution with one discretisation.
+/// One solution with one discretisation. Its lists keep their memory from one to the next.
 struct Attempt {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
@@ -42,9 +42,17 @@ struct Attempt {
     std::vector<double> unresolved = {};
     SolverReport report;
     bool physical = false;
+
+    void clear();
 };
 
-using Solve = std::function<Attempt(const Discretisation&)>;
+/// Those that an error estimate compares, ascending in nodes.
+struct Attempts {
+    Attempt coarsest, coarse, fine;
+};
+
+/// The attempt comes empty.
+using Solve = std::function<void(const Discretisation&, Attempt&)>;
 
 /// Sees each solution that is not the last one, and the number of nodes that comes next; false: no
 /// more of them. Those who estimate the work ahead look in here.
@@ -72,10 +80,12 @@ bool is_worth_a_try(int streams, int fourier_orders);
 /// is `count` times NaN.
 ///
 /// @param block      values of one incidence: errors are relative to the largest of them
+/// @param attempts   overwritten; `fine` is the result
 /// @param backwards  of each value, whether it is near retro-reflection; empty: none is
-Attempt solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                            std::size_t block, const Solve& solve, const LadderWatch& watch = {},
-                            const std::vector<bool>& backwards = {});
+Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
+                             std::size_t block, const Solve& solve, Attempts& attempts,
+                             const LadderWatch& watch = {},
+                             const std::vector<bool>& backwards = {});
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
 /// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at

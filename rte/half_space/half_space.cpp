@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rte/fourier/eigenmodes.h"
+#include "rte/half_space/sweeps.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
@@ -41,6 +42,7 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
     none.rows.setZero(requested.mu.size(), grid.size());
     none.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     none.specular.resize(0);
+    none.has_glow = false;
     none.iterations = 0;
     none.residual = 0.0;
     none.converged = none.physical = true;
@@ -52,6 +54,7 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
     mirror.rows.setZero(at_requested.size(), at_nodes.size());
     mirror.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     mirror.specular = at_requested;
+    mirror.has_glow = false;
     mirror.iterations = 0;
     mirror.residual = 0.0;
     mirror.converged = mirror.physical = true;
@@ -82,20 +85,18 @@ void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid&
     }
 }
 
-namespace {
-
-// Orders above 0 may err by the tolerance times this share of order 0: it is brightest where it is,
-// and an error counts relative to the largest value at each incidence.
-constexpr double kShareOfOrderZero = 0.1;
-
 // Between nodes, eq. (3) factorises: 4 (mu_p + mu_q) R_pq = sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q).
 // With psi = (D/M) phi = (I +- X) y, + for even l - m, and the kernels E, O of both parities
 //     Psi = (I + X) E (I + X) - (I - X) O (I - X) = B + X G + (X G)^T,  G = A + B X / 2,
 // A = E + O (scattered to the same side), B = E - O (to the opposite one), and
 //     X_pq = 2 D_p R_pq D_q = Psi_pq / (2 (1/mu_p + 1/mu_q)).
 
-void form_sides(FourierWork& work) {
-    const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
+void form_sides(const FourierMedium& medium, const FourierMode& mode, const ZenithGrid& grid,
+                FourierWork& work) {
+    work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
+    work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
+    work.inverse_mu = grid.mu.cwiseInverse();
+    const ScatteringKernels& kernels = work.eigenmode_solver.form_kernels(mode, medium);
     work.same_side = kernels.even + kernels.odd;
     work.opposite_side = kernels.even - kernels.odd;
     work.to_nodes.resize(work.inverse_mu.size(), work.inverse_mu.size());
@@ -104,6 +105,12 @@ void form_sides(FourierWork& work) {
     work.same_side_rows = kernels.even_rows + kernels.odd_rows;
     work.opposite_side_rows = kernels.even_rows - kernels.odd_rows;
 }
+
+bool arrives_within(double sweeps, double ratio, double share) {
+    return std::log(share) > sweeps * std::log(std::max(ratio, 1e-30));
+}
+
+namespace {
 
 // Psi of X into `psi`.
 void fill_psi(const Eigen::MatrixXd& X, FourierWork& work, Eigen::MatrixXd& psi) {
@@ -157,7 +164,7 @@ void fill_rows_from_eigenmodes(const RequestedDirections& requested, FourierWork
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
     const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
     const Eigen::Index cosines = requested.mu.size(), modes = eigenmodes.rates.size();
-    Eigen::MatrixXd& weights = work.sources.even;
+    math::ScratchMatrix& weights = work.sources.even;
     weights.resize(cosines, modes);
     work.sources.odd.resize(cosines, modes);
     work.rows.resize(cosines, eigenmodes.vectors.rows());
@@ -194,15 +201,11 @@ bool solve_by_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
     return true;
 }
 
-// What is left to go after a step of the fixed point: each is at most `ratio` of the one before.
-double left_after(double step, double ratio) { return step * ratio / (1.0 - ratio); }
-
 // True where the fixed point converges in so few sweeps that it is cheaper than an eigenproblem:
-// high Fourier orders, whose remaining moments are small. X scatters on into X at most what the
-// phase function returns, as both directions take their part of it.
+// high Fourier orders, whose remaining moments are small.
 bool few_sweeps_suffice(double ratio, double share) {
     constexpr double most_sweeps = 10.0;
-    return ratio < 0.5 && std::log(share) > most_sweeps * std::log(std::max(ratio, 1e-30));
+    return ratio < 0.5 && arrives_within(most_sweeps, ratio, share);
 }
 
 // The fixed point, without any linear system, until no more than `accuracy` of 4 (mu + mu') R is
@@ -286,12 +289,9 @@ void fill_rows_by_solving(const FourierMedium& medium, const FourierMode& mode,
 void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const FourierMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,
                       double tolerance, FourierWork& work, Reflector& result) {
-    work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
-    work.mu_over_flux_weights = grid.mu.cwiseQuotient(work.flux_weights);
-    work.inverse_mu = grid.mu.cwiseInverse();
-    work.eigenmode_solver.form_kernels(mode, medium);
-    form_sides(work);
+    form_sides(medium, mode, grid, work);
     result.specular.resize(0);
+    result.has_glow = false;
     if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
         result.residual = 0.0;

@@ -40,11 +40,12 @@ struct Reflector {
     Eigen::VectorXd sky_at_requested;
     Eigen::VectorXd sky_at_nodes;
     /// Upward radiance of uniform unit emission by a ground that lies below everything, in the
-    /// normalisations of the sky's; empty where nobody asked. Reciprocity makes it the
-    /// transmittance: of light incident at that cosine, the flux that arrives at the ground,
-    /// counted as often as it does.
+    /// normalisations of the sky's, where somebody asked. Reciprocity makes it the transmittance:
+    /// of light incident at that cosine, the flux that arrives at the ground, counted as often as
+    /// it does.
     Eigen::VectorXd glow_at_requested;
     Eigen::VectorXd glow_at_nodes;
+    bool has_glow = false;
     /// What comes back of a beam at each requested cosine into the mirror direction, without being
     /// scattered; `rows` and `multiple` are without it, `nodes` has it on the diagonal. Empty:
     /// none.

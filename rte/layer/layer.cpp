@@ -327,7 +327,8 @@ void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDi
         result.specular = back.cwiseProduct(layer.direct);
     }
     if (parts == ReflectorParts::sky) fill_sky(layer, base, sky, work, result);
-    if (base.glow_at_nodes.size() > 0) fill_glow(layer, base, work, result);
+    result.has_glow = base.has_glow;
+    if (base.has_glow) fill_glow(layer, base, work, result);
     if (parts == ReflectorParts::nodes) {
         work.beam = work.seen.transpose();
         if (has_mirror) {

@@ -39,10 +39,30 @@ class Scratch : public Eigen::Map<Plain> {
         // Never a null pointer: Eigen forms references into empty matrices, too.
         const Eigen::Index size = std::max<Eigen::Index>(1, rows * cols);
         if (size > memory_.size()) memory_.resize(size);
-        ::new (static_cast<View*>(this)) View(memory_.data(), rows, cols);
+        look_at(rows, cols);
+    }
+
+    /// One more column, of as many rows, with the contents kept.
+    template <typename Derived>
+    void append_column(const Eigen::MatrixBase<Derived>& column) {
+        const Eigen::Index rows = this->rows(), cols = this->cols() + 1;
+        if (rows * cols > memory_.size()) memory_.conservativeResize(rows * cols);
+        look_at(rows, cols);
+        this->col(cols - 1) = column;
+    }
+    /// One more element of a vector.
+    void append(double element) {
+        const Eigen::Index size = this->size() + 1;
+        if (size > memory_.size()) memory_.conservativeResize(size);
+        look_at(size, 1);
+        (*this)[size - 1] = element;
     }
 
   private:
+    void look_at(Eigen::Index rows, Eigen::Index cols) {
+        ::new (static_cast<View*>(this)) View(memory_.data(), rows, cols);
+    }
+
     Eigen::VectorXd memory_;
 };
 

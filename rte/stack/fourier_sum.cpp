@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "rte/first_order/narrow_features.h"
 #include "rte/math/tolerance_budget.h"
@@ -218,7 +219,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                                       std::span<const double> azimuth_deg, double tail_tolerance,
                                       const SolverOptions& options, StackMemory* memory,
                                       const FourierOrders& coarser_orders) {
-    StackMemory own;
+    std::optional<StackMemory> own;
     const std::size_t azimuths = azimuth_deg.size();
     MultipleScattering sum;
     sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
@@ -226,7 +227,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     const bool keep =
         is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostKeptPairs;
 
-    StackSolver solver(stack, grids, requested, options, memory != nullptr ? *memory : own);
+    StackSolver solver(stack, grids, requested, options,
+                       memory != nullptr ? *memory : own.emplace());
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);

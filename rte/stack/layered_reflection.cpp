@@ -20,7 +20,7 @@
 
 namespace miebrdf::rte {
 
-struct AlbedoMemory::Parts {
+struct SolutionMemory::Parts {
     /// With one number of nodes.
     struct Solution {
         int streams = 0;
@@ -28,14 +28,25 @@ struct AlbedoMemory::Parts {
         std::optional<StackGrids> grids = {};
         StackMemory memory = {};
         Eigen::VectorXd flux_weights = {}, let_in = {}, let_out = {};
+
+        /// Of `scaled`.
+        const StackGrids& grids_for(const Discretisation& discretisation) {
+            if (!grids || !grids->fit(scaled, discretisation.grid, discretisation.streams))
+                grids.emplace(scaled, discretisation.grid, discretisation.streams);
+            return *grids;
+        }
     };
 
     std::vector<std::unique_ptr<Solution>> solutions = {};
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
     ScaledStack exact = {};
+    Attempts attempts = {};
 
+    /// With more nodes one takes the place of the other: 256 of them are 30 MB.
     Solution& solution_of(int streams) {
+        constexpr int most = 64;
+        streams = std::min(streams, most + 1);
         const auto found = std::find_if(solutions.begin(), solutions.end(),
                                         [=](const auto& s) { return s->streams == streams; });
         if (found != solutions.end()) return **found;
@@ -53,21 +64,20 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
-Attempt reflect_with(const Stack& stack, const Directions& directions,
-                     const RequestedDirections& requested, const SolverOptions& options,
-                     const Discretisation& discretisation, StackMemory& memory,
-                     FourierOrders& orders, StackFirstOrder& first_order) {
-    ScaledStack scaled =
-        scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
+void reflect_with(const Stack& stack, const Directions& directions,
+                  const RequestedDirections& requested, const SolverOptions& options,
+                  const Discretisation& discretisation, SolutionMemory::Parts::Solution& solution,
+                  FourierOrders& orders, StackFirstOrder& first_order, Attempt& attempt) {
+    ScaledStack& scaled = solution.scaled;
+    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
         scaled.brightness = least_brightness(scaled, directions);
-    const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
+    const StackGrids& grids = solution.grids_for(discretisation);
     if (options.single_scattering_correction) split_by_resolution(scaled, grids);
-    MultipleScattering multiple =
-        sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg,
-                           kFourierTailShare * options.tolerance, options, &memory, orders);
+    MultipleScattering multiple = sum_fourier_orders(
+        scaled, grids, requested, directions.azimuth_deg, kFourierTailShare * options.tolerance,
+        options, &solution.memory, orders);
     orders = std::move(multiple.by_fourier_order);
-    Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
     attempt.plane_albedo = std::move(multiple.plane_albedo);
@@ -76,7 +86,6 @@ Attempt reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
     if (attempt.physical) first_order.add_to(attempt.values, scaled, &attempt.unresolved);
-    return attempt;
 }
 
 /// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
@@ -86,17 +95,15 @@ bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_sur
            options.coat_method == CoatMethod::automatic;
 }
 
-Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
-                    const SolverOptions& options, const Discretisation& discretisation,
-                    AlbedoMemory::Parts::Solution& solution,
-                    const std::function<SurfaceWeights(double mu)>& surface) {
+void albedo_with(const Stack& stack, const RequestedDirections& requested,
+                 const SolverOptions& options, const Discretisation& discretisation,
+                 SolutionMemory::Parts::Solution& solution,
+                 const std::function<SurfaceWeights(double mu)>& surface, Attempt& attempt) {
     ScaledStack& scaled = solution.scaled;
     scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
     scaled.transmits = has_transmittance(scaled.base, options, bool(surface));
-    if (!solution.grids ||
-        !solution.grids->fit(scaled, discretisation.grid, discretisation.streams))
-        solution.grids.emplace(scaled, discretisation.grid, discretisation.streams);
-    const ZenithGrid& grid = solution.grids->top();
+    const StackGrids& grids = solution.grids_for(discretisation);
+    const ZenithGrid& grid = grids.top();
     // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
     Eigen::VectorXd& D = solution.flux_weights;
     Eigen::VectorXd& let_in = solution.let_in;
@@ -109,11 +116,10 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    StackSolver solver(scaled, *solution.grids, requested, options, solution.memory);
+    StackSolver solver(scaled, grids, requested, options, solution.memory);
     const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
-    Attempt attempt;
     attempt.physical = reflector.physical;
-    if (!attempt.physical) return attempt;
+    if (!attempt.physical) return;
     attempt.values.reserve((requested.in.size() + 1) * (scaled.transmits ? 2 : 1));
     const bool has_mirror = reflector.specular.size() > 0;
     for (const int i : requested.in) {
@@ -132,19 +138,17 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     attempt.report.iterations = reflector.iterations;
     attempt.report.converged = reflector.converged;
     attempt.report.error_estimate = reflector.residual;
-    return attempt;
 }
 
 // Nothing scattered is taken for a beam here: with the optical depths as they are.
-std::vector<double> mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
-                                        ScaledStack& exact) {
-    std::vector<double> reflectances;
-    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return reflectances;
+void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
+                              ScaledStack& exact, std::vector<double>& reflectances) {
+    reflectances.clear();
+    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
     scale_stack(stack, 1, false, NarrowPart::ignored, exact);
-    if (exact.top_index == 1.0 && !exact.has_mirrors()) return reflectances;
-    if (exact.boundary && exact.boundary->is_rough()) return reflectances;
+    if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
+    if (exact.boundary && exact.boundary->is_rough()) return;
     for (const double mu : mu_in) reflectances.push_back(mirror_reflectance(exact, mu));
-    return reflectances;
 }
 
 void name_worst_direction(const Directions& directions, SolverReport& report) {
@@ -159,10 +163,10 @@ void name_worst_direction(const Directions& directions, SolverReport& report) {
 
 }  // namespace
 
-AlbedoMemory::AlbedoMemory() : parts_(std::make_unique<Parts>()) {}
-AlbedoMemory::~AlbedoMemory() = default;
-AlbedoMemory::AlbedoMemory(AlbedoMemory&&) noexcept = default;
-AlbedoMemory& AlbedoMemory::operator=(AlbedoMemory&&) noexcept = default;
+SolutionMemory::SolutionMemory() : parts_(std::make_unique<Parts>()) {}
+SolutionMemory::~SolutionMemory() = default;
+SolutionMemory::SolutionMemory(SolutionMemory&&) noexcept = default;
+SolutionMemory& SolutionMemory::operator=(SolutionMemory&&) noexcept = default;
 
 void validate(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
@@ -190,7 +194,7 @@ void validate(const SolverOptions& options) {
 }
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options, StackMemory* memory,
+                        const SolverOptions& options, SolutionMemory* memory,
                         const LadderWatch& watch) {
     validate(stack);
     validate(options);
@@ -199,53 +203,69 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     const Directions& judged = probes.directions();
     const RequestedDirections requested = collect_with_probes(judged);
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
-    StackMemory own;
-    ScaledStack exact;
+    std::optional<SolutionMemory> own;
+    SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
     FourierOrders orders;  // of the solution before, with fewer nodes
     StackFirstOrder first_order(judged, options);
-    Attempt attempt = solve_with_estimate(
+    Attempts attempts;
+    Attempt& attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
-        [&](const Discretisation& discretisation) {
-            return reflect_with(stack, judged, requested, options, discretisation,
-                                memory != nullptr ? *memory : own, orders, first_order);
+        [&](const Discretisation& discretisation, Attempt& one) {
+            reflect_with(stack, judged, requested, options, discretisation,
+                         kept.solution_of(discretisation.streams), orders, first_order, one);
         },
-        watch, near_retro_reflection(judged));
+        attempts, watch, near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {
         attempt.plane_albedo.assign(directions.mu_in.size(),
                                     std::numeric_limits<double>::quiet_NaN());
     }
-    return {probes.without(std::move(attempt.values)), std::move(attempt.plane_albedo),
-            mirror_reflectances(stack, directions.mu_in, exact), std::move(attempt.report)};
+    ReflectionTable table{probes.without(std::move(attempt.values)),
+                          std::move(attempt.plane_albedo),
+                          {},
+                          std::move(attempt.report)};
+    ScaledStack exact;
+    find_mirror_reflectances(stack, directions.mu_in, exact, table.mirror_reflectance);
+    return table;
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options,
-                   const std::function<SurfaceWeights(double mu)>& surface, AlbedoMemory* memory) {
+                   const std::function<SurfaceWeights(double mu)>& surface,
+                   SolutionMemory* memory) {
+    std::optional<SolutionMemory> own;
+    AlbedoTable table;
+    albedo(stack, mu_in, options, surface, memory != nullptr ? *memory : own.emplace(), table);
+    return table;
+}
+
+void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
+            const std::function<SurfaceWeights(double mu)>& surface, SolutionMemory& memory,
+            AlbedoTable& table) {
     validate(stack);
     validate(options);
     require_cosines(mu_in, "mu_in");
-    std::optional<AlbedoMemory> own;
-    AlbedoMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
+    SolutionMemory::Parts& kept = memory.parts();
     if (kept.mu_in != mu_in) {
         kept.requested = collect(mu_in, {});
         kept.mu_in = mu_in;
     }
     const bool transmits = has_transmittance(lowest_kind(stack), options, bool(surface));
     const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
-    const auto solve = [&](const Discretisation& discretisation) {
-        return albedo_with(stack, kept.requested, options, discretisation,
-                           kept.solution_of(discretisation.streams), surface);
+    const auto solve = [&](const Discretisation& discretisation, Attempt& attempt) {
+        albedo_with(stack, kept.requested, options, discretisation,
+                    kept.solution_of(discretisation.streams), surface, attempt);
     };
-    Attempt attempt = solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve));
-    std::vector<double>& values = attempt.values;
-    const auto end_of_plane = values.begin() + std::ptrdiff_t(mu_in.size());
-    return {{values.begin(), end_of_plane},
-            *end_of_plane,
-            {end_of_plane + 1, values.end()},
-            mirror_reflectances(stack, mu_in, kept.exact),
-            std::move(attempt.report)};
+    const Attempt& attempt =
+        solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve), kept.attempts);
+    const auto plane = attempt.values.begin();
+    const auto spherical = plane + std::ptrdiff_t(mu_in.size());
+    table.plane_albedo.assign(plane, spherical);
+    table.spherical_albedo = *spherical;
+    table.transmittance.assign(spherical + 1, attempt.values.end());
+    find_mirror_reflectances(stack, mu_in, kept.exact, table.mirror_reflectance);
+    table.report = attempt.report;
 }
 
 }  // namespace miebrdf::rte

@@ -13,16 +13,15 @@
 
 namespace miebrdf::rte {
 
-struct StackMemory;
-
-/// What albedos found one after the other use again: matrices and grids, for each number of nodes
-/// of their own. Results are the same to the last bit. Not thread-safe.
-class AlbedoMemory {
+/// What stacks solved one after the other use again, in directions that stay the same: matrices,
+/// grids and Legendre tables, for each number of nodes up to 64 of their own. Results are the same
+/// to the last bit. Not thread-safe.
+class SolutionMemory {
   public:
-    AlbedoMemory();
-    ~AlbedoMemory();
-    AlbedoMemory(AlbedoMemory&&) noexcept;
-    AlbedoMemory& operator=(AlbedoMemory&&) noexcept;
+    SolutionMemory();
+    ~SolutionMemory();
+    SolutionMemory(SolutionMemory&&) noexcept;
+    SolutionMemory& operator=(SolutionMemory&&) noexcept;
 
     struct Parts;
     Parts& parts() { return *parts_; }
@@ -60,13 +59,12 @@ void validate(const Directions& directions);
 void validate(const SolverOptions& options);
 
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
-/// @param memory  for its matrices, where stacks are solved one after the other (stack_solver.h);
-///                null: of its own
+/// @param memory  where stacks are solved one after the other; null: of its own
 /// @param watch   of the numbers of nodes that are tried
 /// @throws UsageError  for optics, optical depths, cosines, azimuths or options out of range. Not
 ///         converging is an outcome.
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
-                        const SolverOptions& options = {}, StackMemory* memory = nullptr,
+                        const SolverOptions& options = {}, SolutionMemory* memory = nullptr,
                         const LadderWatch& watch = {});
 
 /// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
@@ -80,6 +78,10 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
                    const SolverOptions& options = {},
                    const std::function<SurfaceWeights(double mu)>& surface = {},
-                   AlbedoMemory* memory = nullptr);
+                   SolutionMemory* memory = nullptr);
+/// @param table  overwritten; its memory is used again
+void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
+            const std::function<SurfaceWeights(double mu)>& surface, SolutionMemory& memory,
+            AlbedoTable& table);
 
 }  // namespace miebrdf::rte

@@ -12,65 +12,65 @@
 namespace miebrdf::rte {
 namespace {
 
-double reflectance_at(double here, std::complex<double> beyond, double mu) {
-    return boundary_reflectance(here, beyond, Eigen::VectorXd::Constant(1, mu))[0];
-}
-
-// A beam's way through every medium, and what comes back of it, seen from above.
-struct BeamReturns {
-    std::vector<double> mu, attenuation;  ///< in each medium
-    std::vector<double> step;             ///< reflectance of the boundary at its bottom
-    std::vector<double> returned;         ///< by that and all below it
-    double top = 0.0;                     ///< at the top of the topmost medium
-};
-
 // r + (1 - r)^2 s / (1 - r s): a boundary over what returns s.
 double with_boundary(double r, double s) { return r + (1.0 - r) * (1.0 - r) * s / (1.0 - r * s); }
 
-BeamReturns returns_of(const ScaledStack& stack, double mu_air) {
-    BeamReturns beam;
+// A beam in one medium, without being scattered.
+struct MediumReturns {
+    double mu, attenuation;
+    double step;      // reflectance of the boundary at its bottom
+    double returned;  // by that and all below it
+};
+
+// What comes back of a beam at the top of the topmost medium. `see` is shown each medium, from the
+// bottom up.
+template <typename See>
+double returned_by_media(const ScaledStack& stack, double mu_air, const See& see) {
     double below_index = stack.ground_index;
     double from_below = 0.0;
     if (stack.base == BaseKind::mirror) {
-        from_below =
-            reflectance_at(below_index, stack.mirror_index, refracted_cosine(below_index, mu_air));
+        from_below = boundary_reflectance(below_index, stack.mirror_index,
+                                          refracted_cosine(below_index, mu_air));
     }
     for (const ScaledMedium& medium : stack.media) {
-        const double mu = refracted_cosine(medium.index, mu_air);
-        const double r =
-            medium.index == below_index ? 0.0 : reflectance_at(medium.index, below_index, mu);
-        beam.mu.push_back(mu);
-        beam.attenuation.push_back(std::exp(-medium.scaled_optical_depth / mu));
-        beam.step.push_back(r);
-        beam.returned.push_back(with_boundary(r, from_below));
-        from_below = beam.attenuation.back() * beam.attenuation.back() * beam.returned.back();
+        MediumReturns beam;
+        beam.mu = refracted_cosine(medium.index, mu_air);
+        beam.attenuation = std::exp(-medium.scaled_optical_depth / beam.mu);
+        beam.step = medium.index == below_index
+                        ? 0.0
+                        : boundary_reflectance(medium.index, below_index, beam.mu);
+        beam.returned = with_boundary(beam.step, from_below);
+        from_below = beam.attenuation * beam.attenuation * beam.returned;
         below_index = medium.index;
+        see(beam);
     }
-    beam.top = from_below;
-    return beam;
+    return from_below;
 }
 
 }  // namespace
 
 std::vector<Beam> beams_of(const ScaledStack& stack, double mu_air) {
-    const BeamReturns returns = returns_of(stack, mu_air);
+    std::vector<MediumReturns> returns;
+    const double top = returned_by_media(
+        stack, mu_air, [&](const MediumReturns& medium) { returns.push_back(medium); });
     std::vector<Beam> beams(stack.media.size());
-    const double r = reflectance_at(1.0, stack.top_index, mu_air);
-    double down = (1.0 - r) / (1.0 - r * returns.top);
+    const double r = boundary_reflectance(1.0, stack.top_index, mu_air);
+    double down = (1.0 - r) / (1.0 - r * top);
     for (std::size_t i = beams.size(); i-- > 0;) {
-        beams[i] = {returns.mu[i], down, down * returns.attenuation[i] * returns.returned[i]};
-        down *= returns.attenuation[i];
+        const MediumReturns& here = returns[i];
+        beams[i] = {here.mu, down, down * here.attenuation * here.returned};
+        down *= here.attenuation;
         if (i == 0) break;
-        const double seen =
-            returns.attenuation[i - 1] * returns.attenuation[i - 1] * returns.returned[i - 1];
-        down *= (1.0 - returns.step[i]) / (1.0 - returns.step[i] * seen);
+        const MediumReturns& below = returns[i - 1];
+        const double seen = below.attenuation * below.attenuation * below.returned;
+        down *= (1.0 - here.step) / (1.0 - here.step * seen);
     }
     return beams;
 }
 
 double mirror_reflectance(const ScaledStack& stack, double mu_air) {
-    return with_boundary(reflectance_at(1.0, stack.top_index, mu_air),
-                         returns_of(stack, mu_air).top);
+    return with_boundary(boundary_reflectance(1.0, stack.top_index, mu_air),
+                         returned_by_media(stack, mu_air, [](const MediumReturns&) {}));
 }
 
 FirstOrderPaths first_order_paths(const ScaledMedium& medium, const Beam& in, const Beam& out) {
@@ -101,8 +101,8 @@ bool has_straight_paths(const ScaledStack& stack) { return !stack.has_mirrors();
 
 double straight_paths_factor(double n, double mu_in_air, double mu_out_air) {
     if (n == 1.0) return 1.0;
-    return (1.0 - reflectance_at(1.0, n, mu_in_air)) * (1.0 - reflectance_at(1.0, n, mu_out_air)) /
-           (n * n);
+    return (1.0 - boundary_reflectance(1.0, n, mu_in_air)) *
+           (1.0 - boundary_reflectance(1.0, n, mu_out_air)) / (n * n);
 }
 
 SurfaceLobe outer_lobe(const Boundary& boundary, double index) {

@@ -9,6 +9,7 @@
 #include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/first_order/narrow_features.h"
+#include "rte/half_space/sweeps.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -88,6 +89,7 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
         scale_optics(optics, moments, delta_m, medium.scaled);
         medium.scaled_optical_depth = bounded_depth(optical_depth * medium.scaled.depth_factor);
         medium.narrow = {};
+        medium.unresolved_shares.clear();
         if (medium.scaled.truncated > 0.0 && wanted == NarrowPart::split)
             medium.narrow = split_forward_peak(optics.chi, medium.scaled.first_cutoff);
         medium.index = index;
@@ -164,6 +166,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
     memory_.brightness.assign(stack.media.size(), 0.0);
+    memory_.side_by_side.clear();
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -177,7 +180,9 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         }
         if (has_mirrors) own = with_cosines_beside(own);
     }
+    memory_.tables.resize(memory_.requested.size());
     memory_.modes.resize(memory_.requested.size());
+    memory_.reflectors.resize(memory_.requested.size());
     if (is_rough) {
         rough_top_ =
             std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
@@ -187,6 +192,12 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
 
 StackSolver::~StackSolver() = default;
 
+// Where what is solved next goes: not on what has been solved so far.
+Reflector& StackSolver::free_reflector(double index) {
+    auto& [one, other] = memory_.reflectors[place_of(index)];
+    return reflector_ == &one ? other : one;
+}
+
 std::size_t StackSolver::place_of(double index) const {
     const auto& indices = grids_.indices();
     return std::size_t(std::find(indices.begin(), indices.end(), index) - indices.begin());
@@ -194,42 +205,78 @@ std::size_t StackSolver::place_of(double index) const {
 
 const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
+    if (parts == ReflectorParts::pairs && fourier_order > 0) {
+        const Reflector* found = solve_side_by_side(fourier_order);
+        if (found != nullptr) return *found;
+    }
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
-        make_fourier_mode(fourier_order, stack_.moments, grids_.of(indices[k]),
-                          memory_.requested[k], memory_.modes[k]);
+        memory_.modes[k] = &memory_.tables[k].find(fourier_order, stack_.moments,
+                                                   grids_.of(indices[k]), memory_.requested[k]);
     }
     const bool has_boundary = stack_.top_index != 1.0;
     const std::size_t first_coat = solve_lowest();
     bool has_sky = has_boundary;
     double index = first_coat > 0 ? stack_.media[first_coat - 1].index : stack_.ground_index;
-    for (std::size_t c = first_coat; c < stack_.media.size() && memory_.reflector.physical; ++c) {
+    for (std::size_t c = first_coat; c < stack_.media.size() && reflector_->physical; ++c) {
         const bool is_top = c + 1 == stack_.media.size() && !has_boundary;
         const double next = stack_.media[c].index;
         if (next != index) put_on_boundary(index, next, ReflectorParts::nodes, sky);
         index = next;
-        if (!memory_.reflector.physical) break;
+        if (!reflector_->physical) break;
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
-    if (has_boundary && memory_.reflector.physical) {
+    if (has_boundary && reflector_->physical) {
         if (rough_top_) {
             put_on_rough_top(parts);
         } else {
             put_on_boundary(index, 1.0, parts, sky);
         }
     }
-    if (parts == ReflectorParts::sky && !has_sky && memory_.reflector.physical) {
-        memory_.reflector.sky_at_requested.noalias() = memory_.reflector.rows * sky;
-        memory_.reflector.sky_at_nodes.noalias() = memory_.reflector.nodes * sky;
+    if (parts == ReflectorParts::sky && !has_sky && reflector_->physical) {
+        reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
+        reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
     }
-    return memory_.reflector;
+    return *reflector_;
+}
+
+const Reflector* StackSolver::solve_side_by_side(int fourier_order) {
+    const bool is_bare = stack_.base == BaseKind::half_space && stack_.media.size() == 1 &&
+                         !stack_.refracts() &&
+                         options_.half_space_method == HalfSpaceMethod::automatic;
+    if (!is_bare) return nullptr;
+    FourHalfSpaces& four = memory_.side_by_side;
+    const RequestedDirections& requested = memory_.requested.front();
+    if (four.multiple(fourier_order) == nullptr) {
+        const ZenithGrid& grid = grids_.top();
+        if (!four.begin(fourier_order, grid.size(), requested)) return nullptr;
+        const int end = std::min(stack_.moments, fourier_order + FourHalfSpaces::kOrders);
+        for (int m = fourier_order; m < end; ++m) {
+            memory_.modes.front() =
+                &memory_.tables.front().find(m, stack_.moments, grid, requested);
+            set_medium(0);
+            form_sides(memory_.medium, *memory_.modes.front(), grid, memory_.work);
+            if (!four.add(memory_.medium, tolerance_, memory_.work)) return nullptr;
+        }
+        four.solve(requested, memory_.work);
+    }
+    const Eigen::MatrixXd* multiple = four.multiple(fourier_order);
+    if (multiple == nullptr) return nullptr;
+    reflector_ = &free_reflector(stack_.media.front().index);
+    reflector_->multiple = *multiple;
+    reflector_->specular.resize(0);
+    reflector_->has_glow = false;
+    reflector_->iterations = 0;
+    reflector_->residual = 0.0;
+    reflector_->converged = reflector_->physical = true;
+    return reflector_;
 }
 
 void StackSolver::put_on_rough_top(ReflectorParts parts) {
-    std::swap(memory_.below, memory_.reflector);
-    rough_top_->put_on(memory_.modes.front().fourier_order, memory_.below, parts,
-                       memory_.reflector);
+    Reflector& result = free_reflector(1.0);
+    rough_top_->put_on(memory_.modes.front()->fourier_order, *reflector_, parts, result);
+    reflector_ = &result;
 }
 
 // Reflectances are the same in all Fourier orders, and in stacks of the same indices.
@@ -256,14 +303,15 @@ const SmoothBoundary& StackSolver::boundary_between(double below, double above) 
 
 void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts,
                                   const Eigen::VectorXd& sky) {
-    std::swap(memory_.below, memory_.reflector);
-    put_boundary_on(boundary_between(below, above), memory_.below, requested_in(below), parts, sky,
-                    memory_.work, memory_.reflector);
+    Reflector& result = free_reflector(above);
+    put_boundary_on(boundary_between(below, above), *reflector_, requested_in(below), parts, sky,
+                    memory_.work, result);
+    reflector_ = &result;
 }
 
 void StackSolver::set_medium(std::size_t index) {
     const ScaledOptics& scaled = stack_.media[index].scaled;
-    const FourierMode& mode = memory_.modes.front();
+    const FourierMode& mode = *memory_.modes.front();
     memory_.medium.one_minus_albedo = scaled.one_minus_albedo;
     memory_.medium.lowest_degree = mode.fourier_order;
     memory_.medium.brightness = mode.fourier_order > 0 ? memory_.brightness[index] : 0.0;
@@ -297,37 +345,35 @@ std::size_t StackSolver::solve_lowest() {
 
 void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t index) {
     const double n = stack_.media[index].index;
+    reflector_ = &free_reflector(n);
     solve_half_space(method, memory_.medium, mode_of(n), grids_.of(n), requested_in(n), tolerance_,
-                     memory_.work, memory_.reflector);
+                     memory_.work, *reflector_);
     if (memory_.medium.lowest_degree == 0) memory_.brightness[index] = memory_.work.brightness;
 }
 
 void StackSolver::solve_base() {
-    const double index =
-        stack_.base == BaseKind::half_space ? stack_.media.front().index : stack_.ground_index;
+    if (stack_.base == BaseKind::half_space) {
+        set_medium(0);
+        solve_as_half_space(options_.half_space_method, 0);
+        return;
+    }
+    const double index = stack_.ground_index;
     const FourierMode& mode = mode_of(index);
     const ZenithGrid& grid = grids_.of(index);
     const RequestedDirections& requested = requested_in(index);
-    if (!stack_.transmits) memory_.reflector.glow_at_nodes.resize(0);
-    switch (stack_.base) {
-        case BaseKind::lambertian:
-            lambertian_ground(stack_.ground_albedo, mode, grid, requested, memory_.reflector);
-            break;
-        case BaseKind::none:
-            no_reflection(grid, requested, memory_.reflector);
-            break;
-        case BaseKind::mirror:
-            mirror_ground(boundary_reflectance(index, stack_.mirror_index, grid.mu),
-                          boundary_reflectance(index, stack_.mirror_index, requested.mu), requested,
-                          memory_.reflector);
-            break;
-        case BaseKind::half_space:
-            set_medium(0);
-            solve_as_half_space(options_.half_space_method, 0);
-            return;
+    Reflector& ground = free_reflector(index);
+    reflector_ = &ground;
+    if (stack_.base == BaseKind::lambertian) {
+        lambertian_ground(stack_.ground_albedo, mode, grid, requested, ground);
+    } else if (stack_.base == BaseKind::mirror) {
+        mirror_ground(boundary_reflectance(index, stack_.mirror_index, grid.mu),
+                      boundary_reflectance(index, stack_.mirror_index, requested.mu), requested,
+                      ground);
+    } else {
+        no_reflection(grid, requested, ground);
     }
+    ground.has_glow = stack_.transmits;
     if (!stack_.transmits) return;
-    Reflector& ground = memory_.reflector;
     ground.glow_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
     ground.glow_at_requested.setOnes(requested.mu.size());
     if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
@@ -345,20 +391,20 @@ void StackSolver::put_on_coat(std::size_t index, ReflectorParts parts, const Eig
     if (options_.coat_method != CoatMethod::automatic) {
         const std::vector<ScaledMedium> below(stack_.media.begin(),
                                               stack_.media.begin() + std::ptrdiff_t(index));
-        memory_.reflector = step_through_coat(options_.coat_method, options_.coat_substeps,
-                                              coat.scaled_optical_depth, memory_.medium,
-                                              first_order_of(below, mode, requested), mode, grid,
-                                              requested, std::move(memory_.reflector));
+        *reflector_ = step_through_coat(
+            options_.coat_method, options_.coat_substeps, coat.scaled_optical_depth, memory_.medium,
+            first_order_of(below, mode, requested), mode, grid, requested, std::move(*reflector_));
         return;
     }
     solve_layer(coat.scaled_optical_depth, memory_.medium, mode, grid, requested, parts, tolerance_,
                 memory_.work, memory_.layer);
     if (!memory_.layer.physical) {
-        memory_.reflector.physical = false;
+        reflector_->physical = false;
         return;
     }
-    std::swap(memory_.below, memory_.reflector);
-    put_on(memory_.layer, memory_.below, requested, parts, sky, memory_.work, memory_.reflector);
+    Reflector& result = free_reflector(coat.index);
+    put_on(memory_.layer, *reflector_, requested, parts, sky, memory_.work, result);
+    reflector_ = &result;
 }
 
 }  // namespace miebrdf::rte

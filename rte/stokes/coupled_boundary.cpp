@@ -90,7 +90,7 @@ void put_boundary_on_coupled(const FresnelReflections& matrices, const StokesBlo
                  pairs.block(out, i, c, c));
         }
     }
-    result.glow_at_nodes.resize(0);
+    result.has_glow = false;
     if (parts != ReflectorParts::nodes) return;
 
     const TwistedRows trapped = reflecting(matrices.trapped_above, block);

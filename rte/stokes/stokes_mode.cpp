@@ -33,7 +33,7 @@ void fill_linear_at_nodes(int m, int degrees, const ZenithGrid& grid, StokesTabl
         fill_linear(m, degrees, grid.mu, tables.nodes);
         return;
     }
-    const NodeProjection& projection = tables.scalar.projections.find(grid, degrees);
+    const NodeProjection& projection = tables.sampling.projections.find(grid, degrees);
     StokesTable samples;
     fill_linear(m, degrees, projection.fine.mu, samples);
     tables.nodes.R = projection.of_order(m) * samples.R;
@@ -179,7 +179,7 @@ void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
                         const RequestedDirections& requested, StokesTables& tables) {
     tables.fourier_order = fourier_order;
     // Orthogonal in order 0 as there: energy is conserved by the same sums.
-    make_fourier_mode(fourier_order, degrees, grid, requested, tables.scalar);
+    make_fourier_mode(fourier_order, degrees, grid, requested, tables.sampling, tables.scalar);
     tables.nodes.P = tables.scalar.at_nodes;
     tables.requested.P = tables.scalar.at_requested;
     fill_linear_at_nodes(fourier_order, degrees, grid, tables);

@@ -34,7 +34,8 @@ struct StokesTables {
     /// Rows of I and Q are those of light polarised parallel to the meridian plane and across it,
     /// (I + Q, I - Q) / 2^(1/2): the axes in which Fresnel's matrices are diagonal.
     bool along_axes = false;
-    FourierMode scalar;  ///< P and the projections, used again by the next order
+    FourierMode scalar;         ///< P
+    LegendreSampling sampling;  ///< used again by the next order
 };
 void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
                         const RequestedDirections& requested, StokesTables& tables);

@@ -46,9 +46,9 @@ struct Request {
     const SolverOptions& options;
 };
 
-Attempt reflect_with(const Request& request, const Discretisation& discretisation,
-                     StokesMemory& memory, FourierOrders& orders,
-                     StokesFirstOrderOfStack& first_order) {
+void reflect_with(const Request& request, const Discretisation& discretisation,
+                  StokesMemory& memory, FourierOrders& orders, StokesFirstOrderOfStack& first_order,
+                  Attempt& attempt) {
     const SolverOptions& options = request.options;
     ScaledStack scaled =
         scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
@@ -60,7 +60,6 @@ Attempt reflect_with(const Request& request, const Discretisation& discretisatio
         scaled, grids, request.requested, request.directions.azimuth_deg, request.components,
         kFourierTailShare * options.tolerance, options, memory, orders);
     orders = std::move(multiple.by_fourier_order);
-    Attempt attempt;
     attempt.physical = multiple.physical;
     attempt.values = std::move(multiple.reflection);
     attempt.plane_albedo = std::move(multiple.plane_albedo);
@@ -71,7 +70,6 @@ Attempt reflect_with(const Request& request, const Discretisation& discretisatio
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
     if (attempt.physical) first_order.add_to(attempt.values, scaled);
-    return attempt;
 }
 
 // [pair][element][azimuth] to [pair][azimuth][element], and the index of the worst value.
@@ -122,18 +120,17 @@ std::vector<double> mirror_reflections(const Stack& stack, const std::vector<dou
     return reflections;
 }
 
-Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
-                    const SolverOptions& options, const Discretisation& discretisation,
-                    StokesMemory& memory) {
+void albedo_with(const Stack& stack, const RequestedDirections& requested,
+                 const SolverOptions& options, const Discretisation& discretisation,
+                 StokesMemory& memory, Attempt& one) {
     ScaledStack scaled =
         scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored);
     scaled.transmits = scaled.base != BaseKind::half_space;
     const StackGrids grids(scaled, discretisation.grid, discretisation.streams);
     StokesSolver solver(scaled, grids, requested, 3, options, memory);
     const StokesOrder& order = solver.solve_albedos();
-    Attempt one;
     one.physical = order.physical;
-    if (!one.physical) return one;
+    if (!one.physical) return;
     one.values = order.plane_albedo;
     one.values.insert(one.values.end(), order.polarised_plane_albedo.begin(),
                       order.polarised_plane_albedo.end());
@@ -144,7 +141,6 @@ Attempt albedo_with(const Stack& stack, const RequestedDirections& requested,
     one.report.iterations = order.iterations;
     one.report.converged = order.converged;
     one.report.error_estimate = order.residual;
-    return one;
 }
 
 }  // namespace
@@ -174,12 +170,13 @@ MuellerTable reflect_polarised(const Stack& asked_stack, const Directions& direc
     FourierOrders orders;  // of the solution before, with fewer nodes
     StokesFirstOrderOfStack first_order(judged, components, options);
     const Request request{stack, judged, requested, components, options};
-    Attempt attempt = solve_with_estimate(
+    Attempts attempts;
+    Attempt& attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
-        [&](const Discretisation& discretisation) {
-            return reflect_with(request, discretisation, memory, orders, first_order);
+        [&](const Discretisation& discretisation, Attempt& one) {
+            reflect_with(request, discretisation, memory, orders, first_order, one);
         },
-        watch);
+        attempts, watch);
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst(directions, elements, attempt.report);
     MuellerTable table;
@@ -205,10 +202,13 @@ PolarisedAlbedoTable polarised_albedo(const Stack& asked_stack, const std::vecto
     const std::size_t count = mu_in.size();
     const bool transmits = scale_stack(stack, 1, false).base != BaseKind::half_space;
     const std::size_t wanted = 2 * count + 1 + (transmits ? count + 1 : 0);
-    Attempt attempt = solve_with_estimate(
-        stack, options, wanted, wanted, [&](const Discretisation& discretisation) {
-            return albedo_with(stack, requested, options, discretisation, memory);
-        });
+    Attempts attempts;
+    Attempt& attempt = solve_with_estimate(
+        stack, options, wanted, wanted,
+        [&](const Discretisation& discretisation, Attempt& one) {
+            albedo_with(stack, requested, options, discretisation, memory, one);
+        },
+        attempts);
     const auto begin = attempt.values.begin();
     const auto part = [&](std::size_t from, std::size_t to) {
         return std::vector<double>(begin + std::ptrdiff_t(from), begin + std::ptrdiff_t(to));

@@ -175,7 +175,6 @@ void StokesSolver::solve_medium_as_half_space(std::size_t index, const StokesBlo
 }
 
 void StokesSolver::solve_base(const StokesBlock& block) {
-    memory_.reflector.glow_at_nodes.resize(0);
     if (stack_.base != BaseKind::half_space) {
         solve_ground(block);
         return;
@@ -203,6 +202,7 @@ void StokesSolver::solve_ground(const StokesBlock& block) {
     } else {
         no_reflection(grid, requested, ground);
     }
+    ground.has_glow = stack_.transmits;
     if (!stack_.transmits) return;
     ground.glow_at_nodes = flux_weights(grid);
     mode.keep_intensity(ground.glow_at_nodes);

@@ -29,7 +29,8 @@ inline FourierProblem make_problem(const rte::Optics& optics, int order, rte::Ze
         problem.requested.out.push_back(k);
     }
     const auto scaled = rte::scale_optics(optics, moments, true);
-    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, problem.mode);
+    rte::LegendreSampling sampling;
+    rte::make_fourier_mode(order, moments, problem.grid, problem.requested, sampling, problem.mode);
     problem.medium = {scaled.strengths().tail(moments - order), scaled.one_minus_albedo};
     return problem;
 }

@@ -6,8 +6,7 @@ using namespace miebrdf;
 
 TEST_CASE("stacks solved one after the other in the same memory give the same bits",
           "[rte][memory]") {
-    rte::StackMemory memory;
-    rte::AlbedoMemory albedos;
+    rte::SolutionMemory memory;
     for (int repeat = 0; repeat < 2; ++repeat) {
         for (const double g : {0.0, 0.4, 0.95}) {
             for (const int streams : {0, 9, 16}) {
@@ -18,7 +17,7 @@ TEST_CASE("stacks solved one after the other in the same memory give the same bi
                 CAPTURE(g, streams);
                 CHECK(rte::reflect(stack, directions, options, &memory).reflection ==
                       rte::reflect(stack, directions, options).reflection);
-                CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &albedos).plane_albedo ==
+                CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo ==
                       rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
             }
         }

@@ -18,9 +18,10 @@ TEST_CASE("modes refined from the nodes give the layer that the eigenproblem giv
     const double tolerance = GENERATE(1e-5, 1e-6, 1e-7);
     const double tau = GENERATE(0.01, 1.0, 30.0);
     bool is_refined = false;
+    rte::LegendreSampling sampling;
     for (int order = 14; order < 40; ++order) {
         rte::FourierMode mode;
-        rte::make_fourier_mode(order, moments, grid, requested, mode);
+        rte::make_fourier_mode(order, moments, grid, requested, sampling, mode);
         const rte::FourierMedium medium{scaled.strengths().tail(moments - order),
                                         scaled.one_minus_albedo, order};
         const auto exact = rte::solve_layer(tau, medium, mode, grid, requested);

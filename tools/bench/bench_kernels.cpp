@@ -55,8 +55,9 @@ void half_space_order(benchmark::State& state) {
     rte::RequestedDirections requested;
     requested.mu = Eigen::VectorXd::Constant(1, 0.5);
     requested.in = requested.out = {0};
+    rte::LegendreSampling sampling;
     rte::FourierMode mode;
-    rte::make_fourier_mode(0, degrees, grid, requested, mode);
+    rte::make_fourier_mode(0, degrees, grid, requested, sampling, mode);
     rte::FourierMedium medium;
     medium.strengths.resize(degrees);
     for (int l = 0; l < degrees; ++l) medium.strengths[l] = 0.95 * (2 * l + 1) * std::pow(0.75, l);

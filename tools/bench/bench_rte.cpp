@@ -5,7 +5,6 @@
 #include <miebrdf/layer_albedos.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -14,18 +13,9 @@
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
+#include "tools/bench/allocation_count.h"
 
 using namespace miebrdf;
-
-#ifdef __GLIBC__
-// Counts what is allocated, by Eigen too: its matrices do not go through operator new.
-static std::atomic<long> allocations{0};
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* malloc(std::size_t size) {
-    allocations.fetch_add(1, std::memory_order_relaxed);
-    return __libc_malloc(size);
-}
-#endif
 
 namespace {
 
@@ -38,12 +28,13 @@ int all_modes(const rte::Optics& optics, int streams, double tolerance) {
     const Eigen::VectorXd strengths = scaled.strengths();
     const Eigen::VectorXd D = rte::flux_weights(grid);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::LegendreSampling sampling;
     rte::FourierMode mode;
     double order_zero = 0.0;
     int small_orders = 0;
     int order = 0;
     for (; order < moments && small_orders < 2; ++order) {
-        rte::make_fourier_mode(order, moments, grid, none, mode);
+        rte::make_fourier_mode(order, moments, grid, none, sampling, mode);
         const rte::FourierMedium medium{strengths.tail(moments - order), scaled.one_minus_albedo,
                                         order};
         const auto half_space = rte::solve_half_space(rte::HalfSpaceMethod::automatic, medium, mode,
@@ -123,8 +114,9 @@ void order_zero(benchmark::State& state) {
     const auto scaled = rte::scale_optics(optics, 2 * streams, true);
     const auto grid = rte::make_mapped_gauss_grid(streams);
     rte::RequestedDirections none{Eigen::VectorXd(0), {}, {}};
+    rte::LegendreSampling sampling;
     rte::FourierMode mode;
-    rte::make_fourier_mode(0, 2 * streams, grid, none, mode);
+    rte::make_fourier_mode(0, 2 * streams, grid, none, sampling, mode);
     const rte::FourierMedium medium{scaled.strengths(), scaled.one_minus_albedo};
     int iterations = 0;
     for (auto _ : state) {
@@ -183,8 +175,8 @@ void wavelengths_of_a_coat(benchmark::State& state) {
     }
     rte::Directions directions{{0.2, 0.4, 0.6, 0.8, 1.0}, {}, {0.0, 180.0}};
     for (int k = 1; k <= 20; ++k) directions.mu_out.push_back(k / 20.0);
-    rte::StackMemory memory;
-    rte::StackMemory* const shared = state.range(1) == 1 ? &memory : nullptr;
+    rte::SolutionMemory memory;
+    rte::SolutionMemory* const shared = state.range(1) == 1 ? &memory : nullptr;
     const rte::SolverOptions options{.tolerance = 1e-5, .streams = int(state.range(0))};
     for (auto _ : state) {
         for (const rte::Stack& stack : stacks) {
@@ -205,24 +197,20 @@ void orders_of_a_stack(benchmark::State& state) {
     }
     const int streams = int(state.range(0));
     const auto scaled = rte::scale_stack(stack, 2 * streams, true);
-    const auto grid = rte::make_mapped_gauss_grid(streams);
+    const rte::StackGrids grids(rte::make_mapped_gauss_grid(streams));
     rte::RequestedDirections requested{Eigen::VectorXd::LinSpaced(20, 0.05, 1.0), {}, {}};
     for (int k = 0; k < 20; ++k) requested.out.push_back(k);
     requested.in = {3, 9, 19};
     const rte::SolverOptions options{.tolerance = 1e-5};
     rte::StackMemory memory;
-    rte::StackSolver solver(scaled, grid, requested, options, memory);
+    rte::StackSolver solver(scaled, grids, requested, options, memory);
     constexpr int highest = 8;
     solver.solve(0, rte::ReflectorParts::pairs);
     double count = NAN;
     for (auto _ : state) {
-#ifdef __GLIBC__
-        const long before = allocations;
-#endif
+        const long before = bench::allocation_count();
         for (int m = 1; m <= highest; ++m) solver.solve(m, rte::ReflectorParts::pairs);
-#ifdef __GLIBC__
-        count = double(allocations - before) / highest;
-#endif
+        if (bench::kCountsAllocations) count = double(bench::allocation_count() - before) / highest;
     }
     report(state, highest, NAN, NAN);
     state.counters["allocations"] = count;
@@ -244,21 +232,18 @@ void layers_of_a_batch(benchmark::State& state) {
     long count = 0;
     double converged = 0.0;
     for (auto _ : state) {
-#ifdef __GLIBC__
-        const long before = allocations;
-#endif
+        const long before = bench::allocation_count();
         const auto all =
             layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
-#ifdef __GLIBC__
-        count += allocations - before;
-#endif
+        count += bench::allocation_count() - before;
         converged = double(std::count(all.converged.begin(), all.converged.end(), 1));
     }
     const auto layers = double(albedo.size());
     state.counters["layers"] =
         benchmark::Counter(layers * double(state.iterations()), benchmark::Counter::kIsRate);
     state.counters["converged"] = converged / layers;
-    state.counters["allocations"] = double(count) / double(state.iterations()) / layers;
+    state.counters["allocations"] =
+        bench::kCountsAllocations ? double(count) / double(state.iterations()) / layers : NAN;
 }
 BENCHMARK(layers_of_a_batch)->Unit(benchmark::kMillisecond)->DenseRange(0, 2);
 
