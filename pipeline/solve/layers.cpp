@@ -289,8 +289,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     tbb::enumerable_thread_specific<rte::SolutionMemory> memories;
     // Returns the jobs that want more moments than these.
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
-        std::vector<std::size_t> wavelengths;
-        for (const std::size_t j : places) wavelengths.push_back(jobs[j].wavelength);
+        std::vector<std::size_t> wavelengths(places.size());
+        for (std::size_t i = 0; i < places.size(); ++i) wavelengths[i] = jobs[places[i]].wavelength;
         const std::vector<LightChoice> light =
             choose_light(reduced, wavelengths, hiding, own, control);
         const auto optics = optics_in(light, reduced, wavelengths, hiding, own, control);
