@@ -85,16 +85,36 @@ std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) 
     return count;
 }
 
+// So many values that the largest difference of two solutions is no accident.
+constexpr std::size_t kManyValues = 100;
+
+// Of half-spaces alone: thin coats converge slowly, like a power of the number of nodes.
+bool are_many(std::size_t count, const Stack& stack) {
+    return count >= kManyValues && stack.base_kind == BaseKind::half_space && stack.coats.empty() &&
+           !stack.boundary;
+}
+
 // Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
-std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options) {
+std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options,
+                                   bool has_many) {
     static constexpr int kSteps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+    // With 6 and 9 nodes smooth phase functions differ by 4e-3 at most (HG 0.75).
+    static constexpr int kLooseSteps[] = {9, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+    static constexpr int kStrictSteps[] = {20, 24, 32, 48, 64, 96, 128, 192, 256};
+    constexpr double loose_tolerance = 2e-3, strict_tolerance = 1e-6;
     const bool simple = most_moments(stack) <= 8;
+    if (has_many && !simple && options.tolerance >= loose_tolerance &&
+        !converges_slowly(stack, kLooseSteps[0])) {
+        return kLooseSteps;
+    }
+    if (has_many && !simple && options.tolerance < strict_tolerance) return kStrictSteps;
     const int start = simple ? 8 : first_streams(options.tolerance);
     return {std::lower_bound(std::begin(kSteps), std::end(kSteps), start), std::end(kSteps)};
 }
 
-// Fewer nodes, to estimate the error of `streams` nodes by comparison.
-int coarser_streams(int streams) {
+// Fewer nodes, to estimate the error of `streams` nodes by comparison. Closer ones know it better.
+int coarser_streams(int streams, bool close = false) {
+    if (close) return 4 * streams / 5;
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
 
@@ -156,33 +176,45 @@ double least_believed(double before, bool slow, bool backwards) {
 // however well two solutions agree.
 constexpr double kUnresolvedShare = 0.5;
 
+// What solutions that are `apart` may gain at most.
+double least_gain(double apart, int coarse, int fine) {
+    const double farther = double(fine) / coarse - 1.0;
+    return std::pow(apart, 0.25 * std::min(farther, 0.5));
+}
+
 // Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
 // phase functions and like a power of n at grazing: in both cases the finest errs by no more than
 // d q, d the difference of the last two and q what it has fallen by from that of the first two. No
-// more is claimed than d to the power 1.125 (r^n alone would be 1.5), and nothing of unresolved
-// peaks, which keep the difference itself (docs/numerics.md).
-void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
-                    std::size_t block, bool slow, const std::vector<bool>& backwards,
-                    double tolerance) {
+// more is claimed than d to the power 1.125 (r^n alone would be 1.5; of closer nodes in
+// proportion), and nothing of unresolved peaks, which keep the difference itself
+// (docs/numerics.md).
+// @return d
+double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
+                      std::size_t block, bool slow, bool has_many,
+                      const std::vector<bool>& backwards, double tolerance) {
     SolverReport& report = fine.report;
+    const bool by_chance = slow || !has_many;
     const bool has_glory =
         !backwards.empty() && (!coarsest.unresolved.empty() || !fine.unresolved.empty());
     const auto last_at = [&](std::size_t k, double scale) {
         double last = difference(coarse.values[k], fine.values[k], scale);
         if (!fine.unresolved.empty())
             last = std::max(last, kUnresolvedShare * difference(0.0, fine.unresolved[k], scale));
-        if (!coarsest.physical) return last;
+        if (!coarsest.physical || !by_chance) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
         return std::max(last, least_believed(both, slow, has_glory && backwards[k]));
     };
-    double gain = 1.0;
-    if (coarsest.physical) {
-        double before = 0.0, now = 0.0;
-        visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+    double gain = 1.0, before = 0.0, now = 0.0;
+    visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+        if (coarsest.physical)
             raise(before, difference(coarsest.values[k], coarse.values[k], scale));
-            raise(now, last_at(k, scale));
-        });
-        if (!slow && now < before && now < 1.0) gain = std::max(now / before, std::pow(now, 0.125));
+        raise(now, last_at(k, scale));
+    });
+    if (coarsest.physical && !slow && now < before && now < 1.0) {
+        // Of closer nodes what is left falls by q again and again.
+        const double q = now / before;
+        const double left = has_many ? std::min(1.0, q / (1.0 - q)) : q;
+        gain = std::max(left, least_gain(now, coarse.report.streams, report.streams));
     }
     std::size_t within = 0;
     double largest = 0.0;
@@ -197,6 +229,7 @@ void estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fin
     const std::size_t count = fine.values.size();
     report.share_within_tolerance = count == 0 ? 1.0 : double(within) / double(count);
     report.error_estimate = std::max({report.error_estimate, kRounding, largest});
+    return now;
 }
 
 void require_physical(Attempt& attempt, std::size_t count) {
@@ -268,52 +301,75 @@ void Attempt::clear() {
 Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
                              std::size_t block, const Solve& solve, Attempts& attempts,
                              const LadderWatch& watch, const std::vector<bool>& backwards) {
-    auto& [coarsest, coarse, fine] = attempts;
+    Attempt &coarsest = attempts.coarsest, &coarse = attempts.coarse, &fine = attempts.fine;
     const auto solve_at = [&](int streams, Attempt& attempt) {
         with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve,
                                      attempt);
         require_physical(attempt, count);
     };
+    const bool has_many = are_many(count, stack);
     const std::span<const int> ladder = options.streams == 0
-                                            ? stream_ladder(stack, options)
+                                            ? stream_ladder(stack, options, has_many)
                                             : std::span<const int>(&options.streams, 1);
-    const int coarser = coarser_streams(ladder.front());
+    int streams = ladder.front();
+    const bool is_strict = has_many && options.streams == 0 && streams > first_streams(1.0);
+    const int coarser = coarser_streams(streams, is_strict);
+    const int before_coarser = coarser_streams(coarser, is_strict);
     coarsest.clear();
-    if (coarser_streams(coarser) < coarser) solve_at(coarser_streams(coarser), coarsest);
+    // Of many values it is only needed where the other two alone do not agree.
+    bool may_be_spared = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
+    if (before_coarser < coarser && !may_be_spared) solve_at(before_coarser, coarsest);
     solve_at(coarser, coarse);
     LadderProgress progress;
     const int carrying = fewest_carrying(ladder, stack, options);
-    for (std::size_t step = 0; step < ladder.size(); ++step) {
-        const int streams = ladder[step];
-        if (step > 0) {
-            std::swap(coarsest, coarse);
-            std::swap(coarse, fine);
-        }
+    std::size_t step = 0;
+    while (true) {
         solve_at(streams, fine);
         const int orders = fine.report.fourier_orders;
         // Of larger spheres few nodes and what they do not resolve, in closed form, are as good as
         // more nodes.
         const bool can_be_resolved =
             carrying > 0 && work_of(std::max(streams, carrying), orders) <= kPromisingWork;
+        const double of_steps = fine.report.error_estimate;
+        double apart = 0.0;
+        const auto estimate = [&] {
+            fine.report.error_estimate = of_steps;
+            apart = estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
+                                   has_many, can_be_resolved ? backwards : std::vector<bool>(),
+                                   options.tolerance);
+        };
         if (fine.physical && coarse.physical) {
-            estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
-                           can_be_resolved ? backwards : std::vector<bool>(), options.tolerance);
+            estimate();
+            const bool is_needed =
+                may_be_spared && !(fine.report.error_estimate <= options.tolerance) &&
+                apart * least_gain(apart, coarse.report.streams, streams) <= options.tolerance;
+            if (is_needed) {
+                solve_at(before_coarser, coarsest);
+                estimate();
+            }
         } else if (fine.physical) {
             fine.report.error_estimate = std::numeric_limits<double>::infinity();
             fine.report.share_within_tolerance = 0.0;
         }
+        may_be_spared = false;
         fine.report.converged =
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
-        if (fine.report.converged) break;
+        if (fine.report.converged || step + 1 == ladder.size()) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
         // The two before must carry all moments, too, or the three still differ by them.
         const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
         const bool promising = fewest < carrying && can_be_resolved;
-        if (stalled && !promising && step + 1 < ladder.size() &&
-            !is_worth_a_try(ladder[step + 1], orders)) {
-            break;
-        }
-        if (watch && step + 1 < ladder.size() && !watch(fine.report, ladder[step + 1])) break;
+        // What is claimed of 16 nodes is far from what they err by: a small step shows it.
+        constexpr int before_small_step = 16, small_step = 20;
+        const bool is_small = is_strict && streams == before_small_step &&
+                              apart * std::sqrt(apart) <= options.tolerance;
+        const int next = is_small ? small_step : ladder[step + 1];
+        if (stalled && !promising && !is_worth_a_try(next, orders)) break;
+        if (watch && !watch(fine.report, next)) break;
+        if (!is_small) ++step;
+        streams = next;
+        std::swap(coarsest, coarse);
+        std::swap(coarse, fine);
     }
     name_method(options, choose_discretisation(stack, options, 2).grid, fine.report.method);
     return fine;

@@ -13,60 +13,162 @@ typedef double FourDoubles __attribute__((vector_size(32)));
 inline FourDoubles absolute(FourDoubles x) { return x < 0.0 ? -x : x; }
 inline FourDoubles larger(FourDoubles x, FourDoubles y) { return x > y ? x : y; }
 
+/// A matrix stored by columns: element (i, j) at data[i + j * stride].
+struct FourColumns {
+    const FourDoubles* data;
+    int stride;
+};
+
+/// A matrix stored in any order: element (i, j) at data[i * down + j * right].
+struct FourMatrix {
+    const FourDoubles* data;
+    int down, right;
+};
+
 /// A tile of `rows` x `columns` of target = A B or target += A B, in registers.
 template <int rows, int columns, bool add>
-inline void set_tile(const FourDoubles* A, const FourDoubles* B, FourDoubles* target, int A_rows,
-                     int B_rows) {
+inline void set_tile(const FourColumns& A, const FourMatrix& B, int inner, FourDoubles* target,
+                     int stride) {
     FourDoubles sum[rows][columns];
     for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < columns; ++j) sum[i][j] = add ? target[i + j * A_rows] : FourDoubles{};
-    for (int k = 0; k < B_rows; ++k)
+        for (int j = 0; j < columns; ++j) sum[i][j] = add ? target[i + j * stride] : FourDoubles{};
+    const FourDoubles *a = A.data, *b = B.data;
+    for (int k = 0; k < inner; ++k, a += A.stride, b += B.down)
         for (int j = 0; j < columns; ++j)
-            for (int i = 0; i < rows; ++i) sum[i][j] += A[i + k * A_rows] * B[k + j * B_rows];
+            for (int i = 0; i < rows; ++i) sum[i][j] += a[i] * b[j * B.right];
     for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < columns; ++j) target[i + j * A_rows] = sum[i][j];
+        for (int j = 0; j < columns; ++j) target[i + j * stride] = sum[i][j];
 }
 
 template <int columns, bool add>
-inline void set_tiles(const FourDoubles* A, const FourDoubles* B, FourDoubles* target, int A_rows,
-                      int B_rows) {
-    int i = 0;
-    for (; i + 4 <= A_rows; i += 4) set_tile<4, columns, add>(A + i, B, target + i, A_rows, B_rows);
-    switch (A_rows - i) {
-        case 3:
-            set_tile<3, columns, add>(A + i, B, target + i, A_rows, B_rows);
-            break;
-        case 2:
-            set_tile<2, columns, add>(A + i, B, target + i, A_rows, B_rows);
-            break;
-        case 1:
-            set_tile<1, columns, add>(A + i, B, target + i, A_rows, B_rows);
-            break;
-        default:
-            break;
-    }
+inline void set_tiles(FourColumns A, const FourMatrix& B, int inner, FourDoubles* target, int rows,
+                      int stride) {
+    for (; rows >= 4; rows -= 4, A.data += 4, target += 4)
+        set_tile<4, columns, add>(A, B, inner, target, stride);
+    if (rows == 3) set_tile<3, columns, add>(A, B, inner, target, stride);
+    if (rows == 2) set_tile<2, columns, add>(A, B, inner, target, stride);
+    if (rows == 1) set_tile<1, columns, add>(A, B, inner, target, stride);
 }
 
-/// target = A B or target += A B, all stored by columns: A is A_rows x B_rows, B is B_rows x
-/// B_columns. The target overlaps neither.
-template <bool add>
-void multiply_four(const FourDoubles* A, const FourDoubles* B, FourDoubles* target, int A_rows,
-                   int B_rows, int B_columns) {
-    int j = 0;
-    for (; j + 4 <= B_columns; j += 4)
-        set_tiles<4, add>(A, B + j * B_rows, target + j * A_rows, A_rows, B_rows);
-    switch (B_columns - j) {
-        case 3:
-            set_tiles<3, add>(A, B + j * B_rows, target + j * A_rows, A_rows, B_rows);
-            break;
-        case 2:
-            set_tiles<2, add>(A, B + j * B_rows, target + j * A_rows, A_rows, B_rows);
-            break;
-        case 1:
-            set_tiles<1, add>(A, B + j * B_rows, target + j * A_rows, A_rows, B_rows);
-            break;
-        default:
-            break;
+/// Which elements of a product are wanted.
+enum class Part { all, lower };
+
+/// target = A B or target += A B, A being rows x inner and B inner x columns. The target is stored
+/// by columns, element (i, j) at target[i + j * stride], and overlaps neither. Of `Part::lower`
+/// some above the diagonal are set, too.
+template <bool add, Part part = Part::all>
+void multiply_four(FourColumns A, FourMatrix B, FourDoubles* target, int rows, int inner,
+                   int columns, int stride) {
+    for (; columns >= 4; columns -= 4, B.data += 4 * B.right, target += 4 * stride) {
+        set_tiles<4, add>(A, B, inner, target, rows, stride);
+        if (part == Part::all) continue;
+        A.data += 4;
+        target += 4;
+        rows -= 4;
+    }
+    if (columns == 3) set_tiles<3, add>(A, B, inner, target, rows, stride);
+    if (columns == 2) set_tiles<2, add>(A, B, inner, target, rows, stride);
+    if (columns == 1) set_tiles<1, add>(A, B, inner, target, rows, stride);
+}
+
+/// The inverse of a symmetric positive definite matrix, in place: n x n, both triangles. Each step
+/// eliminates two rows (the last of an odd number one) from two columns at a time, so that an
+/// element is read and written n / 2 times.
+/// @param columns  memory for 2 n
+inline void invert_four(FourDoubles* A, int n, FourDoubles* columns) {
+    FourDoubles *c = columns, *d = columns + n;
+    int k = 0;
+    for (; k + 2 <= n; k += 2) {
+        for (int i = 0; i < k; ++i) {
+            c[i] = A[k + i * n];
+            d[i] = A[k + 1 + i * n];
+        }
+        for (int i = k; i < n; ++i) {
+            c[i] = A[i + k * n];
+            d[i] = A[i + (k + 1) * n];
+        }
+        const FourDoubles above = c[k], side = c[k + 1], below = d[k + 1];
+        const FourDoubles over = 1.0 / (above * below - side * side);
+        const FourDoubles p = below * over, q = -side * over, r = above * over;
+        c[k] = d[k] = c[k + 1] = d[k + 1] = FourDoubles{};
+        int j = 0;
+        for (; j + 2 <= n; j += 2) {
+            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            const FourDoubles g = c[j + 1] * p + d[j + 1] * q, h = c[j + 1] * q + d[j + 1] * r;
+            FourDoubles *column = A + j * n, *next = column + n;
+            for (int i = j; i < n; ++i) {
+                column[i] -= c[i] * e + d[i] * f;
+                next[i] -= c[i] * g + d[i] * h;
+            }
+            if (j < k) {
+                column[k] = e;
+                column[k + 1] = f;
+                next[k] = g;
+                next[k + 1] = h;
+            } else {
+                A[j + k * n] = e;
+                A[j + (k + 1) * n] = f;
+                A[j + 1 + k * n] = g;
+                A[j + 1 + (k + 1) * n] = h;
+            }
+        }
+        if (j < n) {  // the last of an odd number, which comes after k
+            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            A[j + j * n] -= c[j] * e + d[j] * f;
+            A[j + k * n] = e;
+            A[j + (k + 1) * n] = f;
+        }
+        A[k + k * n] = -p;
+        A[k + 1 + k * n] = -q;
+        A[k + 1 + (k + 1) * n] = -r;
+    }
+    if (k < n) {
+        for (int i = 0; i < k; ++i) c[i] = A[k + i * n];
+        const FourDoubles over = 1.0 / A[k + k * n];
+        for (int j = 0; j < k; ++j) {
+            const FourDoubles e = c[j] * over;
+            for (int i = j; i < k; ++i) A[i + j * n] -= c[i] * e;
+            A[k + j * n] = e;
+        }
+        A[k + k * n] = -over;
+    }
+    for (int j = 0; j < n; ++j)
+        for (int i = j; i < n; ++i) A[i + j * n] = A[j + i * n] = -A[i + j * n];
+}
+
+/// Solves S y = y for a symmetric positive definite S by eliminating two rows at a time; both are
+/// overwritten.
+/// @param S  n x n, of which the lower triangle is read
+inline void solve_four(FourDoubles* S, FourDoubles* y, int n) {
+    int k = 0;
+    for (; k + 2 <= n; k += 2) {
+        FourDoubles *c = S + k * n, *d = c + n;
+        const FourDoubles over = 1.0 / (c[k] * d[k + 1] - c[k + 1] * c[k + 1]);
+        const FourDoubles p = d[k + 1] * over, q = -c[k + 1] * over, r = c[k] * over;
+        c[k] = p;
+        c[k + 1] = q;
+        d[k + 1] = r;
+        const FourDoubles y_c = p * y[k] + q * y[k + 1], y_d = q * y[k] + r * y[k + 1];
+        y[k] = y_c;
+        y[k + 1] = y_d;
+        for (int j = k + 2; j < n; ++j) {
+            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            FourDoubles* column = S + j * n;
+            for (int i = j; i < n; ++i) column[i] -= c[i] * e + d[i] * f;
+            y[j] -= c[j] * y_c + d[j] * y_d;
+        }
+    }
+    if (k < n) y[k] /= S[k + k * n];
+    // What is left of the pairs above: y_k -= P S_kj y_j, P the inverse of their diagonal block.
+    for (k -= 2; k >= 0; k -= 2) {
+        const FourDoubles *c = S + k * n, *d = c + n;
+        FourDoubles from_c = {}, from_d = {};
+        for (int j = k + 2; j < n; ++j) {
+            from_c += c[j] * y[j];
+            from_d += d[j] * y[j];
+        }
+        y[k] -= c[k] * from_c + c[k + 1] * from_d;
+        y[k + 1] -= c[k + 1] * from_c + d[k + 1] * from_d;
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <optional>
 
@@ -174,22 +175,64 @@ Eigen::VectorXd asked_incidences(const RequestedDirections& requested) {
 
 namespace {
 
-// Adds (2 - delta_m0) R^m cos(m azimuth).
-void add_fourier_order(int m, std::span<const double> azimuth_deg,
-                       const Eigen::Block<const Eigen::MatrixXd>& multiple,
-                       Eigen::VectorXd& cosines, std::vector<double>& reflection) {
-    cosines.resize(Eigen::Index(azimuth_deg.size()));
-    for (Eigen::Index a = 0; a < cosines.size(); ++a) {
-        const double azimuth = azimuth_deg[std::size_t(a)] * (std::numbers::pi / 180.0);
-        cosines[a] = m == 0 ? 1.0 : 2.0 * std::cos(m * azimuth);
+// The sum of (2 - delta_m0) R^m cos(m azimuth), several orders at a time: a product of matrices.
+class AzimuthSum {
+  public:
+    /// @param pairs  of cosines
+    /// @param sum    [pair * azimuths + azimuth], zero
+    AzimuthSum(std::span<const double> azimuth_deg, std::size_t pairs, std::vector<double>& sum)
+        : azimuth_deg_(azimuth_deg),
+          cosines_(Eigen::Index(azimuth_deg.size()), at_once(pairs)),
+          turn_(Eigen::Index(azimuth_deg.size())),
+          direction_(Eigen::Index(azimuth_deg.size())),
+          orders_(Eigen::Index(pairs), at_once(pairs)),
+          sum_(sum) {
+        for (Eigen::Index a = 0; a < turn_.size(); ++a) turn_[a] = unit(1, a);
     }
-    double* next = reflection.data();
-    for (Eigen::Index i = 0; i < multiple.cols(); ++i) {
-        for (Eigen::Index o = 0; o < multiple.rows(); ++o) {
-            for (const double cosine : cosines) *next++ += cosine * multiple(o, i);
+
+    void add(int m, const Eigen::Block<const Eigen::MatrixXd>& multiple) {
+        // Exact ones now and then, and turned by one azimuth in between.
+        for (; next_ <= m; ++next_) {
+            if (next_ % kMostAtOnce == 0) {
+                for (Eigen::Index a = 0; a < direction_.size(); ++a) direction_[a] = unit(next_, a);
+            } else {
+                direction_ *= turn_;
+            }
         }
+        cosines_.col(count_) = (m == 0 ? 1.0 : 2.0) * direction_.real();
+        Eigen::Map<Eigen::MatrixXd>(orders_.col(count_).data(), multiple.rows(), multiple.cols()) =
+            multiple;
+        if (++count_ == orders_.cols()) finish();
     }
-}
+
+    /// Until then orders may be missing from the sum.
+    void finish() {
+        Eigen::Map<Eigen::MatrixXd> sum(sum_.data(), cosines_.rows(), orders_.rows());
+        sum.noalias() += cosines_.leftCols(count_) * orders_.leftCols(count_).transpose();
+        count_ = 0;
+    }
+
+  private:
+    static constexpr int kMostAtOnce = 16;
+
+    /// Large tables wait in 2 MB.
+    static Eigen::Index at_once(std::size_t pairs) {
+        constexpr std::size_t most = 1 << 18;
+        return std::clamp<Eigen::Index>(Eigen::Index(most / std::max<std::size_t>(pairs, 1)), 1,
+                                        kMostAtOnce);
+    }
+
+    std::complex<double> unit(int m, Eigen::Index azimuth) const {
+        return std::polar(1.0, m * azimuth_deg_[std::size_t(azimuth)] * (std::numbers::pi / 180.0));
+    }
+
+    std::span<const double> azimuth_deg_;
+    Eigen::MatrixXd cosines_;           ///< azimuths x orders that wait
+    Eigen::ArrayXcd turn_, direction_;  ///< exp(i azimuth), and of the last order
+    Eigen::MatrixXd orders_;            ///< pairs x orders that wait
+    int next_ = 0, count_ = 0;
+    std::vector<double>& sum_;
+};
 
 // How the equations of one order were solved, and the plane albedos from order 0.
 void note(const Reflector& reflector, int fourier_order, const RequestedDirections& requested,
@@ -234,7 +277,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     const FeatureOrders features(stack, requested);
     const Eigen::VectorXd mu_in = asked_incidences(requested);
-    Eigen::VectorXd cosines;
+    AzimuthSum by_azimuth(azimuth_deg, requested.asked_in() * requested.asked_out(),
+                          sum.reflection);
     double dimmer = 1.0;  // listed values than order 0
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
@@ -254,9 +298,12 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         }
         sum.fourier_orders = m + 1;
         const auto asked = asked_part(*multiple, requested);
-        add_fourier_order(m, azimuth_deg, asked, cosines, sum.reflection);
+        by_azimuth.add(m, asked);
         ended = tail.ends_with(sizes.next(asked)) && m >= least;
-        if (ended) dimmer = sizes.over_listed(sum.reflection);
+        if (ended) {
+            by_azimuth.finish();
+            dimmer = sizes.over_listed(sum.reflection);
+        }
         ended = ended && dimmer * tail.remaining() <= tail_tolerance;
         if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
@@ -270,6 +317,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
             });
         ended = least <= m;
     }
+    by_azimuth.finish();
     sum.tail = m == highest ? 0.0 : dimmer * tail.remaining();  // 0: every order there is
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;

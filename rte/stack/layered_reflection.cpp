@@ -85,6 +85,11 @@ void reflect_with(const Stack& stack, const Directions& directions,
     attempt.report.iterations = multiple.iterations;
     attempt.report.converged = multiple.converged && multiple.physical;
     attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
+    // However well two solutions agree: no order but the first is solved better.
+    if (multiple.fourier_orders > 1) {
+        attempt.report.error_estimate =
+            std::max(attempt.report.error_estimate, kEquationShare * options.tolerance);
+    }
     if (attempt.physical) first_order.add_to(attempt.values, scaled, &attempt.unresolved);
 }
 
@@ -206,13 +211,19 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     std::optional<SolutionMemory> own;
     SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
     FourierOrders orders;  // of the solution before, with fewer nodes
+    int nodes_before = 0;
     StackFirstOrder first_order(judged, options);
     Attempts attempts;
     Attempt& attempt = solve_with_estimate(
         stack, options, judged.mu_in.size() * block, block,
         [&](const Discretisation& discretisation, Attempt& one) {
+            // One with fewer nodes owes nothing to those with more.
+            FourierOrders none;
+            const bool is_finer = discretisation.streams >= nodes_before;
+            if (is_finer) nodes_before = discretisation.streams;
             reflect_with(stack, judged, requested, options, discretisation,
-                         kept.solution_of(discretisation.streams), orders, first_order, one);
+                         kept.solution_of(discretisation.streams), is_finer ? orders : none,
+                         first_order, one);
         },
         attempts, watch, near_retro_reflection(judged));
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);

@@ -9,7 +9,6 @@
 #include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/first_order/narrow_features.h"
-#include "rte/half_space/sweeps.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -205,8 +204,10 @@ std::size_t StackSolver::place_of(double index) const {
 
 const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
-    if (parts == ReflectorParts::pairs && fourier_order > 0) {
-        const Reflector* found = solve_side_by_side(fourier_order);
+    const bool is_wanted =
+        parts == ReflectorParts::pairs ? fourier_order > 0 : parts == ReflectorParts::sky;
+    if (is_wanted) {
+        const Reflector* found = solve_side_by_side(fourier_order, sky);
         if (found != nullptr) return *found;
     }
     const std::vector<double>& indices = grids_.indices();
@@ -241,35 +242,42 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
     return *reflector_;
 }
 
-const Reflector* StackSolver::solve_side_by_side(int fourier_order) {
+const Reflector* StackSolver::solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky) {
     const bool is_bare = stack_.base == BaseKind::half_space && stack_.media.size() == 1 &&
                          !stack_.refracts() &&
                          options_.half_space_method == HalfSpaceMethod::automatic;
     if (!is_bare) return nullptr;
     FourHalfSpaces& four = memory_.side_by_side;
     const RequestedDirections& requested = memory_.requested.front();
+    if (fourier_order == 0 && only_fourier_order_zero(requested)) return nullptr;
     if (four.multiple(fourier_order) == nullptr) {
-        const ZenithGrid& grid = grids_.top();
-        if (!four.begin(fourier_order, grid.size(), requested)) return nullptr;
-        const int end = std::min(stack_.moments, fourier_order + FourHalfSpaces::kOrders);
-        for (int m = fourier_order; m < end; ++m) {
-            memory_.modes.front() =
-                &memory_.tables.front().find(m, stack_.moments, grid, requested);
-            set_medium(0);
-            form_sides(memory_.medium, *memory_.modes.front(), grid, memory_.work);
-            if (!four.add(memory_.medium, tolerance_, memory_.work)) return nullptr;
+        const ScaledOptics& scaled = stack_.media.front().scaled;
+        const FourProblem problem{.strengths = strengths_,
+                                  .one_minus_albedo = scaled.one_minus_albedo,
+                                  .brightness = memory_.brightness.front(),
+                                  .grid = grids_.top(),
+                                  .requested = requested,
+                                  .tolerance = tolerance_};
+        if (strengths_.size() == 0) {
+            strengths_.setZero(stack_.moments);
+            const Eigen::Index count = std::min(strengths_.size(), scaled.chi.size());
+            for (Eigen::Index l = 0; l < count; ++l)
+                strengths_[l] = scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l];
         }
-        four.solve(requested, memory_.work);
+        if (!four.solve(fourier_order, problem, memory_.tables.front())) return nullptr;
     }
-    const Eigen::MatrixXd* multiple = four.multiple(fourier_order);
-    if (multiple == nullptr) return nullptr;
     reflector_ = &free_reflector(stack_.media.front().index);
-    reflector_->multiple = *multiple;
+    reflector_->multiple = *four.multiple(fourier_order);
     reflector_->specular.resize(0);
     reflector_->has_glow = false;
     reflector_->iterations = 0;
     reflector_->residual = 0.0;
     reflector_->converged = reflector_->physical = true;
+    if (fourier_order == 0) {
+        memory_.brightness.front() = four.order_zero(*reflector_);
+        reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
+        reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
+    }
     return reflector_;
 }
 

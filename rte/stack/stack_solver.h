@@ -140,7 +140,7 @@ class StackSolver {
     void solve_base();
     /// Pairs of a half-space without anything above it, together with the orders that come next.
     /// Null where orders are better solved one by one.
-    const Reflector* solve_side_by_side(int fourier_order);
+    const Reflector* solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky);
     void put_on_rough_top(ReflectorParts parts);
     const SmoothBoundary& boundary_between(double below, double above);
     void put_on_boundary(double below, double above, ReflectorParts parts,
@@ -164,7 +164,8 @@ class StackSolver {
     const StackGrids& grids_;
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
-    double tolerance_;  ///< of the equations of one order
+    double tolerance_;           ///< of the equations of one order
+    Eigen::VectorXd strengths_;  ///< of a half-space alone: alpha (2l+1) chi_l of all degrees
     StackMemory& memory_;
     Reflector* reflector_ = nullptr;  ///< of all that has been solved so far in this order
 };
