@@ -114,7 +114,7 @@ BandCovariance::BandCovariance(int terms, int width)
 
 template <typename Scalar>
 void BandCovariance::add(const SphereBlockOf<Scalar>& block) {
-    const int columns = 2 * block.size;
+    const int columns = 2 * block.imaginary;
     add_band(block.U, block.terms, columns, plus_);
     add_band(block.V, block.terms, columns, minus_);
 }

@@ -87,7 +87,7 @@ class GroupColumns {
         for (int n = order + 1; n <= block_.terms; ++n) {
             for (auto* wave : {&block_.U, &block_.V}) {
                 wave->row(n).segment(first_column_, count).setZero();
-                wave->row(n).segment(first_column_ + block_.size, count).setZero();
+                wave->row(n).segment(first_column_ + block_.imaginary, count).setZero();
             }
         }
     }
@@ -110,7 +110,7 @@ class GroupColumns {
                                         int first) {
         const FloatVector weight = single(load(half_root_weight_, first));
         Columns to{block_.U.row(order).data() + first_column_ + first,
-                   block_.V.row(order).data() + first_column_ + first, block_.size, FloatVector{}};
+                   block_.V.row(order).data() + first_column_ + first, block_.imaginary, FloatVector{}};
         if (group_.first_way == 0) {
             to.put(weight, beside_one(a.outer, first), beside_one(b.outer, first));
             return to.energy;

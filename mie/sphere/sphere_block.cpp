@@ -14,6 +14,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
+constexpr int kWidestRegister = 64;  // bytes, of any machine; also a line of its cache
+
 /// The sums of SphereSums for each lane, before weights. Orders are added one after the other.
 struct LaneSums {
     Lanes scattered = Lanes::Zero(), absorbed = Lanes::Zero(), asymmetric = Lanes::Zero();
@@ -148,9 +150,9 @@ void BlockColumns<Scalar>::put(int order, const ComplexLanes& a, const ComplexLa
     Scalar* u = block->U.row(order).data() + first;
     Scalar* v = block->V.row(order).data() + first;
     store(root_weight * (a.re + b.re), u);
-    store(root_weight * (a.im + b.im), u + block->size);
+    store(root_weight * (a.im + b.im), u + block->imaginary);
     store(root_weight * (a.re - b.re), v);
-    store(root_weight * (a.im - b.im), v + block->size);
+    store(root_weight * (a.im - b.im), v + block->imaginary);
 }
 
 template <typename Scalar>
@@ -158,7 +160,7 @@ void BlockColumns<Scalar>::clear_beyond(int order) const {
     for (int n = order + 1; n <= block->terms; ++n) {
         for (auto* wave : {&block->U, &block->V}) {
             wave->row(n).segment(first, kLaneCount).setZero();
-            wave->row(n).segment(first + block->size, kLaneCount).setZero();
+            wave->row(n).segment(first + block->imaginary, kLaneCount).setZero();
         }
     }
 }
@@ -188,18 +190,25 @@ void SphereSums::scale(double factor) {
 
 template <typename Scalar>
 void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
+    constexpr int line = kWidestRegister / static_cast<int>(sizeof(Scalar));
+    const bool other_size = size != new_size;
     terms = new_terms;
     size = new_size;
+    imaginary = (size + line - 1) / line * line;
     orders.assign(size / kLaneCount, {1, terms});
-    if (U.rows() >= terms + 1 && U.cols() == 2 * size) return;
-    U.resize(terms + 1, 2 * size);
-    V.resize(terms + 1, 2 * size);
+    const bool has_room = U.rows() >= terms + 1 && U.cols() == 2 * imaginary;
+    if (has_room && !other_size) return;
+    for (Matrix* waves : {&U, &V}) {
+        if (!has_room) waves->resize(terms + 1, 2 * imaginary);
+        waves->middleCols(size, imaginary - size).setZero();
+        waves->rightCols(imaginary - size).setZero();
+    }
 }
 
 template <typename Scalar>
 typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int first_column,
                                                                         int count) const {
-    constexpr int widest_register = 64 / static_cast<int>(sizeof(Scalar));
+    constexpr int widest_register = kWidestRegister / static_cast<int>(sizeof(Scalar));
     const int first = first_column / widest_register * widest_register;
     const int end = std::min(
         size, (first_column + count + widest_register - 1) / widest_register * widest_register);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstring>
+#include <utility>
 
 #include "mie/sphere/lane_math.h"
 
@@ -20,6 +21,17 @@ using Vector = double __attribute__((vector_size(kVectorSize * sizeof(double))))
 using FloatVector = float __attribute__((vector_size(kVectorSize * sizeof(float))));
 
 #define MIEBRDF_VECTOR [[gnu::always_inline]] inline
+
+/// Two halves of a register in one. Through memory they would wait for each other.
+template <typename Half, int... kPlace>
+MIEBRDF_VECTOR auto joined(const Half& low, const Half& high,
+                           std::integer_sequence<int, kPlace...>) {
+    return __builtin_shufflevector(low, high, kPlace...);
+}
+template <int kCount, typename Half>
+MIEBRDF_VECTOR auto joined(const Half& low, const Half& high) {
+    return joined(low, high, std::make_integer_sequence<int, kCount>{});
+}
 
 /// Some of eight lanes: kVectorSize of them from `first` on.
 MIEBRDF_VECTOR Vector load(const Lanes& lanes, int first) {
