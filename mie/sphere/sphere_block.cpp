@@ -191,18 +191,13 @@ void SphereSums::scale(double factor) {
 template <typename Scalar>
 void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
     constexpr int line = kWidestRegister / static_cast<int>(sizeof(Scalar));
-    const bool other_size = size != new_size;
     terms = new_terms;
     size = new_size;
     imaginary = (size + line - 1) / line * line;
     orders.assign(size / kLaneCount, {1, terms});
-    const bool has_room = U.rows() >= terms + 1 && U.cols() == 2 * imaginary;
-    if (has_room && !other_size) return;
-    for (Matrix* waves : {&U, &V}) {
-        if (!has_room) waves->resize(terms + 1, 2 * imaginary);
-        waves->middleCols(size, imaginary - size).setZero();
-        waves->rightCols(imaginary - size).setZero();
-    }
+    if (U.rows() >= terms + 1 && U.cols() == 2 * imaginary) return;
+    U.resize(terms + 1, 2 * imaginary);
+    V.resize(terms + 1, 2 * imaginary);
 }
 
 template <typename Scalar>

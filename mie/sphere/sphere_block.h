@@ -12,7 +12,7 @@ namespace miebrdf::mie {
 /// U_n = a_n + b_n and V_n = a_n - b_n of `size` spheres, each times the root of its weight.
 /// Row n = order (row 0 unused), columns [0, size) the real, [imaginary, imaginary + size) the
 /// imaginary parts. `size` is the number of spheres rounded up to whole vectors; the rest have
-/// weight 0. Both parts of a row begin with a line of the cache; columns in between are zero.
+/// weight 0. Both parts of a row begin with a line of the cache.
 /// Scalar: double, or float (half the memory traffic, products twice as fast).
 template <typename Scalar>
 struct SphereBlockOf {

@@ -8,7 +8,7 @@
 #include "mie/ensemble/ensemble_problem.h"
 #include "mie/ensemble/far_rays.h"
 #include "mie/ensemble/ray_average.h"
-#include "mie/ensemble/ray_phase.h"
+#include "mie/ensemble/ray_columns.h"
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "tests/support/catch.h"
@@ -35,9 +35,11 @@ TEST_CASE("far rays in closed form are the sum of the rays one by one", "[mie][r
     double scattered = 0;
     for (int way = first; way <= last; ++way) {
         const mie::RayGroup group{way, way, {0, 0}, false};
-        const auto ray = mie::intensity_of_rays(m, group, sizes, 0, 11, angular);
-        one_by_one += ray.at_angles;
-        scattered += ray.scattered;
+        mie::SphereBlockOf<float> block;
+        mie::RayColumns columns{&group, &block};
+        mie::put_rays(m, sizes, 0, 11, {&columns, 1});
+        angular.add_intensity(block, one_by_one);
+        scattered += columns.scattered;
     }
     // The intensity of whole spheres: what is left out shall not show beside it.
     Eigen::VectorXd whole = Eigen::VectorXd::Zero(6);
