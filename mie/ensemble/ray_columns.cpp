@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <vector>
 
@@ -102,9 +103,10 @@ class GroupColumns {
                 now = now * rays.inner;
             }
         }
-        double sum = 0;
-        for (int i = 0; i < 2 * kVectorSize; ++i) sum += to.energy[i];
-        energy_[order] += (2 * order + 1) * sum;
+        const FloatVector energy = low_half(to.energy) + high_half(to.energy);
+        Eigen::Array<float, kVectorSize, 1> lanes;
+        std::memcpy(lanes.data(), &energy, sizeof energy);
+        energy_[order] += (2 * order + 1) * lanes.sum();
     }
 
     /// Rows that these eight do not reach, but the next eight do, whose columns may share a
