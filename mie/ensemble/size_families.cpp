@@ -233,9 +233,8 @@ void SizeFamilies::sum(RayPiece& piece, const AngularFunctionsOf<float>& angular
     for (std::size_t i = 0; i < piece.groups.size(); ++i) {
         KeptWaves* place = piece.places[i];
         const bool was_there = place != nullptr && place->is_there;
-        const RayColumns columns = was_there
-                                       ? RayColumns{nullptr, &place->block, place->scattered}
-                                       : missing[put++];
+        const RayColumns columns =
+            was_there ? RayColumns{nullptr, &place->block, place->scattered} : missing[put++];
         if (place != nullptr) {
             place->scattered = columns.scattered;
             place->is_there = true;
@@ -262,9 +261,9 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
         for (const std::size_t other : together) is_done[other] = 1;
         const int most = sizes_of_piece(group);
         for (const int family : {0, 1}) {
-            const WeightedSizes& own = sizes.emplace_back(
-                ray_sizes(group, distribution_, range_, wave_number_per_um_, family, levels[g],
-                          window_ ? &*window_ : nullptr));
+            const WeightedSizes& own =
+                sizes.emplace_back(ray_sizes(group, distribution_, range_, wave_number_per_um_,
+                                             family, levels[g], window_ ? &*window_ : nullptr));
             const int count = static_cast<int>(own.parameters.size());
             for (int first = 0; first < count; first += most) {
                 const int here = std::min(most, count - first);
