@@ -113,6 +113,7 @@ class GroupColumns {
     /// register with theirs.
     void clear(int first_order, int last_order) {
         const int count = kLaneCount * group_.columns();
+        if (count % Block::kWidest == 0) return;
         for (int n = first_order; n <= last_order; ++n) {
             for (auto* wave : {&block_.U, &block_.V}) {
                 wave->row(n).segment(first_column_, count).setZero();

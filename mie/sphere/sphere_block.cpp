@@ -14,8 +14,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kWidestRegister = 64;  // bytes, of any machine; also a line of its cache
-
 /// The sums of SphereSums for each lane, before weights. Orders are added one after the other.
 struct LaneSums {
     Lanes scattered = Lanes::Zero(), absorbed = Lanes::Zero(), asymmetric = Lanes::Zero();
@@ -190,10 +188,9 @@ void SphereSums::scale(double factor) {
 
 template <typename Scalar>
 void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
-    constexpr int line = kWidestRegister / static_cast<int>(sizeof(Scalar));
     terms = new_terms;
     size = new_size;
-    imaginary = (size + line - 1) / line * line;
+    imaginary = (size + kWidest - 1) / kWidest * kWidest;
     orders.assign(size / kLaneCount, {1, terms});
     if (U.rows() >= terms + 1 && U.cols() == 2 * imaginary) return;
     U.resize(terms + 1, 2 * imaginary);
@@ -203,10 +200,8 @@ void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
 template <typename Scalar>
 typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int first_column,
                                                                         int count) const {
-    constexpr int widest_register = kWidestRegister / static_cast<int>(sizeof(Scalar));
-    const int first = first_column / widest_register * widest_register;
-    const int end = std::min(
-        size, (first_column + count + widest_register - 1) / widest_register * widest_register);
+    const int first = first_column / kWidest * kWidest;
+    const int end = std::min(size, (first_column + count + kWidest - 1) / kWidest * kWidest);
     Orders all = orders[first / kLaneCount];
     for (int at = first + kLaneCount; at < end; at += kLaneCount) {
         const Orders& here = orders[at / kLaneCount];

@@ -17,6 +17,8 @@ namespace miebrdf::mie {
 template <typename Scalar>
 struct SphereBlockOf {
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    /// Numbers in the widest register of any machine, and in a line of its cache.
+    static constexpr int kWidest = 64 / static_cast<int>(sizeof(Scalar));
     Matrix U, V;
     int size = 0;
     int imaginary = 0;
