@@ -19,7 +19,9 @@ namespace {
 // Three angles for each point are more than the nodes of a panel, which shares one of them.
 constexpr std::size_t kFewPoints = 3;
 // Of an rms over the nodes of a panel.
-constexpr double kDeviations = 2;
+constexpr double kDeviations = 2.5;
+// Times that, as far as this share of what is allowed: what is stated costs nothing.
+constexpr double kStated = 3, kStatedShare = 0.5;
 // What comes back from glories is narrower than what the families of few sizes tell.
 constexpr double kBackwardDeviations = 3;
 constexpr double kInterpolationShare = 0.25;  // of what is allowed
@@ -175,8 +177,10 @@ class PanelSeries {
         for (const Point& point : place.points) {
             const double value = place.value_at(point.theta);
             const double interpolation = 0.5 * place.panel.tail() * value;
+            const double error = std::max(place.error_at(value), interpolation);
+            const double most = kStatedShare * allowed_[point.index];
             result_.phase[point.index] = value;
-            result_.error[point.index] = std::max(place.error_at(value), interpolation);
+            result_.error[point.index] = std::max(error, std::min(kStated * error, most));
         }
     }
 

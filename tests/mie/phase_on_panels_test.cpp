@@ -34,10 +34,10 @@ TEST_CASE("P at many angles is within what is allowed, as one by one", "[mie][ra
         Kind kind;
         double radius_um;
     };
-    const Case c = GENERATE(
-        Case{{2.6, 0}, Kind::power_law, 50}, Case{{1.6, 1e-5}, Kind::gamma, 30},
-        Case{{3.3, 1e-3}, Kind::power_law, 40}, Case{{1.33, 0}, Kind::log_normal, 12},
-        Case{{2.0, 0}, Kind::power_law, 1.5});
+    const Case c =
+        GENERATE(Case{{2.6, 0}, Kind::power_law, 50}, Case{{1.6, 1e-5}, Kind::gamma, 30},
+                 Case{{3.3, 1e-3}, Kind::power_law, 40}, Case{{1.33, 0}, Kind::log_normal, 12},
+                 Case{{2.0, 0}, Kind::power_law, 1.5});
     constexpr double allowed_share = 4e-3;
     mie::EnsembleRequest many = request_of(c.index, c.kind, c.radius_um);
     for (double angle = 20.2; angle < 179.9; angle += 0.7) many.angles_deg.push_back(angle);
