@@ -25,10 +25,12 @@ struct RegisterOf;
 template <>
 struct RegisterOf<double> {
     using Type = Vector;
+    using Half = double __attribute__((vector_size(kVectorSize * sizeof(double) / 2)));
 };
 template <>
 struct RegisterOf<float> {
     using Type = float __attribute__((vector_size(kRegisterSize<float> * sizeof(float))));
+    using Half = FloatVector;
 };
 
 /// Where a register of waves is at one order: whole registers of real and of imaginary parts, or
@@ -41,9 +43,10 @@ struct WaveColumns {
 
     MIEBRDF_VECTOR void load(Register (&waves)[kRegisters]) const {
         if constexpr (kHalves) {
-            constexpr std::size_t half = sizeof(Register) / 2;
-            std::memcpy(&waves[0], real, half);
-            std::memcpy(reinterpret_cast<char*>(&waves[0]) + half, imaginary, half);
+            typename RegisterOf<Scalar>::Half low, high;
+            std::memcpy(&low, real, sizeof low);
+            std::memcpy(&high, imaginary, sizeof high);
+            waves[0] = joined<kRegisterSize<Scalar>>(low, high);
         } else {
             std::memcpy(&waves[0], real, sizeof(Register));
             std::memcpy(&waves[1], imaginary, sizeof(Register));

@@ -2,67 +2,67 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
-#include "mie/ensemble/size_sums.h"
+#include "mie/ensemble/amplitude_tiles.h"
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/ray_waves.h"
+#include "mie/sphere/vectors.h"
 
 namespace miebrdf::mie {
 namespace {
 
 using Complex = std::complex<double>;
-using Row = Eigen::Array<float, kLaneCount, 1>;
 
 // Orders below and above that scatter less than this share of the light together are left out: 1e-5
 // of P straight back, where all add up in step.
 constexpr double kFaint = 1e-7;
 // Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
 constexpr double kSteep = 0.3;
-
-Complex power(Complex z, int exponent) {
-    Complex result = 1;
-    for (; exponent > 0; exponent /= 2) {
-        if (exponent % 2 == 1) result *= z;
-        z *= z;
-    }
-    return result;
-}
+constexpr double kLeastLoss = 1e-28;  // 1 - |R|^2, where |R| is 1 to rounding
+constexpr int kPiece = kRegisterSize<float>;
 
 // B_n and R_n of one polarisation at all orders of one size.
 struct FarWave {
     Eigen::ArrayXf re, im, inner_re, inner_im;
     Eigen::ArrayXd energy;  // of the order, incoherent
 
-    // Zero from the first entry on; whole rows of eight may be read.
-    void make_room(int count) {
-        for (Eigen::ArrayXf* part : {&re, &im, &inner_re, &inner_im}) part->setZero(count);
-        energy.setZero(count);
-    }
-    void put(int n, Complex through, Complex inner, int ways_before) {
-        if (std::norm(inner) < kSteep) return;
-        const Complex first = through * power(inner, ways_before);
-        re[n] = static_cast<float>(first.real());
-        im[n] = static_cast<float>(first.imag());
-        inner_re[n] = static_cast<float>(inner.real());
-        inner_im[n] = static_cast<float>(inner.imag());
-        const double left = 1 - std::norm(inner);
-        energy[n] = std::norm(first) > 0 ? std::norm(first) / std::max(left, 1e-28) : 0.0;
+    // Zero from the first entry on; whole pieces from any order on may be read.
+    void make_room(int terms) {
+        for (Eigen::ArrayXf* part : {&re, &im, &inner_re, &inner_im}) part->setZero(terms + kPiece);
+        energy.setZero(terms + 1);
     }
 };
 
-// Re of B_n C_m* / (1 - R_n Q_m*) at one n of one wave and eight m of another.
-Row product_of(const FarWave& wave, int n, const FarWave& other, int m) {
-    const auto at = [m](const Eigen::ArrayXf& part) -> Row { return part.segment<kLaneCount>(m); };
-    const Row re = at(other.re), im = at(other.im);
-    const Row inner_re = at(other.inner_re), inner_im = at(other.inner_im);
-    const Row above_re = wave.re[n] * re + wave.im[n] * im;
-    const Row above_im = wave.im[n] * re - wave.re[n] * im;
-    const Row below_re = 1 - (wave.inner_re[n] * inner_re + wave.inner_im[n] * inner_im);
-    const Row below_im = wave.inner_re[n] * inner_im - wave.inner_im[n] * inner_re;
-    // Where hardly anything goes through, rounding may leave nothing below.
-    const Row square = (below_re * below_re + below_im * below_im).max(1e-14F);
-    return (above_re * below_re + above_im * below_im) / square;
+MIEBRDF_VECTOR FloatPair load_piece(const Eigen::ArrayXf& part, int m) {
+    FloatPair piece;
+    std::memcpy(&piece, part.data() + m, sizeof piece);
+    return piece;
+}
+
+// B_n C_m* / (1 - R_n Q_m*) at one n of one wave and some m of another, as a quotient: its real
+// part.
+struct Product {
+    FloatPair above, below;
+
+    MIEBRDF_VECTOR Product(const FarWave& wave, int n, const FarWave& other, int m) {
+        const FloatPair re = load_piece(other.re, m), im = load_piece(other.im, m);
+        const FloatPair inner_re = load_piece(other.inner_re, m);
+        const FloatPair inner_im = load_piece(other.inner_im, m);
+        const FloatPair above_re = wave.re[n] * re + wave.im[n] * im;
+        const FloatPair above_im = wave.im[n] * re - wave.re[n] * im;
+        const FloatPair below_re = 1 - (wave.inner_re[n] * inner_re + wave.inner_im[n] * inner_im);
+        const FloatPair below_im = wave.inner_re[n] * inner_im - wave.inner_im[n] * inner_re;
+        above = above_re * below_re + above_im * below_im;
+        // Where hardly anything goes through, rounding may leave nothing.
+        below = below_re * below_re + below_im * below_im + 1e-14F;
+    }
+};
+
+// With one division.
+MIEBRDF_VECTOR FloatPair sum_of(const Product& p, const Product& q) {
+    return (p.above * q.below + q.above * p.below) / (p.below * q.below);
 }
 
 struct OneSize {
@@ -82,23 +82,52 @@ struct OneSize {
         minus.make_room(count);
         for (int n = 0; n < count; ++n) {
             float *of_plus = plus.row(n), *of_minus = minus.row(n);
-            for (int m = 0; m <= n; m += kLaneCount) {
-                const Row same =
-                    product_of(a, first + n, a, first + m) + product_of(b, first + n, b, first + m);
-                const Row crossed =
-                    product_of(a, first + n, b, first + m) + product_of(b, first + n, a, first + m);
-                Eigen::Map<Row>(of_plus + m) = 2 * (same + crossed);
-                Eigen::Map<Row>(of_minus + m) = 2 * (same - crossed);
+            const int row = first + n;
+            for (int m = 0; m <= n; m += kPiece) {
+                const int column = first + m;
+                const FloatPair same =
+                    sum_of(Product(a, row, a, column), Product(b, row, b, column));
+                const FloatPair crossed =
+                    sum_of(Product(a, row, b, column), Product(b, row, a, column));
+                const FloatPair both = 2 * (same + crossed), neither = 2 * (same - crossed);
+                std::memcpy(of_plus + m, &both, sizeof both);
+                std::memcpy(of_minus + m, &neither, sizeof neither);
             }
-            for (float* row : {of_plus, of_minus}) {
-                row[n] *= 0.5F;
-                std::fill(row + n + 1, row + TriangularForm<float>::piece_end(n), 0.0F);
+            for (float* values : {of_plus, of_minus}) {
+                values[n] *= 0.5F;
+                std::fill(values + n + 1, values + TriangularForm<float>::piece_end(n), 0.0F);
             }
-            sum.scattered += 0.5 * weight * share(first + n);
+            sum.scattered += 0.5 * weight * share(row);
         }
         angular.add_forms(0.25 * weight, plus, minus, first, sum.at_angles);
     }
 };
+
+// Eight sizes at one order.
+void put(int n, const RayResponse& r, int ways_before, FarWave OneSize::*wave,
+         std::vector<OneSize>& spheres) {
+    ComplexLanes waves, inner;
+    Lanes energy;
+    for (int lane = 0; lane < kLaneCount; lane += kVectorSize) {
+        const ComplexVector back = load(r.inner, lane);
+        const auto steep = norm(back) < Vector{} + kSteep;
+        const Vector none{};
+        const ComplexVector all = load(r.through, lane) * power(back, ways_before);
+        const ComplexVector wave_here{steep ? none : all.re, steep ? none : all.im};
+        const Vector loss = 1 - norm(back);
+        store(wave_here, waves, lane);
+        store({steep ? none : back.re, steep ? none : back.im}, inner, lane);
+        store(norm(wave_here) / (loss > kLeastLoss ? loss : none + kLeastLoss), energy, lane);
+    }
+    for (int lane = 0; lane < kLaneCount; ++lane) {
+        FarWave& to = spheres[lane].*wave;
+        to.re[n] = static_cast<float>(waves.re[lane]);
+        to.im[n] = static_cast<float>(waves.im[lane]);
+        to.inner_re[n] = static_cast<float>(inner.re[lane]);
+        to.inner_im[n] = static_cast<float>(inner.im[lane]);
+        to.energy[n] = energy[lane];
+    }
+}
 
 template <typename Number>
 void add_eight(Number m, const Lanes& x, const Lanes& weight, int first_way,
@@ -108,21 +137,15 @@ void add_eight(Number m, const Lanes& x, const Lanes& weight, int first_way,
     const int terms = static_cast<int>(last_order.maxCoeff());
     thread_local std::vector<OneSize> spheres(kLaneCount);
     for (OneSize& sphere : spheres) {
-        sphere.a.make_room(terms + kLaneCount + 1);
-        sphere.b.make_room(terms + kLaneCount + 1);
+        sphere.a.make_room(terms);
+        sphere.b.make_room(terms);
     }
     RayWaves<Number> waves(m, x);
     RayResponse a, b;
     for (int n = 1; n <= terms; ++n) {
         waves.advance(last_order, a, b);
-        for (int lane = 0; lane < kLaneCount; ++lane) {
-            const auto put = [&](const RayResponse& r, FarWave& to) {
-                to.put(n, {r.through.re[lane], r.through.im[lane]},
-                       {r.inner.re[lane], r.inner.im[lane]}, first_way - 1);
-            };
-            put(a, spheres[lane].a);
-            put(b, spheres[lane].b);
-        }
+        put(n, a, first_way - 1, &OneSize::a, spheres);
+        put(n, b, first_way - 1, &OneSize::b, spheres);
     }
     for (int lane = 0; lane < kLaneCount; ++lane) {
         if (!(weight[lane] > 0)) continue;

@@ -1,13 +1,19 @@
 // Rays of many ways through a sphere, summed in closed form.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 
-#include "mie/ensemble/ray_phase.h"
+#include "mie/ensemble/size_sums.h"
 
 namespace miebrdf::mie {
 
-/// As intensity_of_rays, of all rays from first_way on, incoherently:
+struct RayIntensity {
+    Eigen::VectorXd at_angles;
+    double scattered = 0;  ///< as FamilyIntensity
+};
+
+/// The intensity of all rays from first_way on, incoherently:
 ///     sum_p <S_p S_p*> = sum_{n,m} F_n F_m <B_n B_m* / (1 - R_n R_m*)> / 4,
 ///     B_n = T_n R_n^(first_way - 1),
 /// with the responses T, R of RayResponse and the angular functions F: nothing of the interference

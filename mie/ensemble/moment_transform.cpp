@@ -11,15 +11,20 @@ namespace {
 // narrower ones run slower.
 constexpr int kTileRows = 32;
 
-template <typename Waves>
-void add_band(const Waves& waves, int terms, int columns, BandCovariance::Matrix& band) {
+template <typename Scalar>
+void add_band(const SphereBlockOf<Scalar>& block,
+              const typename SphereBlockOf<Scalar>::Matrix& waves, BandCovariance::Matrix& band) {
+    const int terms = block.terms;
     const int width = static_cast<int>(band.cols()) - 1;
-    Waves tile;
+    typename SphereBlockOf<Scalar>::Matrix tile;
     for (int n = 1; n <= terms; n += kTileRows) {
         const int rows = std::min(kTileRows, terms - n + 1);
         const int reach = std::min(rows + width, terms - n + 1);
-        tile.noalias() =
-            waves.block(n, 0, rows, columns) * waves.block(n, 0, reach, columns).transpose();
+        const auto part = [&](int column, int count) {
+            return waves.block(n, column, count, block.size);
+        };
+        tile.noalias() = part(0, rows) * part(0, reach).transpose();
+        tile.noalias() += part(block.imaginary, rows) * part(block.imaginary, reach).transpose();
         for (int i = 0; i < rows; ++i) {
             const int count = std::min(width + 1, reach - i);
             band.row(n + i).head(count) += tile.row(i).segment(i, count).template cast<double>();
@@ -114,9 +119,8 @@ BandCovariance::BandCovariance(int terms, int width)
 
 template <typename Scalar>
 void BandCovariance::add(const SphereBlockOf<Scalar>& block) {
-    const int columns = 2 * block.size;
-    add_band(block.U, block.terms, columns, plus_);
-    add_band(block.V, block.terms, columns, minus_);
+    add_band(block, block.U, plus_);
+    add_band(block, block.V, minus_);
 }
 
 template void BandCovariance::add(const SphereBlockOf<float>&);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -282,11 +283,17 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
                             double wave_number_per_um, const PhaseTabulationOptions& options,
                             const std::vector<double>& angles_deg,
                             const std::vector<double>& allowed, const Executor& run) {
-    std::vector<SingleAngle> angles;
-    for (std::size_t i = 0; i < angles_deg.size(); ++i) angles.push_back({i, angles_deg[i]});
     PhaseValues result;
     result.phase.resize(angles_deg.size());
     result.error.resize(angles_deg.size());
+    std::vector<std::size_t> single(angles_deg.size());
+    std::iota(single.begin(), single.end(), std::size_t(0));
+    // Who says what is allowed knows of all the angles.
+    if (!allowed.empty())
+        single = phase_on_panels(relative_index, distribution, range, wave_number_per_um, options,
+                                 angles_deg, allowed, run, result);
+    std::vector<SingleAngle> angles;
+    for (const std::size_t i : single) angles.push_back({i, angles_deg[i]});
     const auto compute = [&](const PhaseTabulationOptions& by, std::vector<SingleAngle> some) {
         AngleSeries series(relative_index, distribution, range, wave_number_per_um, by, allowed,
                            result);
@@ -294,10 +301,12 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
     };
     if (options.by_rays) angles = compute(options, std::move(angles));
     const PhaseValues of_rays = result;
+    const std::vector<SingleAngle> unsettled = angles;
     PhaseTabulationOptions by_sizes = options;
     by_sizes.by_rays = false;
     compute(by_sizes, std::move(angles));
-    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+    for (const SingleAngle& angle : unsettled) {
+        const std::size_t i = angle.index;
         // A bounded number of sizes may do worse.
         if (!(of_rays.error[i] > 0 && of_rays.error[i] < result.error[i])) continue;
         result.phase[i] = of_rays.phase[i];

@@ -18,16 +18,6 @@ struct Samples {
     std::vector<double> mu, weighted;
 };
 
-double clenshaw(const double* coefficients, double t) {
-    double b1 = 0, b2 = 0;
-    for (int k = kNodes - 1; k >= 1; --k) {
-        const double b = coefficients[k] + 2 * t * b1 - b2;
-        b2 = b1;
-        b1 = b;
-    }
-    return coefficients[0] + t * b1 - b2;
-}
-
 // sum of weighted P_l(mu) over the samples [first, end), l = 0 ... highest_moment.
 std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
                               int highest_moment) {
@@ -59,6 +49,16 @@ std::vector<double> projected(const Samples& samples, std::size_t first_sample, 
 
 }  // namespace
 
+double panel_value(const double* coefficients, double t) {
+    double b1 = 0, b2 = 0;
+    for (int k = kNodes - 1; k >= 1; --k) {
+        const double b = coefficients[k] + 2 * t * b1 - b2;
+        b2 = b1;
+        b1 = b;
+    }
+    return coefficients[0] + t * b1 - b2;
+}
+
 std::vector<double> panel_nodes(double lower, double upper) {
     std::vector<double> nodes;
     for (int i = kNodes - 1; i >= 0; --i) {
@@ -74,15 +74,17 @@ std::vector<double> panel_nodes(double lower, double upper) {
 // count half.
 Eigen::VectorXd panel_coefficients(const Eigen::VectorXd& values) {
     constexpr int N = kNodes - 1;
-    Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(kNodes);
-    for (int k = 0; k <= N; ++k) {
-        for (int i = 0; i <= N; ++i) {
-            const double halves = (i % N == 0 ? 0.5 : 1.0) * (k % N == 0 ? 0.5 : 1.0);
-            coefficients[k] +=
-                halves * 2 / N * std::cos(std::numbers::pi * k * i / N) * values[N - i];
+    static const Eigen::MatrixXd of_values = [] {
+        Eigen::MatrixXd of(kNodes, kNodes);
+        for (int k = 0; k <= N; ++k) {
+            for (int i = 0; i <= N; ++i) {
+                const double halves = (i % N == 0 ? 0.5 : 1.0) * (k % N == 0 ? 0.5 : 1.0);
+                of(k, N - i) = halves * 2 / N * std::cos(std::numbers::pi * k * i / N);
+            }
         }
-    }
-    return coefficients;
+        return of;
+    }();
+    return of_values * values;
 }
 
 PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values) {
@@ -100,7 +102,7 @@ PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& valu
         for (int i = 0; i < kNodes; ++i) {
             const double theta = parts.edges[p] + half * (1 + rule.nodes[i]);
             integral += half * rule.weights[i] * std::sin(theta) *
-                        clenshaw(&parts.coefficients[p * kNodes], rule.nodes[i]);
+                        panel_value(&parts.coefficients[p * kNodes], rule.nodes[i]);
         }
     }
     parts.mean = 0.5 * integral;
@@ -126,7 +128,7 @@ double PhaseTable::at_angle(double theta) const {
     const std::size_t panel = panel_at(theta);
     const double lower = parts_.edges[panel], upper = parts_.edges[panel + 1];
     const double t = (2 * theta - lower - upper) / (upper - lower);
-    return clenshaw(&parts_.coefficients[panel * kNodes], t);
+    return panel_value(&parts_.coefficients[panel * kNodes], t);
 }
 
 double PhaseTable::operator()(double cos_theta) const {
@@ -163,7 +165,7 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
                 const double t = 2 * (theta - parts_.edges[p]) / width - 1;
                 samples.mu.push_back(std::cos(theta));
                 samples.weighted.push_back(half * rule.weights[i] * std::sin(theta) *
-                                           clenshaw(&parts_.coefficients[p * kNodes], t));
+                                           panel_value(&parts_.coefficients[p * kNodes], t));
             }
         }
     }

@@ -66,4 +66,17 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
                             const std::vector<double>& angles_deg,
                             const std::vector<double>& allowed, const Executor& run);
 
+/// P at those of many angles that lie close together, from polynomials on panels that take levels
+/// of sizes until noise and interpolation are within what is allowed.
+/// @param allowed  absolute error of P at each angle
+/// @param result   of these angles alone
+/// @return the other angles, few on any panel
+std::vector<std::size_t> phase_on_panels(std::complex<double> relative_index,
+                                         const SizeDistribution& distribution,
+                                         const RadiusRange& range, double wave_number_per_um,
+                                         const PhaseTabulationOptions& options,
+                                         const std::vector<double>& angles_deg,
+                                         const std::vector<double>& allowed, const Executor& run,
+                                         PhaseValues& result);
+
 }  // namespace miebrdf::mie

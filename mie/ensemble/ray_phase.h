@@ -1,18 +1,12 @@
 // The phase function of broad distributions by rays of the Debye series.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
 #include <vector>
 
 #include "mie/sizes/size_law.h"
 
 namespace miebrdf::mie {
 
-template <typename Scalar>
-class AngularFunctionsOf;
-template <typename Scalar>
-struct SphereBlockOf;
 struct WeightedSizes;
 
 /// Rays that leave after first_way ... last_way ways through the sphere, and how many sizes they
@@ -24,6 +18,11 @@ struct RayGroup {
     bool is_smooth;  ///< few rays come to one angle: sizes by Gauss and Fejer rules in ln r
     int phases = 0;
 
+    /// Both in columns: waves of both can be computed together.
+    bool has_sizes_of(const RayGroup& other) const {
+        return !is_closed() && !other.is_closed() && sizes[0] == other.sizes[0] &&
+               sizes[1] == other.sizes[1] && is_smooth == other.is_smooth;
+    }
     bool is_closed() const { return last_way == 0 && first_way > 0 && phases == 0; }
     int columns() const { return phases > 0 ? phases : is_closed() ? 1 : last_way - first_way + 1; }
 };
@@ -58,20 +57,5 @@ class RayWindow {
 WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
                         const RadiusRange& range, double wave_number_per_um, int family, int level,
                         const RayWindow* window);
-
-/// Sum over sizes of one group; the same bits for any executor.
-struct RayIntensity {
-    Eigen::VectorXd at_angles;
-    double scattered = 0;  ///< as FamilyIntensity
-};
-RayIntensity intensity_of_rays(std::complex<double> relative_index, const RayGroup& group,
-                               const WeightedSizes& sizes, int first_size, int size_count,
-                               const AngularFunctionsOf<float>& angular);
-
-/// The waves alone, of a group that is not in closed form; none where nothing is scattered.
-/// @return what they scatter
-double waves_of_rays(std::complex<double> relative_index, const RayGroup& group,
-                     const WeightedSizes& sizes, int first_size, int size_count,
-                     SphereBlockOf<float>& block);
 
 }  // namespace miebrdf::mie

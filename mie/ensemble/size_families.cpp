@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "mie/ensemble/far_rays.h"
 #include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -189,61 +192,105 @@ std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels
     return {level(levels.front(), angular, run)};
 }
 
+// Sizes of one family that groups with equal sizes share.
+struct SizeFamilies::RayPiece {
+    int family, first, count;
+    std::vector<std::size_t> groups;
+    const WeightedSizes* sizes;
+    std::vector<KeptWaves*> places;  // of each group
+    std::vector<RayIntensity> sums;  // of each group
+};
+
+// Of how many sizes the waves of one group, or of any other with the same sizes, stay near the
+// cache.
+int SizeFamilies::sizes_of_piece(const RayGroup& group) const {
+    int columns = 1;
+    for (const RayGroup& other : groups_) {
+        if (other.has_sizes_of(group)) columns = std::max(columns, other.columns());
+    }
+    return std::max(1, kMostRayColumns / (kLaneCount * columns)) * kLaneCount;
+}
+
+void SizeFamilies::sum(RayPiece& piece, const AngularFunctionsOf<float>& angular) const {
+    const RayGroup& group = groups_[piece.groups.front()];
+    if (group.is_closed()) {
+        piece.sums = {intensity_of_far_rays(relative_index_, group.first_way, *piece.sizes,
+                                            piece.first, piece.count, angular)};
+        return;
+    }
+    thread_local std::vector<SphereBlockOf<float>> blocks;
+    blocks.resize(std::max(blocks.size(), piece.groups.size()));
+    std::vector<RayColumns> missing;
+    for (std::size_t i = 0; i < piece.groups.size(); ++i) {
+        KeptWaves* place = piece.places[i];
+        if (place == nullptr || !place->is_there)
+            missing.push_back(
+                {&groups_[piece.groups[i]], place == nullptr ? &blocks[i] : &place->block});
+    }
+    if (!missing.empty())
+        put_rays(relative_index_, *piece.sizes, piece.first, piece.count, missing);
+    std::size_t put = 0;
+    for (std::size_t i = 0; i < piece.groups.size(); ++i) {
+        KeptWaves* place = piece.places[i];
+        const bool was_there = place != nullptr && place->is_there;
+        const RayColumns columns =
+            was_there ? RayColumns{nullptr, &place->block, place->scattered} : missing[put++];
+        if (place != nullptr) {
+            place->scattered = columns.scattered;
+            place->is_there = true;
+        }
+        piece.sums.push_back({Eigen::VectorXd::Zero(angular.angle_count()), columns.scattered});
+        angular.add_intensity(*columns.block, piece.sums.back().at_angles);
+    }
+}
+
 std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
                                                           const AngularFunctionsOf<float>& angular,
                                                           const Executor& run) {
-    struct Piece {
-        std::size_t group;
-        int family, first, count;
-        KeptWaves* place;
-    };
-    std::vector<Piece> pieces;
-    std::vector<std::vector<WeightedSizes>> sizes(groups_.size());
+    std::vector<RayPiece> pieces;
+    std::vector<char> is_done(groups_.size(), 0);
+    std::list<WeightedSizes> sizes;  // at places that stay
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (levels[g] < 0) continue;
-        const int most =
-            std::max(1, kMostRayColumns / (kLaneCount * groups_[g].columns())) * kLaneCount;
+        if (levels[g] < 0 || is_done[g]) continue;
+        const RayGroup& group = groups_[g];
+        std::vector<std::size_t> together;
+        for (std::size_t other = g; other < groups_.size(); ++other) {
+            if (other == g || (levels[other] == levels[g] && groups_[other].has_sizes_of(group)))
+                together.push_back(other);
+        }
+        for (const std::size_t other : together) is_done[other] = 1;
+        const int most = sizes_of_piece(group);
         for (const int family : {0, 1}) {
-            sizes[g].push_back(ray_sizes(groups_[g], distribution_, range_, wave_number_per_um_,
-                                         family, levels[g], window_ ? &*window_ : nullptr));
-            const WeightedSizes& own = sizes[g].back();
+            const WeightedSizes& own =
+                sizes.emplace_back(ray_sizes(group, distribution_, range_, wave_number_per_um_,
+                                             family, levels[g], window_ ? &*window_ : nullptr));
             const int count = static_cast<int>(own.parameters.size());
             for (int first = 0; first < count; first += most) {
                 const int here = std::min(most, count - first);
-                const double waves =
-                    here * groups_[g].columns() * double(terms_of(own, {first, here}));
-                pieces.push_back({g, family, first, here,
-                                  groups_[g].is_closed()
-                                      ? nullptr
-                                      : place_of(static_cast<int>(g), family, levels[g], first,
-                                                 kBytesPerWave * waves)});
+                RayPiece piece{family, first, here, together, &own, {}, {}};
+                for (const std::size_t other : together) {
+                    const double waves =
+                        here * groups_[other].columns() * double(terms_of(own, {first, here}));
+                    piece.places.push_back(group.is_closed()
+                                               ? nullptr
+                                               : place_of(static_cast<int>(other), family,
+                                                          levels[g], first, kBytesPerWave * waves));
+                }
+                pieces.push_back(std::move(piece));
             }
         }
     }
-    std::vector<RayIntensity> sums(pieces.size());
-    run(static_cast<int>(pieces.size()), [&](int job) {
-        const auto& [g, family, first, count, place] = pieces[job];
-        if (place == nullptr) {
-            sums[job] = intensity_of_rays(relative_index_, groups_[g], sizes[g][family], first,
-                                          count, angular);
-            return;
-        }
-        if (!place->is_there) {
-            place->scattered = waves_of_rays(relative_index_, groups_[g], sizes[g][family], first,
-                                             count, place->block);
-            place->is_there = true;
-        }
-        sums[job] = {Eigen::VectorXd::Zero(angular.angle_count()), place->scattered};
-        angular.add_intensity(place->block, sums[job].at_angles);
-    });
+    run(static_cast<int>(pieces.size()), [&](int job) { sum(pieces[job], angular); });
     std::vector<FamilyIntensity> parts(levels.size());
     for (std::size_t g = 0; g < parts.size(); ++g) {
         if (levels[g] >= 0) parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
     }
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        FamilyIntensity& part = parts[pieces[i].group];
-        part.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
-        part.scattered[pieces[i].family] += sums[i].scattered / 2;
+    for (const RayPiece& piece : pieces) {
+        for (std::size_t i = 0; i < piece.groups.size(); ++i) {
+            FamilyIntensity& part = parts[piece.groups[i]];
+            part.intensity.col(piece.family) += piece.sums[i].at_angles / 2;
+            part.scattered[piece.family] += piece.sums[i].scattered / 2;
+        }
     }
     if (window_ && levels.back() >= 0) add_ends(levels.back(), angular, run, parts.back());
     return parts;

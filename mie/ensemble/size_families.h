@@ -9,8 +9,7 @@
 #include <vector>
 
 #include <miebrdf/ensemble.h>
-#include "mie/ensemble/ray_phase.h"
-#include "mie/ensemble/size_sums.h"
+#include "mie/ensemble/ray_columns.h"
 
 namespace miebrdf::mie {
 
@@ -101,6 +100,10 @@ class SizeFamilies {
     std::vector<FamilyIntensity> levels_of_rays(const std::vector<int>& levels,
                                                 const AngularFunctionsOf<float>& angular,
                                                 const Executor& run);
+
+    struct RayPiece;
+    int sizes_of_piece(const RayGroup& group) const;
+    void sum(RayPiece& piece, const AngularFunctionsOf<float>& angular) const;
 
     void add_ends(int level, const AngularFunctionsOf<float>& angular, const Executor& run,
                   FamilyIntensity& to) const;

@@ -12,7 +12,7 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kAnglesPerGroup = 10 * kAnglesPerTile;
+constexpr int kTilesPerJob = 10;
 
 constexpr int kMostChunks = 8;
 constexpr int kLeastChunk = 32;
@@ -64,6 +64,20 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     return sums;
 }
 
+// The first kCount numbers of some vectors.
+template <int kCount, typename Scalar>
+MIEBRDF_VECTOR void store_first(const Vector* vectors, Scalar* to) {
+    for (int first = 0; first < kCount; first += kVectorSize, ++vectors) {
+        const int count = std::min(kVectorSize, kCount - first);
+        if constexpr (std::is_same_v<Scalar, float>) {
+            const FloatVector rounded = single(*vectors);
+            std::memcpy(to + first, &rounded, count * sizeof(float));
+        } else {
+            std::memcpy(to + first, vectors, count * sizeof(double));
+        }
+    }
+}
+
 }  // namespace
 
 template <typename Scalar>
@@ -106,9 +120,6 @@ void AngularFunctionsOf<Scalar>::make_room(Eigen::Index angle_count, int terms) 
     const Eigen::Index columns = tile_count() * Eigen::Index(terms + 1);
     plus_.resize(kAnglesPerTile, columns);
     minus_.resize(kAnglesPerTile, columns);
-    if (angle_count_ % kAnglesPerTile == 0) return;
-    plus_.rightCols(terms + 1).setZero();
-    minus_.rightCols(terms + 1).setZero();
 }
 
 template <typename Scalar>
@@ -129,41 +140,43 @@ const Scalar* AngularFunctionsOf<Scalar>::of_tile(const Matrix& functions, int t
 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& run) {
-    const int groups = static_cast<int>(mu.size() + kAnglesPerGroup - 1) / kAnglesPerGroup;
-    run(groups, [&](int group) {
-        const Eigen::Index first = group * Eigen::Index(kAnglesPerGroup);
-        fill(first, mu.segment(first, std::min<Eigen::Index>(kAnglesPerGroup, mu.size() - first)));
+    const int jobs = (tile_count() + kTilesPerJob - 1) / kTilesPerJob;
+    run(jobs, [&](int job) {
+        const int end = std::min(tile_count(), (job + 1) * kTilesPerJob);
+        for (int tile = job * kTilesPerJob; tile < end; ++tile)
+            fill_tile(tile, mu.data() + tile * kAnglesPerTile);
     });
 }
 
-// As in scattering_amplitudes, several angles at once.
+// As in scattering_amplitudes, all angles of a tile at once; those that a tile which is not full
+// lacks are 90 degrees.
 template <typename Scalar>
-void AngularFunctionsOf<Scalar>::fill(Eigen::Index first, const Eigen::ArrayXd& mu) {
-    const Eigen::Index count = mu.size();
-    const auto put = [&](const Eigen::ArrayXd& values, int order, Matrix& functions) {
-        for (Eigen::Index at = 0; at < count; at += kAnglesPerTile) {
-            const Eigen::Index tile = (first + at) / kAnglesPerTile;
-            const Eigen::Index here = std::min<Eigen::Index>(kAnglesPerTile, count - at);
-            functions.col(tile * (terms_ + 1) + order).head(here) =
-                values.segment(at, here).matrix().template cast<Scalar>();
-        }
-    };
-    Eigen::ArrayXd pi_before = Eigen::ArrayXd::Zero(count), pi = Eigen::ArrayXd::Ones(count);
-    Eigen::ArrayXd s(count), t(count), tau(count), value(count);
-    put(pi_before, 0, plus_);
-    put(pi_before, 0, minus_);
+void AngularFunctionsOf<Scalar>::fill_tile(int tile, const double* cosines) {
+    constexpr int kVectors = (kAnglesPerTile + kVectorSize - 1) / kVectorSize;
+    Vector mu[kVectors] = {}, pi[kVectors], pi_before[kVectors] = {};
+    std::memcpy(mu, cosines, angles_in(tile) * sizeof(double));
+    for (Vector& one : pi) one = Vector{} + 1;
+    Scalar* plus = plus_.data() + tile * Eigen::Index(terms_ + 1) * kAnglesPerTile;
+    Scalar* minus = minus_.data() + tile * Eigen::Index(terms_ + 1) * kAnglesPerTile;
+    std::fill_n(plus, kAnglesPerTile, Scalar(0));
+    std::fill_n(minus, kAnglesPerTile, Scalar(0));
     for (int n = 1; n <= terms_; ++n) {
-        const double order = n;
-        s = mu * pi;
-        t = s - pi_before;
-        tau = order * t - pi_before;
-        const double weight = (2 * order + 1) / (order * (order + 1));
-        value = weight * (pi + tau);
-        put(value, n, plus_);
-        value = weight * (pi - tau);
-        put(value, n, minus_);
-        pi_before.swap(pi);
-        pi = s + (order + 1) / order * t;
+        plus += kAnglesPerTile;
+        minus += kAnglesPerTile;
+        const double order = n, weight = (2 * order + 1) / (order * (order + 1));
+        const double growth = (order + 1) / order;
+        Vector sums[kVectors], differences[kVectors];
+        for (int i = 0; i < kVectors; ++i) {
+            const Vector s = mu[i] * pi[i];
+            const Vector t = s - pi_before[i];
+            const Vector tau = order * t - pi_before[i];
+            sums[i] = weight * (pi[i] + tau);
+            differences[i] = weight * (pi[i] - tau);
+            pi_before[i] = pi[i];
+            pi[i] = s + growth * t;
+        }
+        store_first<kAnglesPerTile>(sums, plus);
+        store_first<kAnglesPerTile>(differences, minus);
     }
 }
 
@@ -182,7 +195,7 @@ void AngularFunctionsOf<Scalar>::visit_amplitudes(const Matrix& functions,
         for (int tile = 0; tile < tile_count(); ++tile) {
             const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
             visit_angles(angles, of_tile(functions, tile, first),
-                         WaveColumns<Scalar, kHalves>{start, start + block.size}, stride,
+                         WaveColumns<Scalar, kHalves>{start, start + block.imaginary}, stride,
                          last - first + 1, [&](int angle, const auto& sums) {
                              if (angle < angles) visit(first_angle + angle, column, sums);
                          });

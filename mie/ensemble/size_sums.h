@@ -71,7 +71,7 @@ class AngularFunctionsOf {
   private:
     void make_room(Eigen::Index angle_count, int terms);
     void fill(const Eigen::ArrayXd& mu, const Executor& run);
-    void fill(Eigen::Index first, const Eigen::ArrayXd& mu);
+    void fill_tile(int tile, const double* cosines);
 
     int tile_count() const;
     int angles_in(int tile) const;

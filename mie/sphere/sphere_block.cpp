@@ -148,9 +148,9 @@ void BlockColumns<Scalar>::put(int order, const ComplexLanes& a, const ComplexLa
     Scalar* u = block->U.row(order).data() + first;
     Scalar* v = block->V.row(order).data() + first;
     store(root_weight * (a.re + b.re), u);
-    store(root_weight * (a.im + b.im), u + block->size);
+    store(root_weight * (a.im + b.im), u + block->imaginary);
     store(root_weight * (a.re - b.re), v);
-    store(root_weight * (a.im - b.im), v + block->size);
+    store(root_weight * (a.im - b.im), v + block->imaginary);
 }
 
 template <typename Scalar>
@@ -158,7 +158,7 @@ void BlockColumns<Scalar>::clear_beyond(int order) const {
     for (int n = order + 1; n <= block->terms; ++n) {
         for (auto* wave : {&block->U, &block->V}) {
             wave->row(n).segment(first, kLaneCount).setZero();
-            wave->row(n).segment(first + block->size, kLaneCount).setZero();
+            wave->row(n).segment(first + block->imaginary, kLaneCount).setZero();
         }
     }
 }
@@ -190,19 +190,18 @@ template <typename Scalar>
 void SphereBlockOf<Scalar>::make_room(int new_terms, int new_size) {
     terms = new_terms;
     size = new_size;
+    imaginary = (size + kWidest - 1) / kWidest * kWidest;
     orders.assign(size / kLaneCount, {1, terms});
-    if (U.rows() >= terms + 1 && U.cols() == 2 * size) return;
-    U.resize(terms + 1, 2 * size);
-    V.resize(terms + 1, 2 * size);
+    if (U.rows() >= terms + 1 && U.cols() == 2 * imaginary) return;
+    U.resize(terms + 1, 2 * imaginary);
+    V.resize(terms + 1, 2 * imaginary);
 }
 
 template <typename Scalar>
 typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int first_column,
                                                                         int count) const {
-    constexpr int widest_register = 64 / static_cast<int>(sizeof(Scalar));
-    const int first = first_column / widest_register * widest_register;
-    const int end = std::min(
-        size, (first_column + count + widest_register - 1) / widest_register * widest_register);
+    const int first = first_column / kWidest * kWidest;
+    const int end = std::min(size, (first_column + count + kWidest - 1) / kWidest * kWidest);
     Orders all = orders[first / kLaneCount];
     for (int at = first + kLaneCount; at < end; at += kLaneCount) {
         const Orders& here = orders[at / kLaneCount];

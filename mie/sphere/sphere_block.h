@@ -10,14 +10,18 @@
 namespace miebrdf::mie {
 
 /// U_n = a_n + b_n and V_n = a_n - b_n of `size` spheres, each times the root of its weight.
-/// Row n = order (row 0 unused), columns [0, size) the real, [size, 2 size) the imaginary parts.
-/// `size` is the number of spheres rounded up to whole vectors; the rest have weight 0.
+/// Row n = order (row 0 unused), columns [0, size) the real, [imaginary, imaginary + size) the
+/// imaginary parts. `size` is the number of spheres rounded up to whole vectors; the rest have
+/// weight 0. Both parts of a row begin with a line of the cache.
 /// Scalar: double, or float (half the memory traffic, products twice as fast).
 template <typename Scalar>
 struct SphereBlockOf {
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    /// Numbers in the widest register of any machine, and in a line of its cache.
+    static constexpr int kWidest = 64 / static_cast<int>(sizeof(Scalar));
     Matrix U, V;
     int size = 0;
+    int imaginary = 0;
     int terms = 0;
     struct Orders {
         int first, last;

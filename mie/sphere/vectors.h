@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstring>
+#include <utility>
 
 #include "mie/sphere/lane_math.h"
 
@@ -18,8 +19,35 @@ constexpr int kVectorSize = 2;
 #endif
 using Vector = double __attribute__((vector_size(kVectorSize * sizeof(double))));
 using FloatVector = float __attribute__((vector_size(kVectorSize * sizeof(float))));
+/// As many bytes as Vector: the same lanes of two numbers, say of both polarisations.
+using FloatPair = float __attribute__((vector_size(kVectorSize * sizeof(double))));
 
 #define MIEBRDF_VECTOR [[gnu::always_inline]] inline
+
+/// Two halves of a register in one. Through memory they would wait for each other.
+template <typename Half, int... kPlace>
+MIEBRDF_VECTOR auto joined(const Half& low, const Half& high,
+                           std::integer_sequence<int, kPlace...>) {
+    return __builtin_shufflevector(low, high, kPlace...);
+}
+template <int kCount, typename Half>
+MIEBRDF_VECTOR auto joined(const Half& low, const Half& high) {
+    return joined(low, high, std::make_integer_sequence<int, kCount>{});
+}
+
+MIEBRDF_VECTOR FloatPair joined(const FloatVector& low, const FloatVector& high) {
+    return joined<2 * kVectorSize>(low, high);
+}
+template <int kFirst, int... kPlace>
+MIEBRDF_VECTOR FloatVector part_of(const FloatPair& pair, std::integer_sequence<int, kPlace...>) {
+    return __builtin_shufflevector(pair, pair, (kFirst + kPlace)...);
+}
+MIEBRDF_VECTOR FloatVector low_half(const FloatPair& pair) {
+    return part_of<0>(pair, std::make_integer_sequence<int, kVectorSize>{});
+}
+MIEBRDF_VECTOR FloatVector high_half(const FloatPair& pair) {
+    return part_of<kVectorSize>(pair, std::make_integer_sequence<int, kVectorSize>{});
+}
 
 /// Some of eight lanes: kVectorSize of them from `first` on.
 MIEBRDF_VECTOR Vector load(const Lanes& lanes, int first) {
@@ -37,22 +65,13 @@ MIEBRDF_VECTOR void store(const FloatVector& v, float* to) { std::memcpy(to, &v,
 MIEBRDF_VECTOR void store(const Vector& v, float* to) { store(single(v), to); }
 
 /// Complex numbers in double or in single precision.
-template <typename Scalar>
-struct ComplexVectorOf;
-template <>
-struct ComplexVectorOf<double> {
-    using Real = Vector;
-    Real re, im;
+template <typename RealVector>
+struct ComplexOf {
+    RealVector re, im;
 };
-template <>
-struct ComplexVectorOf<float> {
-    using Real = FloatVector;
-    Real re, im;
-};
-using ComplexVector = ComplexVectorOf<double>;
-using ComplexFloatVector = ComplexVectorOf<float>;
-template <typename Scalar>
-using RealVectorOf = typename ComplexVectorOf<Scalar>::Real;
+using ComplexVector = ComplexOf<Vector>;
+using ComplexFloatVector = ComplexOf<FloatVector>;
+using ComplexFloatPair = ComplexOf<FloatPair>;
 
 MIEBRDF_VECTOR ComplexVector load(const ComplexLanes& z, int first) {
     return {load(z.re, first), load(z.im, first)};
@@ -65,25 +84,20 @@ MIEBRDF_VECTOR void store(const ComplexVector& z, ComplexLanes& to, int first) {
     store(z.im, to.im, first);
 }
 
-template <typename Scalar>
-MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator+(const ComplexVectorOf<Scalar>& a,
-                                                 const ComplexVectorOf<Scalar>& b) {
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> operator+(const ComplexOf<Real>& a, const ComplexOf<Real>& b) {
     return {a.re + b.re, a.im + b.im};
 }
-template <typename Scalar>
-MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator-(const ComplexVectorOf<Scalar>& a,
-                                                 const ComplexVectorOf<Scalar>& b) {
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> operator-(const ComplexOf<Real>& a, const ComplexOf<Real>& b) {
     return {a.re - b.re, a.im - b.im};
 }
-template <typename Scalar>
-MIEBRDF_VECTOR ComplexVectorOf<Scalar> operator*(const ComplexVectorOf<Scalar>& a,
-                                                 const ComplexVectorOf<Scalar>& b) {
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> operator*(const ComplexOf<Real>& a, const ComplexOf<Real>& b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
-MIEBRDF_VECTOR ComplexVector operator*(const Vector& a, const ComplexVector& b) {
-    return {a * b.re, a * b.im};
-}
-MIEBRDF_VECTOR ComplexFloatVector operator*(const FloatVector& a, const ComplexFloatVector& b) {
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> operator*(const Real& a, const ComplexOf<Real>& b) {
     return {a * b.re, a * b.im};
 }
 MIEBRDF_VECTOR ComplexVector operator*(double a, const ComplexVector& b) {
@@ -92,13 +106,22 @@ MIEBRDF_VECTOR ComplexVector operator*(double a, const ComplexVector& b) {
 MIEBRDF_VECTOR ComplexVector operator*(std::complex<double> a, const ComplexVector& b) {
     return {a.real() * b.re - a.imag() * b.im, a.real() * b.im + a.imag() * b.re};
 }
-template <typename Scalar>
-MIEBRDF_VECTOR ComplexVectorOf<Scalar> conjugate(const ComplexVectorOf<Scalar>& z) {
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> conjugate(const ComplexOf<Real>& z) {
     return {z.re, -z.im};
 }
-template <typename Scalar>
-MIEBRDF_VECTOR RealVectorOf<Scalar> norm(const ComplexVectorOf<Scalar>& z) {
+template <typename Real>
+MIEBRDF_VECTOR Real norm(const ComplexOf<Real>& z) {
     return z.re * z.re + z.im * z.im;
+}
+template <typename Real>
+MIEBRDF_VECTOR ComplexOf<Real> power(const ComplexOf<Real>& z, int exponent) {
+    ComplexOf<Real> result{Real{} + 1, Real{}}, square = z;
+    for (; exponent > 0; exponent /= 2) {
+        if (exponent % 2 == 1) result = result * square;
+        square = square * square;
+    }
+    return result;
 }
 MIEBRDF_VECTOR ComplexVector inverse(const ComplexVector& z) {
     const Vector scale = 1 / norm(z);

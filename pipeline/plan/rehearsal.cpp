@@ -241,7 +241,11 @@ class Rehearsing {
             sample.orders = rungs.back().orders;
         }
         sample.transfer_s = of_all_directions(known + more, sample);
-        if (noisy) single_angles(w, optics, report, values, sample);
+        if (noisy) {
+            const double others =
+                optics.mie_error_estimate + (is_cut ? solver.tolerance : report.error_estimate);
+            single_angles(w, optics, report, others, values, sample);
+        }
     }
 
     /// What some of the directions take, for all of them.
@@ -261,11 +265,12 @@ class Rehearsing {
     }
 
     void single_angles(std::size_t w, const SceneOptics& optics, const rte::SolverReport& report,
-                       std::vector<double>& values, Sample& sample) const {
+                       double other_estimates, std::vector<double>& values, Sample& sample) const {
         const Watch watch;
         refine_phase(request_.scene, w, demand_,
                      {optics.stack, directions_, report.moments, request_.solver.delta_m},
-                     kPhaseShare * request_.solver.tolerance, values, mie::run_in_order);
+                     rest_for_phase(request_.solver.tolerance, other_estimates), values,
+                     mie::run_in_order);
         sample.single_angles_s = watch.seconds();
     }
 

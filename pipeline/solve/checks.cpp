@@ -50,6 +50,11 @@ double rest_of_tolerance(double tolerance, double mie_error_estimate) {
     return std::max(tolerance - mie_error_estimate, 0.5 * tolerance);
 }
 
+double rest_for_phase(double tolerance, double other_estimates) {
+    constexpr double just = 1 - 1e-6;  // all are summed again
+    return std::max(kPhaseShare * tolerance, just * (tolerance - other_estimates));
+}
+
 void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
            double tolerance) {
     report.mie_error_estimate = mie_error_estimate;

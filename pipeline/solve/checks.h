@@ -18,6 +18,10 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 /// all the same.
 double rest_of_tolerance(double tolerance, double mie_error_estimate);
 
+/// What points of the phase function may err by: their share of the tolerance, or all that the
+/// estimates of the other steps have left of it, if that is more.
+double rest_for_phase(double tolerance, double other_estimates);
+
 /// The one place that decides whether values are converged: all estimates together (transfer, size
 /// averages, points of the phase function) are within `tolerance`, and every step says so.
 /// @param report  its solver's part and its phase noise are set

@@ -152,10 +152,11 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
-        slice.report.phase_noise =
-            refine_phase(request.scene, w, demand,
-                         {stack, request.directions, table.report.moments, solver.delta_m},
-                         kPhaseShare * tolerance, slice.values, run);
+        slice.report.phase_noise = refine_phase(
+            request.scene, w, demand,
+            {stack, request.directions, table.report.moments, solver.delta_m},
+            rest_for_phase(tolerance, optics.mie_error_estimate + table.report.error_estimate),
+            slice.values, run);
         slice.plane_albedo = std::move(table.plane_albedo);
         slice.mirror_reflectance = std::move(table.mirror_reflectance);
         remove_rounding(slice.plane_albedo);

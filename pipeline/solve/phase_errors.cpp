@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -24,8 +23,6 @@ constexpr double kDeviations = 2.0;
 constexpr double kMeanPeak = 0.25;
 /// What is not known of that, relative to the change of P.
 constexpr double kPeakDoubt = 0.05;
-/// More angles than this cost as much as all of P.
-constexpr std::size_t kMostAngles = 300;
 
 /// The phase function of one species of a layer.
 struct PhasePart {
@@ -158,7 +155,6 @@ bool any_noisy(const std::vector<PhaseLayer>& layers) {
 /// P of one layer at one angle, anew.
 struct Point {
     double allowed = std::numeric_limits<double>::infinity();
-    double excess = 0.0;  ///< of the table's noise, over what is allowed
     double change = 0.0;  ///< against the table
     double noise = 0.0;   ///< rms
 };
@@ -191,25 +187,8 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
         // A bounded number of sizes may do worse than the table.
         const double of_table =
             part.table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
-        if (!(point.noise < of_table)) point = {point.allowed, point.excess, 0.0, of_table};
+        if (!(point.noise < of_table)) point = {point.allowed, 0.0, of_table};
         ++at;
-    }
-}
-
-/// Leaves the points whose tables exceed what is allowed the most.
-void keep_worst(Points& points) {
-    std::vector<double> excess;
-    for (const auto& layer : points) {
-        for (const auto& part : layer) {
-            for (const auto& [angle, point] : part) excess.push_back(point.excess);
-        }
-    }
-    if (excess.size() <= kMostAngles) return;
-    const auto last = excess.begin() + static_cast<std::ptrdiff_t>(kMostAngles);
-    std::nth_element(excess.begin(), last, excess.end(), std::greater<>());
-    for (auto& layer : points) {
-        for (auto& part : layer)
-            std::erase_if(part, [&](const auto& entry) { return entry.second.excess <= *last; });
     }
 }
 
@@ -288,11 +267,9 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                     if (noise <= enough) continue;
                     Point& point = points[i][p][angle_of(cos_theta)];
                     point.allowed = std::min(point.allowed, enough);
-                    point.excess = std::max(point.excess, noise / enough);
                 }
             }
         });
-    keep_worst(points);
     for (std::size_t i = 0; i < layers.size(); ++i) {
         // The layers that show are the scene's topmost.
         const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - i];

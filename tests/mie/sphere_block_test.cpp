@@ -50,8 +50,8 @@ TEST_CASE("eight spheres at once equal one at a time", "[mie][sphere_block]") {
         const double root = std::sqrt(weights[i]);
         const auto column = static_cast<Eigen::Index>(i);
         for (int n = 1; n <= static_cast<int>(single.a.size()); ++n) {
-            const Complex u(block.U(n, column), block.U(n, column + block.size));
-            const Complex v(block.V(n, column), block.V(n, column + block.size));
+            const Complex u(block.U(n, column), block.U(n, column + block.imaginary));
+            const Complex v(block.V(n, column), block.V(n, column + block.imaginary));
             worst = std::max({worst, std::abs(u / root - single.a[n - 1] - single.b[n - 1]),
                               std::abs(v / root - single.a[n - 1] + single.b[n - 1])});
         }
