@@ -1,4 +1,4 @@
-// SQLite with C++ lifetimes and our errors: nothing outside of sqlite.cpp includes sqlite3.h.
+// SQLite with C++ lifetimes and our errors: only sqlite.cpp calls it.
 #pragma once
 
 #include <cstdint>

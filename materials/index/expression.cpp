@@ -4,32 +4,58 @@
 
 #include <miebrdf/error.h>
 
-#ifdef MIEBRDF_HAS_MUPARSER
-#include <muParser.h>
+#ifdef MIEBRDF_LATE_MUPARSER
+#include <muParserDLL.h>
 
 #include <mutex>
 
 #include <miebrdf/index.h>
+#include "materials/libraries/late_library.h"
 
 namespace miebrdf::materials {
+namespace {
+
+/// muParser writes its reasons, which repeat words of the formula, into 2048 characters that all
+/// parsers share.
+constexpr std::size_t kLongestFormula = 1000;
+
+const LateLibrary& muparser() {
+    static const LateLibrary library(MIEBRDF_LATE_MUPARSER);
+    return library;
+}
+#define MUPARSER(name) MIEBRDF_LATE(muparser(), name)
+
+std::string take_reason(muParserHandle_t parser) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    return MUPARSER(mupGetErrorMsg)(parser);
+}
+
+}  // namespace
 
 struct Expression::Parser {
     std::mutex mutex;  // of the variables
     double um = 0.5, nm = 500.0, ev = 2.5;
-    mu::Parser parser;
+    const muParserHandle_t handle = MUPARSER(mupCreate)(muBASETYPE_FLOAT);
+
+    Parser() = default;
+    Parser(const Parser&) = delete;
+    Parser& operator=(const Parser&) = delete;
+    ~Parser() { MUPARSER(mupRelease)(handle); }
 };
 
 Expression::Expression(const std::string& text) : parser_(std::make_shared<Parser>()) {
-    try {
-        parser_->parser.DefineVar("um", &parser_->um);
-        parser_->parser.DefineVar("nm", &parser_->nm);
-        parser_->parser.DefineVar("eV", &parser_->ev);
-        parser_->parser.SetExpr(text);
-        parser_->parser.Eval();  // reads it
-    } catch (const mu::ParserError& error) {
+    if (text.size() > kLongestFormula)
+        throw UsageError(fmt::format("formula '{}...': {} characters; allowed: up to {}",
+                                     text.substr(0, 40), text.size(), kLongestFormula));
+    MUPARSER(mupDefineVar)(parser_->handle, "um", &parser_->um);
+    MUPARSER(mupDefineVar)(parser_->handle, "nm", &parser_->nm);
+    MUPARSER(mupDefineVar)(parser_->handle, "eV", &parser_->ev);
+    MUPARSER(mupSetExpr)(parser_->handle, text.c_str());
+    MUPARSER(mupEval)(parser_->handle);  // reads it
+    if (MUPARSER(mupError)(parser_->handle) != 0)
         throw UsageError(fmt::format("formula '{}': {}; variables: um, nm, eV", text,
-                                     std::string(error.GetMsg())));
-    }
+                                     take_reason(parser_->handle)));
 }
 
 double Expression::at(double wavelength_nm) const {
@@ -37,8 +63,10 @@ double Expression::at(double wavelength_nm) const {
     parser_->nm = wavelength_nm;
     parser_->um = from_nm(wavelength_nm, Unit::micrometre);
     parser_->ev = from_nm(wavelength_nm, Unit::electronvolt);
-    return parser_->parser.Eval();
+    return MUPARSER(mupEval)(parser_->handle);
 }
+
+#undef MUPARSER
 
 }  // namespace miebrdf::materials
 

@@ -1,12 +1,12 @@
 // The functions of librsvg, and of cairo and GLib below it, that pictures need, loaded when they
-// are called first (pipeline/io/late_library.h). librsvg brings 40 libraries, with text layout and
-// fonts.
+// are called first (materials/libraries/late_library.h). librsvg brings 40 libraries, with text
+// layout and fonts.
 #pragma once
 
 #include <cairo.h>
 #include <librsvg/rsvg.h>
 
-#include "pipeline/io/late_library.h"
+#include "materials/libraries/late_library.h"
 
 namespace miebrdf::plot {
 

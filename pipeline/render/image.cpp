@@ -1,14 +1,7 @@
 #include "pipeline/render/image.h"
 
-#include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
-#include <ImfOutputFile.h>
-#include <ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <miebrdf/error.h>
-#include <png.h>
 
 #include <algorithm>
 #include <array>
@@ -20,39 +13,38 @@
 #include <sstream>
 
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/io/exr_file.h"
+#include "pipeline/render/late_png.h"
 
 namespace miebrdf::render {
 
 namespace {
 
-/// A float slice of one channel of an image that starts at pixel (x0, y0) of the file.
-Imf::Slice slice_of(Image& image, int channel, int x0, int y0) {
-    const std::size_t x_stride = sizeof(float) * std::size_t(image.channels);
-    const std::size_t y_stride = x_stride * std::size_t(image.width);
-    char* base = reinterpret_cast<char*>(image.values.data() + channel);
-    base -= std::ptrdiff_t(x0) * std::ptrdiff_t(x_stride) +
-            std::ptrdiff_t(y0) * std::ptrdiff_t(y_stride);
-    return Imf::Slice(Imf::FLOAT, base, x_stride, y_stride);
+template <typename Float>
+ExrPlane<Float> plane_of(const std::string& name, const Image& image, Float* values, int channel) {
+    return {name, values + channel, std::size_t(image.channels),
+            std::size_t(image.channels) * std::size_t(image.width)};
 }
 
-Image read_open_exr(Imf::InputFile& file, const std::string& path) {
-    const Imath::Box2i window = file.header().dataWindow();
-    Image image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, 3);
-    const Imf::ChannelList& channels = file.header().channels();
-    const bool is_grey =
-        channels.findChannel("R") == nullptr && channels.findChannel("Y") != nullptr;
+Image read_open_exr(const std::string& content, const std::string& path) {
+    const ExrReader file(content);
+    Image image(file.width(), file.height(), 3);
+    const std::vector<std::string>& channels = file.channels();
+    const auto has = [&](const char* name) {
+        return std::find(channels.begin(), channels.end(), name) != channels.end();
+    };
+    const bool is_grey = !has("R") && has("Y");
     const char* const names[] = {"R", "G", "B"};
-    Imf::FrameBuffer buffer;
+    std::vector<ExrPlane<float>> planes;
     for (int c = 0; c < (is_grey ? 1 : 3); ++c) {
         const char* name = is_grey ? "Y" : names[c];
-        if (channels.findChannel(name) == nullptr) {
+        if (!has(name)) {
             throw InputError(
                 fmt::format("{}: has no channel {}; wanted: R, G, B or Y", path, name));
         }
-        buffer.insert(name, slice_of(image, c, window.min.x, window.min.y));
+        planes.push_back(plane_of(name, image, image.values.data(), c));
     }
-    file.setFrameBuffer(buffer);
-    file.readPixels(window.min.y, window.max.y);
+    file.read(planes);
     if (is_grey) {
         for (std::size_t i = 0; i < image.values.size(); i += 3) {
             image.values[i + 1] = image.values[i + 2] = image.values[i];
@@ -65,9 +57,10 @@ Image read_open_exr(Imf::InputFile& file, const std::string& path) {
 
 Image read_exr(const std::string& path) {
     if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
+    std::ostringstream content;
+    content << std::ifstream(path, std::ios::binary).rdbuf();
     try {
-        Imf::InputFile file(path.c_str(), 1);
-        return read_open_exr(file, path);
+        return read_open_exr(content.str(), path);
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {
@@ -81,21 +74,17 @@ void write_exr(const Image& image, const std::vector<std::string>& channel_names
         throw std::invalid_argument(
             fmt::format("{} channel names for {} channels", channel_names.size(), image.channels));
     }
-    Image copy = image;  // OpenEXR's slices take pointers to what may change
-    Imf::Header header(image.width, image.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    Imf::FrameBuffer buffer;
-    for (int c = 0; c < image.channels; ++c) {
-        const std::string& name = channel_names[std::size_t(c)];
-        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-        buffer.insert(name, slice_of(copy, c, 0, 0));
-    }
-    for (const auto& [key, text] : notes) header.insert(key, Imf::StringAttribute(text));
+    std::vector<ExrPlane<const float>> planes;
+    for (int c = 0; c < image.channels; ++c)
+        planes.push_back(plane_of(channel_names[std::size_t(c)], image, image.values.data(), c));
     AtomicFile target(path);
     try {
-        Imf::OutputFile file(target.temporary_path().c_str(), header, 1);
-        file.setFrameBuffer(buffer);
-        file.writePixels(image.height);
+        ExrWriter file(target.stream(), {.width = image.width,
+                                         .height = image.height,
+                                         .channels = channel_names,
+                                         .texts = notes});
+        file.write_lines(image.height, planes);
+        file.finish();
     } catch (const std::exception& error) {
         throw InputError(fmt::format("{}: cannot be written: {}", path, error.what()));
     }

@@ -1,10 +1,10 @@
-// Embree's functions, loaded when they are called first (pipeline/io/late_library.h): its tables
-// for every kind of processor take the loader longer than all that other commands need.
+// Embree's functions, loaded when they are called first (materials/libraries/late_library.h): its
+// tables for every kind of processor take the loader longer than all that other commands need.
 #pragma once
 
 #include <embree3/rtcore.h>
 
-#include "pipeline/io/late_library.h"
+#include "materials/libraries/late_library.h"
 
 namespace miebrdf::render {
 

@@ -1,6 +1,9 @@
 #include "pipeline/render/obj_file.h"
 
 #include <fmt/format.h>
+
+// Compiled here, rather than a library to load at every start.
+#define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>
 
 #include <Eigen/Geometry>

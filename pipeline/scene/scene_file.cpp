@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+// Compiled here once, rather than a library to load at every start.
+#define TOML_HEADER_ONLY 0
+#define TOML_IMPLEMENTATION
 #include <toml++/toml.h>
 
 #include <algorithm>

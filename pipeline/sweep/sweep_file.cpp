@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <miebrdf/error.h>
+#define TOML_HEADER_ONLY 0  // it is in pipeline/scene/scene_file.cpp
 #include <toml++/toml.h>
 
 #include <algorithm>

@@ -67,11 +67,8 @@ install(FILES "${PROJECT_BINARY_DIR}/miebrdfConfig.cmake"
 # The pkg-config file says what the targets say. Static archives: ours, the last declared first, so
 # that a linker finds everything, then their dependencies by the names pkg-config has for them.
 set(pc_name_Eigen3::Eigen eigen3)
-set(pc_name_SQLite::SQLite3 sqlite3)
 set(pc_name_fmt::fmt fmt)
 set(pc_name_TBB::tbb tbb)
-set(pc_name_tomlplusplus::tomlplusplus tomlplusplus)
-set(pc_name_OpenEXR::OpenEXR OpenEXR)
 set(pc_name_pugixml::pugixml pugixml)
 set(pc_name_ZLIB::ZLIB zlib)
 set(header_only Boost::headers nlohmann_json::nlohmann_json)

@@ -125,7 +125,7 @@ function(miebrdf_headers target)
 endfunction()
 
 # miebrdf_late_library(TARGET MACRO PREFIX name): the library `name`, which pkg_check_modules has found
-# as PREFIX, is loaded when it is used first (pipeline/io/late_library.h), not linked to. MACRO: what
+# as PREFIX, is loaded when it is used first (materials/libraries/late_library.h), not linked to. MACRO: what
 # the loader calls it.
 function(miebrdf_late_library target macro prefix name)
     find_library(${prefix}_FILE NAMES ${name} HINTS ${${prefix}_LIBRARY_DIRS} REQUIRED)

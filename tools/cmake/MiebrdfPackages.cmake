@@ -22,9 +22,10 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME miebrdf)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "The program miebrdf, its man page and completions, and the library that other programs load.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_GENERATE_SHLIBS ON)  # ldconfig after installation
-# Loaded late (pipeline/io/late_library.h), so that no file is linked to them.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libzip4")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "librsvg2-2, libnetcdf19")
+# Loaded late (materials/libraries/late_library.h), so that no file is linked to them.
+set(loaded_late "libmuparser2v5, libopenexr-3-1-30, libsodium23, libsqlite3-0, libyaml-0-2, libzip4")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${loaded_late}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libembree3-3, libpng16-16, librsvg2-2, libnetcdf19")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libmiebrdf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -33,9 +34,8 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "miebrdf (= ${PROJECT_VERSION})")
 if(NOT BUILD_SHARED_LIBS)  # archives leave their dependencies to who links them
-    string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libeigen3-dev, libboost-dev, libsqlite3-dev, "
-        "libfmt-dev, libtbb-dev, nlohmann-json3-dev, libtomlplusplus-dev, libyaml-dev, "
-        "libsodium-dev, libmuparser-dev, libzip-dev, libopenexr-dev, libpugixml-dev, zlib1g-dev")
+    string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libeigen3-dev, libboost-dev, libfmt-dev, "
+        "libtbb-dev, nlohmann-json3-dev, libpugixml-dev, ${loaded_late}")
 endif()
 
 if(TARGET miebrdf_python)
@@ -46,7 +46,7 @@ if(TARGET miebrdf_python)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
     set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package miebrdf: ${PROJECT_DESCRIPTION}.")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3-numpy, \
-python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next}), libzip4")
+python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next}), ${loaded_late}")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-xarray")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm")
 endif()

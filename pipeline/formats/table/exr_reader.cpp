@@ -1,21 +1,14 @@
 // Spectral OpenEXR tables of ours: channels by wavelength, directions from attributes.
-#include <ImfChannelList.h>
-#include <ImfDoubleAttribute.h>
-#include <ImfFloatVectorAttribute.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfIO.h>
-#include <ImfInputFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <map>
 
 #include "pipeline/formats/common/grid_file.h"
+#include "pipeline/io/exr_file.h"
 
 namespace miebrdf {
 namespace {
@@ -109,40 +102,16 @@ void check_exr_header(std::string_view content) {
     }
 }
 
-class MemoryStream : public Imf::IStream {
-  public:
-    explicit MemoryStream(std::string_view content) : IStream("exr"), content_(content) {}
-    bool read(char bytes[], int count) override {
-        if (count < 0 || static_cast<std::uint64_t>(count) > content_.size() - position_) {
-            throw InputError("exr: the file ends early");
-        }
-        std::memcpy(bytes, content_.data() + position_, static_cast<std::size_t>(count));
-        position_ += static_cast<std::size_t>(count);
-        return position_ < content_.size();
-    }
-    uint64_t tellg() override { return position_; }
-    void seekg(uint64_t position) override {
-        if (position > content_.size()) throw InputError("exr: the file points beyond its end");
-        position_ = position;
-    }
-
-  private:
-    std::string_view content_;
-    std::size_t position_ = 0;
-};
-
-std::vector<double> list_attribute(const Imf::Header& header, const char* name) {
-    const auto* attribute = header.findTypedAttribute<Imf::FloatVectorAttribute>(name);
-    if (attribute == nullptr) throw InputError(fmt::format("exr: no attribute '{}'", name));
-    return {attribute->value().begin(), attribute->value().end()};
+std::vector<double> list_attribute(const ExrReader& file, const char* name) {
+    const auto list = file.list(name);
+    if (!list) throw InputError(fmt::format("exr: no attribute '{}'", name));
+    return {list->begin(), list->end()};
 }
 
 /// What values are the BRDF times of: pi in reflectance factors; 1 where nothing is said, as in
 /// files of before.
-double brdf_factor(const Imf::Header& header) {
-    const auto* attribute = header.findTypedAttribute<Imf::DoubleAttribute>("brdf_factor");
-    if (attribute == nullptr) return 1.0;
-    const double factor = attribute->value();
+double brdf_factor(const ExrReader& file) {
+    const double factor = file.number("brdf_factor").value_or(1.0);
     if (!(factor > 0.0 && std::isfinite(factor)))
         throw InputError(fmt::format("exr: brdf_factor is {}; allowed: > 0", factor));
     return factor;
@@ -160,25 +129,20 @@ double wavelength_of(const std::string& channel) {
 
 GridTable read_table(std::string_view content) {
     check_exr_header(content);
-    MemoryStream stream(content);
-    Imf::InputFile file(stream, 0);
-    const Imf::Header& header = file.header();
+    const ExrReader file(content);
     GridTable table;
     table.format = "exr";
-    table.in = list_attribute(header, "mu_in");
-    table.out = list_attribute(header, "mu_out");
-    table.azimuth_deg = list_attribute(header, "azimuth_deg");
+    table.in = list_attribute(file, "mu_in");
+    table.out = list_attribute(file, "mu_out");
+    table.azimuth_deg = list_attribute(file, "azimuth_deg");
     std::vector<std::pair<double, std::string>> spectral;
-    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-        const double wavelength = wavelength_of(channel.name());
-        if (wavelength > 0) spectral.emplace_back(wavelength, channel.name());
+    for (const std::string& channel : file.channels()) {
+        const double wavelength = wavelength_of(channel);
+        if (wavelength > 0) spectral.emplace_back(wavelength, channel);
     }
     std::sort(spectral.begin(), spectral.end());
-    const auto& window = header.dataWindow();
-    const auto width = static_cast<std::int64_t>(window.max.x) - window.min.x + 1;
-    const auto height = static_cast<std::int64_t>(window.max.y) - window.min.y + 1;
-    if (window.min.x != 0 || window.min.y != 0 ||
-        width != static_cast<std::int64_t>(table.azimuth_deg.size()) ||
+    const std::int64_t width = file.width(), height = file.height();
+    if (!file.begins_at_origin() || width != static_cast<std::int64_t>(table.azimuth_deg.size()) ||
         height != static_cast<std::int64_t>(table.in.size() * table.out.size())) {
         throw InputError("exr: the image does not fit the attributes mu_in, mu_out, azimuth_deg");
     }
@@ -187,19 +151,16 @@ GridTable read_table(std::string_view content) {
         throw InputError(fmt::format("exr: {} x {} x {} values in a file of {} bytes", width,
                                      height, spectral.size(), content.size()));
     }
-    std::vector<float> planes(pixels * spectral.size());
-    Imf::FrameBuffer buffer;
+    std::vector<float> values(pixels * spectral.size());
+    std::vector<ExrPlane<float>> planes;
     for (std::size_t c = 0; c < spectral.size(); ++c) {
         table.wavelength_nm.push_back(spectral[c].first);
-        buffer.insert(spectral[c].second,
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&planes[c * pixels]),
-                                 sizeof(float), sizeof(float) * static_cast<std::size_t>(width)));
+        planes.push_back({spectral[c].second, &values[c * pixels], 1, std::size_t(width)});
     }
-    file.setFrameBuffer(buffer);
-    file.readPixels(window.min.y, window.max.y);
-    table.count = planes.size();
-    table.value = [planes = std::move(planes), factor = brdf_factor(header)](std::size_t i) {
-        return double(planes[i]) / factor;
+    file.read(planes);
+    table.count = values.size();
+    table.value = [values = std::move(values), factor = brdf_factor(file)](std::size_t i) {
+        return double(values[i]) / factor;
     };
     return table;
 }
@@ -209,7 +170,6 @@ Recognised recognise_exr(std::string_view content) {
 }
 
 std::unique_ptr<BrdfFile> read_exr(std::string content) {
-    Imf::Header::setMaxImageSize(1 << 16, 1 << 20);  // of what the library will allocate for
     try {
         return make_grid_file(read_table(content));
     } catch (const InputError&) {

@@ -1,20 +1,12 @@
 // exr: spectral OpenEXR (Fichet, Pacanowski & Wilkie 2021, JCGT 10(3)). docs/formats/exr.md
-#include <ImfChannelList.h>
-#include <ImfDoubleAttribute.h>
-#include <ImfFloatVectorAttribute.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfIO.h>
-#include <ImfOutputFile.h>
-#include <ImfStringAttribute.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "pipeline/formats/table/tabulate.h"
+#include "pipeline/io/exr_file.h"
 
 namespace miebrdf {
 
@@ -22,21 +14,7 @@ FormatReader exr_reader();  // exr_reader.cpp
 
 namespace {
 
-class StreamAdapter : public Imf::OStream {
-  public:
-    explicit StreamAdapter(std::ostream& out) : OStream("spectral BRDF"), out_(out) {}
-    void write(const char bytes[], int count) override {
-        out_.write(bytes, count);
-        if (!out_) throw InputError("exr: cannot write");
-    }
-    uint64_t tellp() override { return static_cast<uint64_t>(out_.tellp()); }
-    void seekp(uint64_t position) override { out_.seekp(static_cast<std::streamoff>(position)); }
-
-  private:
-    std::ostream& out_;
-};
-
-Imf::FloatVector floats(const std::vector<double>& numbers) {
+std::vector<float> floats(const std::vector<double>& numbers) {
     return {numbers.begin(), numbers.end()};
 }
 
@@ -96,28 +74,17 @@ std::vector<float> planes_of(const BrdfSource& source, const RgbWeights& preview
     return planes;
 }
 
-/// The lines of some incidences, `first` of them written already.
-void write_rows(const std::vector<float>& planes, const rte::Directions& part, std::size_t first,
-                const BrdfSource& source, Imf::OutputFile& file) {
-    const std::vector<double>& wavelength_nm = source.wavelength_nm();
-    const std::size_t width = part.azimuth_deg.size(), pixels = size_of(part);
-    const std::size_t before = first * part.mu_out.size() * width;  // pixels of the lines written
-    Imf::FrameBuffer buffer;
-    const auto add = [&](const std::string& name, std::size_t plane) {
-        // OpenEXR counts from the picture's first line; no line before these is looked at.
-        char* const origin = reinterpret_cast<char*>(
-            reinterpret_cast<std::uintptr_t>(&planes[plane * pixels]) - before * sizeof(float));
-        buffer.insert(name, Imf::Slice(Imf::FLOAT, origin, sizeof(float), sizeof(float) * width));
-    };
-    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) add(channel_name(wavelength_nm[w]), w);
-    std::size_t plane = wavelength_nm.size();
-    for (const char* colour : {"R", "G", "B"}) add(colour, plane++);
-    for (const double wavelength : wavelength_nm) {
+/// Every channel, in the order of planes_of.
+std::vector<std::string> channel_names(const BrdfSource& source) {
+    std::vector<std::string> names;
+    for (const double wavelength : source.wavelength_nm())
+        names.push_back(channel_name(wavelength));
+    for (const char* colour : {"R", "G", "B"}) names.emplace_back(colour);
+    for (const double wavelength : source.wavelength_nm()) {
         for (const std::string& element : mueller_elements(source))
-            add(mueller_channel_name(element, wavelength), plane++);
+            names.push_back(mueller_channel_name(element, wavelength));
     }
-    file.setFrameBuffer(buffer);
-    file.writePixels(static_cast<int>(part.mu_in.size() * part.mu_out.size()));
+    return names;
 }
 
 /// One 32-bit float channel T.<wavelength>nm for each wavelength, and R, G, B to look at. All of
@@ -130,41 +97,34 @@ void write_exr(const ExportJob& job, std::ostream& out) {
     const rte::Directions grid = table_directions(job.options);
     const int width = static_cast<int>(grid.azimuth_deg.size());
     const int height = static_cast<int>(grid.mu_in.size() * grid.mu_out.size());
-    Imf::Header header(width, height);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    header.insert("spectralLayoutVersion", Imf::StringAttribute("1.0"));
-    header.insert("mu_in", Imf::FloatVectorAttribute(floats(grid.mu_in)));
-    header.insert("mu_out", Imf::FloatVectorAttribute(floats(grid.mu_out)));
-    header.insert("azimuth_deg", Imf::FloatVectorAttribute(floats(grid.azimuth_deg)));
-    header.insert("brdf_factor", Imf::DoubleAttribute(std::numbers::pi));
+    ExrHeader header{.width = width, .height = height, .channels = channel_names(source)};
+    header.lists = {{"mu_in", floats(grid.mu_in)},
+                    {"mu_out", floats(grid.mu_out)},
+                    {"azimuth_deg", floats(grid.azimuth_deg)}};
+    header.numbers = {{"brdf_factor", std::numbers::pi}};
     auto description = metadata(source, {.format = "exr",
                                          .cosine_included = false,
                                          .azimuth_zero = "mirror side",
                                          .colour = "R, G, B: " + preview.description});
     description["quantity"] = "reflectance factor, pi times the BRDF, in all channels";
     description["units"] = "1 (pi times 1/sr)";
-    header.insert("miebrdf", Imf::StringAttribute(description.dump()));
+    header.texts = {{"spectralLayoutVersion", "1.0"}, {"miebrdf", description.dump()}};
 
-    for (const double wavelength : source.wavelength_nm())
-        header.channels().insert(channel_name(wavelength), Imf::Channel(Imf::FLOAT));
-    for (const char* colour : {"R", "G", "B"})
-        header.channels().insert(colour, Imf::Channel(Imf::FLOAT));
-    for (const double wavelength : source.wavelength_nm()) {
-        for (const std::string& element : mueller_elements(source)) {
-            header.channels().insert(mueller_channel_name(element, wavelength),
-                                     Imf::Channel(Imf::FLOAT));
-        }
-    }
-    StreamAdapter adapter(out);
-    Imf::OutputFile file(adapter, header, 0);  // no threads of its own
+    ExrWriter file(out, header);
     const std::size_t block = incidences_at_a_time(grid);
     for (std::size_t first = 0; first < grid.mu_in.size(); first += block) {
         rte::Directions part = grid;
         part.mu_in.assign(grid.mu_in.begin() + static_cast<std::ptrdiff_t>(first),
                           grid.mu_in.begin() + static_cast<std::ptrdiff_t>(
                                                    std::min(first + block, grid.mu_in.size())));
-        write_rows(planes_of(source, preview, part, job.control), part, first, source, file);
+        const std::vector<float> values = planes_of(source, preview, part, job.control);
+        const std::size_t pixels = size_of(part);
+        std::vector<ExrPlane<const float>> planes;
+        for (const std::string& channel : header.channels)
+            planes.push_back({channel, &values[planes.size() * pixels], 1, std::size_t(width)});
+        file.write_lines(static_cast<int>(part.mu_in.size() * part.mu_out.size()), planes);
     }
+    file.finish();
 }
 
 }  // namespace

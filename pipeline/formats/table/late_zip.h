@@ -1,10 +1,10 @@
-// libzip's functions, loaded when they are called first (pipeline/io/late_library.h). libzip brings
-// OpenSSL for encrypted archives.
+// libzip's functions, loaded when they are called first (materials/libraries/late_library.h).
+// libzip brings OpenSSL for encrypted archives.
 #pragma once
 
 #include <zip.h>
 
-#include "pipeline/io/late_library.h"
+#include "materials/libraries/late_library.h"
 
 namespace miebrdf {
 

@@ -1,11 +1,12 @@
 // libnetcdf's functions, and one of HDF5's below it, loaded when they are called first
-// (pipeline/io/late_library.h). libnetcdf brings 40 libraries, most of them to read over networks.
+// (materials/libraries/late_library.h). libnetcdf brings 40 libraries, most of them to read over
+// networks.
 #pragma once
 
 #include <H5public.h>
 #include <netcdf.h>
 
-#include "pipeline/io/late_library.h"
+#include "materials/libraries/late_library.h"
 
 namespace miebrdf::sweep {
 

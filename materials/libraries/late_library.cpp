@@ -1,4 +1,4 @@
-#include "pipeline/io/late_library.h"
+#include "materials/libraries/late_library.h"
 
 #include <dlfcn.h>
 
