@@ -9,7 +9,7 @@
 
 namespace miebrdf::mie {
 
-std::vector<RayGroup> ray_groups(double index, bool exact) {
+std::vector<RayGroup> ray_groups(double index, bool has_ends, bool exact) {
     // The even rule of n + 1 sizes has n: the one at the end has no weight. Below n = 2 the rays of
     // two ways have a rainbow.
     const RayGroup two_ways =
@@ -18,11 +18,14 @@ std::vector<RayGroup> ray_groups(double index, bool exact) {
         return {{0, 0, {33, 41}, false}, {1, 1, {17, 25}, false},  two_ways,
                 {3, 4, {33, 41}, false}, {5, 16, {17, 25}, false}, {17, 0, {17, 25}, false}};
     }
+    // Of laws without ends, whose range is wide, eight sizes of both families miss the same 1e-3 to
+    // 7e-2 of what is left behind a damped way (16: 5e-5).
+    const int smooth = has_ends ? 8 : 16;
     return {{0, 0, {33, 41}, false},
-            {1, 1, {8, 8}, true},
+            {1, 1, {smooth, smooth}, true},
             two_ways,
             {3, 4, {33, 41}, false},
-            {5, 0, {8, 8}, true, 6}};
+            {5, 0, {smooth, smooth}, true, 6}};
 }
 
 RayWindow::RayWindow(double index, double smallest_x, double largest_x)
@@ -49,7 +52,7 @@ WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribut
             ? smooth_size_nodes(distribution, range, count << level,
                                 family == 0 ? SmoothRule::gauss : SmoothRule::fejer)
             : nested_size_nodes(distribution, range, count, level, SizeSpacing::geometric);
-    if (window == nullptr) {
+    if (window == nullptr && !group.is_smooth) {
         const double sampled =
             std::accumulate(nodes.area_share.begin(), nodes.area_share.end(), 0.0);
         const double exact = area_share_within(distribution, range);

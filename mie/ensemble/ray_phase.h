@@ -33,9 +33,11 @@ struct RayGroup {
 /// phases phi, which leaves the products of rays `phases` ways apart; the phases of the next size
 /// are shifted, so that these average out, too. Counts: half a per cent of max(P, 1/2), rms over
 /// the angles, for each group (docs/internals/mie-log.md).
-/// @param exact  far rays in closed form, and no rules for smooth integrands: sizes may be weighted
-///               by a RayWindow
-std::vector<RayGroup> ray_groups(double index, bool exact = false);
+/// @param has_ends  whether the law of sizes ends sharply
+/// @param exact     far rays in closed form, and no rules for smooth integrands: sizes may be
+/// weighted
+///                  by a RayWindow
+std::vector<RayGroup> ray_groups(double index, bool has_ends, bool exact = false);
 
 /// A weight of sizes that falls from 1 to 0 at both ends of a range, with its first three
 /// derivatives: the product of two rays whose phases differ by 2 (n - 1) x or more averages out to
@@ -52,8 +54,8 @@ class RayWindow {
 };
 
 /// Sizes of one family of a group at a level (SizeFamilies).
-/// @param window  null: none; few sizes miss some of the area at the ends, which all then make up
-///                for, since what a ray scatters goes with the area
+/// @param window  null: none; few sizes (but for smooth rules) miss some of the area at the ends,
+///                which all then make up for, since what a ray scatters goes with the area
 WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
                         const RadiusRange& range, double wave_number_per_um, int family, int level,
                         const RayWindow* window);

@@ -115,7 +115,8 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     while (together << (last_level_ + 1) <= most) ++last_level_;
     if (method == Method::sizes) return;
     last_level_ = kLastRayLevel;
-    groups_ = ray_groups(relative_index.real(), method == Method::exact_rays);
+    groups_ = ray_groups(relative_index.real(), distribution.kind.law().has_ends,
+                         method == Method::exact_rays);
     if (method == Method::exact_rays && distribution.kind.law().has_ends) {
         window_.emplace(relative_index.real(), wave_number_per_um * range.smallest_um,
                         wave_number_per_um * range.largest_um);

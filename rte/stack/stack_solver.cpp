@@ -121,7 +121,8 @@ StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count)
     if (scattering.empty()) scattering.push_back(stack.ground_index);
     constexpr int least_rough = 4;
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
-    refraction_.emplace(scattering, is_rough ? std::max(count, least_rough) : count);
+    if (is_rough) count_ = std::max(count, least_rough);
+    refraction_.emplace(scattering, count_);
     scattering_ = scattering;
     scattering.push_back(1.0);
     std::sort(scattering.begin(), scattering.end());
