@@ -96,11 +96,13 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
 }
 
 // Panels that share the next level of sizes: halves wait until all of their generation are there,
-// because the spheres are computed anew for each call.
+// because waves that are not kept are computed anew for each call.
 std::vector<PhasePanel> PhaseTabulation::take_next() {
-    // Forward other parts of P are noisy than backward.
-    const auto order = [](const PhasePanel& panel) {
-        const bool backward = panel.level() >= 0 && panel.lower() > 0.499 * std::numbers::pi;
+    // By rays, forward other parts of P are noisy than backward; one of the edges is 90 degrees.
+    constexpr double backward_from = 0.499 * std::numbers::pi;
+    const auto order = [&](const PhasePanel& panel) {
+        const bool backward =
+            options_.by_rays && panel.level() >= 0 && panel.lower() > backward_from;
         return std::tuple(panel.generation(), panel.level(), backward);
     };
     auto first = order(active_.front());

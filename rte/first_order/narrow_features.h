@@ -35,7 +35,6 @@ class NarrowStrengths {
     Eigen::VectorXd of_unresolved(double q) const;
 
   private:
-    /// Of degrees from first_ on; `kept` ones are known to the discrete equations.
     /// Of degrees from first_ on.
     struct Medium {
         double scaled_optical_depth = 0.0;

@@ -48,6 +48,7 @@ constexpr int kMostSweeps = 40;
 // What is left to go has the same sign in many orders.
 constexpr double kShareOfEach = 0.3;
 
+static_assert(EIGEN_MAX_ALIGN_BYTES >= sizeof(FourDoubles), "vectors of Eigen's hold registers");
 FourDoubles* four(double* matrix) { return reinterpret_cast<FourDoubles*>(matrix); }
 const FourDoubles* four(const double* matrix) {
     return reinterpret_cast<const FourDoubles*>(matrix);
