@@ -167,8 +167,8 @@ TEST_CASE("colours of a table are the weighted sums of its wavelengths", "[pipel
         for (std::size_t c = 0; c < 3; ++c) {
             double expected = 0.0;
             for (std::size_t w = 0; w < 3; ++w) expected += weights[w][c] * spectrum[w];
-            // Smooth parts are mixed, and rounded to single precision, before they are summed: sixteen
-            // roundings of 6e-8.
+            // Smooth parts are mixed, and rounded to single precision, before they are summed:
+            // sixteen roundings of 6e-8.
             CHECK(mixed[c] == Approx(expected).epsilon(1e-6));
         }
     }
