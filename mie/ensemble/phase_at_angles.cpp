@@ -293,6 +293,7 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
         single = phase_on_panels(relative_index, distribution, range, wave_number_per_um, options,
                                  angles_deg, allowed, run, result);
     std::vector<SingleAngle> angles;
+    angles.reserve(single.size());
     for (const std::size_t i : single) angles.push_back({i, angles_deg[i]});
     const auto compute = [&](const PhaseTabulationOptions& by, std::vector<SingleAngle> some) {
         AngleSeries series(relative_index, distribution, range, wave_number_per_um, by, allowed,

@@ -228,14 +228,16 @@ std::vector<std::size_t> phase_on_panels(std::complex<double> relative_index,
         const bool rays = options.by_rays && bias <= kBiasShare * strictest;
         (rays ? by_rays : by_sizes).push_back(std::move(place));
     }
-    PhaseTabulationOptions own = options;
-    for (const bool rays : {true, false}) {
-        own.by_rays = rays;
-        if (!rays) own.ray_bias = {};
-        PanelSeries series(relative_index, distribution, range, wave_number_per_um, own, allowed,
+    const auto compute = [&](const PhaseTabulationOptions& by, std::vector<Place> some) {
+        PanelSeries series(relative_index, distribution, range, wave_number_per_um, by, allowed,
                            result);
-        series.compute(std::move(rays ? by_rays : by_sizes), run);
-    }
+        series.compute(std::move(some), run);
+    };
+    compute(options, std::move(by_rays));
+    PhaseTabulationOptions sizes_alone = options;
+    sizes_alone.by_rays = false;
+    sizes_alone.ray_bias = {};
+    compute(sizes_alone, std::move(by_sizes));
     return left;
 }
 

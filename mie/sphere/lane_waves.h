@@ -133,7 +133,7 @@ class AbsorptionSource {
         const ComplexLanes& P = inside.here();
         const ComplexLanes& Q = inside.before();
         if (!summed_) return Q.im * P.re - Q.re * P.im;
-        const Lanes T = T_;
+        Lanes T = T_;
         T_ += (2 * order + 1) * norm(P) * slope_;
         return T;
     }
