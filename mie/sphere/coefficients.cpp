@@ -6,6 +6,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
+#include "mie/sphere/faint_absorption.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -121,7 +122,10 @@ Coefficients coefficients_of(Number m, double x) {
 Coefficients mie_coefficients(Complex relative_index, double size_parameter) {
     validate(relative_index, size_parameter);
     if (relative_index.imag() == 0) return coefficients_of(relative_index.real(), size_parameter);
-    return coefficients_of(relative_index, size_parameter);
+    const FaintAbsorption faint(relative_index);
+    Coefficients c = coefficients_of(faint.index, size_parameter);
+    for (double& absorbed : c.absorbed) absorbed *= faint.share;
+    return c;
 }
 
 }  // namespace miebrdf::mie

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <miebrdf/error.h>
+#include "mie/sphere/faint_absorption.h"
 #include "mie/sphere/lane_waves.h"
 #include "mie/sphere/order_sums.h"
 #include "mie/sphere/radial_functions.h"
@@ -151,12 +152,13 @@ double estimated_accuracy(Complex m, double x) {
 }  // namespace
 
 SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
-    const OrderSums sums = sums_of(relative_index, size_parameter);
+    const FaintAbsorption faint(relative_index);
+    const OrderSums sums = sums_of(faint.index, size_parameter);
     // Divided one factor at a time: x^2 alone may underflow.
     const double x = size_parameter;
     SphereOptics optics;
     optics.q_sca = 2 * sums.scattered / x / x;
-    optics.q_abs = 2 * sums.absorbed / x / x;
+    optics.q_abs = 2 * sums.absorbed / x / x * faint.share;
     optics.q_ext = optics.q_sca + optics.q_abs;
     optics.q_back = std::norm(sums.back / x);
     optics.asymmetry = sums.scattered > 0 ? 2 * sums.asymmetric / sums.scattered : 0;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include <miebrdf/sphere.h>
+#include "mie/sphere/faint_absorption.h"
 #include "mie/sphere/lane_waves.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -215,6 +216,7 @@ SphereSums compute_spheres(std::complex<double> relative_index,
                            std::span<const double> size_parameters, std::span<const double> weights,
                            SphereBlockOf<Scalar>* block) {
     const int count = static_cast<int>(size_parameters.size());
+    const FaintAbsorption faint(relative_index);
     SphereSums total;
     if (block) {
         block->make_room(number_of_terms(size_parameters[count - 1]),
@@ -230,11 +232,12 @@ SphereSums compute_spheres(std::complex<double> relative_index,
         const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
         if (block && x[0] >= 2)
             block->orders[first / kLaneCount].last = number_of_terms(x[kLaneCount - 1]);
-        const LaneSums sums = compute_eight(relative_index, x, columns);
+        const LaneSums sums = compute_eight(faint.index, x, columns);
         total.scattered += (weight * sums.scattered).sum();
         total.absorbed += (weight * sums.absorbed).sum();
         total.asymmetric += (weight * sums.asymmetric).sum();
     }
+    total.absorbed *= faint.share;
     return total;
 }
 

@@ -1,7 +1,10 @@
 #include <miebrdf/sphere.h>
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
+#include "mie/sphere/sphere_block.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
 
@@ -127,6 +130,26 @@ TEST_CASE("absorption is the difference of extinction and scattering, but withou
         const double strong = mie::scatter_by_sphere({1.5, 1e-11}, 3).q_abs;
         const double weak = mie::scatter_by_sphere({1.5, 1e-14}, 3).q_abs;
         CHECK(relative(strong, 1000 * weak) <= 1e-9);
+    }
+    SECTION("and on down to the smallest number") {
+        // Near it terms of sums have no digits: k = 1e-320 absorbed less than nothing.
+        const double n = GENERATE(0.05, 0.9, 1.02, 1.5, 2.5);
+        const double x = GENERATE(0.4, 3.0, 10.0, 200.0, 3000.0);
+        const double known = mie::scatter_by_sphere({n, 1e-150}, x).q_abs / 1e-150;
+        CAPTURE(n, x);
+        const double smallest = std::numeric_limits<double>::denorm_min();
+        for (const double k : {1e-200, 1e-308, 1e-320, smallest}) {
+            const double absorbed = k * known;
+            const double rounding = 1e-13 * absorbed + smallest;
+            CAPTURE(k);
+            const double q_abs = mie::scatter_by_sphere({n, k}, x).q_abs;
+            CHECK(q_abs >= 0);
+            CHECK(std::abs(q_abs - absorbed) <= rounding);
+            const std::vector<double> sizes = {x}, weights = {2 / x / x};
+            const auto sums = mie::compute_spheres({n, k}, sizes, weights, nullptr);
+            CHECK(sums.absorbed >= 0);
+            CHECK(std::abs(sums.absorbed - absorbed) <= rounding + 1e-11 * absorbed);
+        }
     }
     SECTION("strong absorption equals the difference") {
         const auto sphere = mie::scatter_by_sphere({1.5, 0.5}, 20);
