@@ -133,8 +133,10 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
         part_noise_.assign(parts_.size(), 0.0);
     }
     const double doubt = sizes.rippled() && level_ > 0 ? kSlowestGain : 0.0;
+    const bool by_rays = parts_.size() > 1;
+    // By rays P is relative to the efficiency itself.
     double missed = 0;
-    if (scattering_efficiency > 0) {
+    if (!by_rays && scattering_efficiency > 0) {
         const double sampled = whole_[0] + whole_[1];
         missed = std::abs(sampled / scattering_efficiency - 1);
     }
@@ -149,7 +151,6 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
         (options.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(P.cwiseMax(floor)))
             .array() +
         options.ray_bias.everywhere;
-    const bool by_rays = parts_.size() > 1;
     // They are independent of each other, but glories have more of both than families tell.
     const auto together = [this](double of_sizes, double of_rays) {
         return is_backward() ? of_sizes + of_rays : std::hypot(of_sizes, of_rays);
@@ -160,8 +161,7 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
     worst_noise_ =
         together(std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()}),
                  bias.maxCoeff());
-    // What parts on coarser levels miss, more sizes of the noisy ones do not mend.
-    rms_ = by_rays ? rms : std::max(rms, missed * largest);
+    rms_ = std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
     tail_ = last_two(P) / largest;
