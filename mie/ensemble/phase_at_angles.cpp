@@ -106,7 +106,7 @@ struct SingleAngle {
         }
         differs *= kFewNodes;
         double missed = 0;
-        if (scattering_efficiency > 0)
+        if (!by_rays && scattering_efficiency > 0)
             missed = std::abs(scattered() / scattering_efficiency - 1) * value();
         noise = std::max({differs, doubt * differed, missed});
         differed = differs;
@@ -177,13 +177,8 @@ class AngleSeries {
             std::vector<SingleAngle> left;
             for (std::size_t a = 0; a < active.size(); ++a) {
                 SingleAngle& angle = active[a];
-                std::vector<FamilyIntensity> own(all.size());
-                for (std::size_t i = 0; i < all.size(); ++i) {
-                    if (all[i].intensity.size() == 0) continue;
-                    own[i] = {all[i].intensity.middleRows(Eigen::Index(a) * kNodes, kNodes),
-                              {all[i].scattered[0], all[i].scattered[1]}};
-                }
-                angle.add_level(level, own, sizes_, options_.scattering_efficiency);
+                angle.add_level(level, at_some_angles(all, Eigen::Index(a) * kNodes, kNodes),
+                                sizes_, options_.scattering_efficiency);
                 switch (judge(angle, level)) {
                     case Verdict::more:
                         left.push_back(std::move(angle));

@@ -108,14 +108,9 @@ class PanelSeries {
             sizes_.levels(levels, AngularFunctionsOf<float>(angles_deg, terms_, run), run);
         Eigen::Index first = 0;
         for (Place& place : places) {
-            std::vector<FamilyIntensity> own(sums.size());
-            for (std::size_t i = 0; i < sums.size(); ++i) {
-                if (sums[i].intensity.size() == 0) continue;
-                own[i] = {sums[i].intensity.middleRows(first, PhaseTable::kPanelNodes),
-                          {sums[i].scattered[0], sums[i].scattered[1]}};
-            }
+            place.panel.add_level(at_some_angles(sums, first, PhaseTable::kPanelNodes), sizes_,
+                                  options_);
             first += PhaseTable::kPanelNodes;
-            place.panel.add_level(own, sizes_, options_);
             place.coefficients = panel_coefficients(place.panel.values());
             sort_in(std::move(place), double(angles_deg.size()));
         }

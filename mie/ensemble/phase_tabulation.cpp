@@ -138,13 +138,8 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
     const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
     const std::vector<FamilyIntensity> sums = sizes_.levels(levels, angular, run_);
     for (std::size_t p = 0; p < panels.size(); ++p) {
-        std::vector<FamilyIntensity> of_panel(sums.size());
-        for (std::size_t i = 0; i < sums.size(); ++i) {
-            if (sums[i].intensity.size() == 0) continue;
-            of_panel[i] = {sums[i].intensity.middleRows(first[p], PhaseTable::kPanelNodes),
-                           {sums[i].scattered[0], sums[i].scattered[1]}};
-        }
-        panels[p].add_level(of_panel, sizes_, options_);
+        panels[p].add_level(at_some_angles(sums, first[p], PhaseTable::kPanelNodes), sizes_,
+                            options_);
     }
     const std::vector<double> noise = noise_around(ascending(panels));
     for (std::size_t p = 0; p < panels.size(); ++p) {

@@ -85,6 +85,17 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
 
 }  // namespace
 
+std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& parts,
+                                            Eigen::Index first, Eigen::Index count) {
+    std::vector<FamilyIntensity> some(parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (parts[i].intensity.size() == 0) continue;
+        some[i] = {parts[i].intensity.middleRows(first, count),
+                   {parts[i].scattered[0], parts[i].scattered[1]}};
+    }
+    return some;
+}
+
 SizeFamilies::SizeFamilies(std::complex<double> relative_index,
                            const SizeDistribution& distribution, const RadiusRange& range,
                            double wave_number_per_um, double size_tolerance, Method method)

@@ -20,6 +20,10 @@ struct FamilyIntensity {
     double scattered[2] = {0, 0};
 };
 
+/// Of sums over parts at many angles (an empty intensity: not that part) those at `count` of them.
+std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& parts,
+                                            Eigen::Index first, Eigen::Index count);
+
 /// Waves of one block of sizes, once they are computed.
 struct KeptWaves {
     SphereBlockOf<float> block = {};
