@@ -9,8 +9,8 @@
 
 #include "pipeline/scene/scene_parts.h"
 #include "rte/stack/layered_reflection.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/catch.h"
-#include "tools/bench/allocation_count.h"
 
 using namespace miebrdf;
 
@@ -112,7 +112,7 @@ TEST_CASE("a batch names the value that is out of range", "[pipeline][layers]") 
 }
 
 TEST_CASE("layers after the first allocate nothing", "[pipeline][layers]") {
-    if (!bench::kCountsAllocations) {
+    if (!support::kCountsAllocations) {
         WARN("skipped: allocations are not counted here");
         return;
     }
@@ -128,9 +128,9 @@ TEST_CASE("layers after the first allocate nothing", "[pipeline][layers]") {
             const bool is_half_space = kind == "half-spaces" || (kind == "both" && i % 3 == 0);
             depth.push_back(is_half_space ? kInfinite : 0.1 * double(1 + i % 32));
         }
-        const long before = bench::allocation_count();
+        const long before = support::allocation_count();
         layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
-        return bench::allocation_count() - before;
+        return support::allocation_count() - before;
     };
     CAPTURE(kind, index[0]);
     allocations_of(1);  // what a process needs once

@@ -13,7 +13,7 @@
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
-#include "tools/bench/allocation_count.h"
+#include "tests/support/allocation_count.h"
 
 using namespace miebrdf;
 
@@ -208,9 +208,10 @@ void orders_of_a_stack(benchmark::State& state) {
     solver.solve(0, rte::ReflectorParts::pairs);
     double count = NAN;
     for (auto _ : state) {
-        const long before = bench::allocation_count();
+        const long before = support::allocation_count();
         for (int m = 1; m <= highest; ++m) solver.solve(m, rte::ReflectorParts::pairs);
-        if (bench::kCountsAllocations) count = double(bench::allocation_count() - before) / highest;
+        if (support::kCountsAllocations)
+            count = double(support::allocation_count() - before) / highest;
     }
     report(state, highest, NAN, NAN);
     state.counters["allocations"] = count;
@@ -232,10 +233,10 @@ void layers_of_a_batch(benchmark::State& state) {
     long count = 0;
     double converged = 0.0;
     for (auto _ : state) {
-        const long before = bench::allocation_count();
+        const long before = support::allocation_count();
         const auto all =
             layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
-        count += bench::allocation_count() - before;
+        count += support::allocation_count() - before;
         converged = double(std::count(all.converged.begin(), all.converged.end(), 1));
     }
     const auto layers = double(albedo.size());
@@ -243,7 +244,7 @@ void layers_of_a_batch(benchmark::State& state) {
         benchmark::Counter(layers * double(state.iterations()), benchmark::Counter::kIsRate);
     state.counters["converged"] = converged / layers;
     state.counters["allocations"] =
-        bench::kCountsAllocations ? double(count) / double(state.iterations()) / layers : NAN;
+        support::kCountsAllocations ? double(count) / double(state.iterations()) / layers : NAN;
 }
 BENCHMARK(layers_of_a_batch)->Unit(benchmark::kMillisecond)->DenseRange(0, 2);
 

@@ -10,7 +10,7 @@
 
 #include <atomic>
 
-namespace miebrdf::bench {
+namespace miebrdf::support {
 
 inline constexpr bool kCountsAllocations = true;
 inline std::atomic<long> allocations_so_far{0};
@@ -18,7 +18,7 @@ inline long allocation_count() { return allocations_so_far; }
 
 inline void count_allocation() { allocations_so_far.fetch_add(1, std::memory_order_relaxed); }
 
-}  // namespace miebrdf::bench
+}  // namespace miebrdf::support
 
 extern "C" {
 void* __libc_malloc(std::size_t size);
@@ -27,30 +27,30 @@ void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
-    miebrdf::bench::count_allocation();
+    miebrdf::support::count_allocation();
     return __libc_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) {
-    miebrdf::bench::count_allocation();
+    miebrdf::support::count_allocation();
     return __libc_calloc(count, size);
 }
 void* realloc(void* memory, std::size_t size) {
-    miebrdf::bench::count_allocation();
+    miebrdf::support::count_allocation();
     return __libc_realloc(memory, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-    miebrdf::bench::count_allocation();
+    miebrdf::support::count_allocation();
     return __libc_memalign(alignment, size);
 }
 }
 
 #else
 
-namespace miebrdf::bench {
+namespace miebrdf::support {
 
 inline constexpr bool kCountsAllocations = false;
 inline long allocation_count() { return 0; }
 
-}  // namespace miebrdf::bench
+}  // namespace miebrdf::support
 
 #endif
