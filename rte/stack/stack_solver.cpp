@@ -248,17 +248,17 @@ const Reflector* StackSolver::solve_side_by_side(int fourier_order, const Eigen:
                          !stack_.refracts() &&
                          options_.half_space_method == HalfSpaceMethod::automatic;
     if (!is_bare) return nullptr;
-    FourHalfSpaces& four = memory_.side_by_side;
+    OrdersSideBySide& four = memory_.side_by_side;
     const RequestedDirections& requested = memory_.requested.front();
     if (fourier_order == 0 && only_fourier_order_zero(requested)) return nullptr;
     if (four.multiple(fourier_order) == nullptr) {
         const ScaledOptics& scaled = stack_.media.front().scaled;
-        const FourProblem problem{.strengths = strengths_,
-                                  .one_minus_albedo = scaled.one_minus_albedo,
-                                  .brightness = memory_.brightness.front(),
-                                  .grid = grids_.top(),
-                                  .requested = requested,
-                                  .tolerance = tolerance_};
+        const ProblemSideBySide problem{.strengths = strengths_,
+                                        .one_minus_albedo = scaled.one_minus_albedo,
+                                        .brightness = memory_.brightness.front(),
+                                        .grid = grids_.top(),
+                                        .requested = requested,
+                                        .tolerance = tolerance_};
         if (strengths_.size() == 0) {
             strengths_.setZero(stack_.moments);
             const Eigen::Index count = std::min(strengths_.size(), scaled.chi.size());

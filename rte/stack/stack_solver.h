@@ -15,7 +15,7 @@
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
-#include "rte/half_space/four_half_spaces.h"
+#include "rte/half_space/orders_side_by_side.h"
 #include "rte/layer/layer.h"
 #include "rte/phase/scaled_medium.h"
 
@@ -111,7 +111,7 @@ struct StackMemory {
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
-    FourHalfSpaces side_by_side = {};
+    OrdersSideBySide side_by_side = {};
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 

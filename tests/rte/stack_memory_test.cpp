@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
@@ -21,5 +23,52 @@ TEST_CASE("stacks solved one after the other in the same memory give the same bi
                       rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
             }
         }
+    }
+}
+
+TEST_CASE("different stacks in the same memory are what they are in fresh memories",
+          "[rte][memory]") {
+    const auto base = rte::henyey_greenstein_optics(0.97, 0.6);
+    const std::vector<rte::Coat> coat = {{rte::henyey_greenstein_optics(0.8, 0.3), 0.4, 1.5}};
+    const std::vector<rte::Coat> coats = {{rte::henyey_greenstein_optics(0.9, -0.2), 2.0, 1.5},
+                                          {rte::isotropic_optics(0.5), 0.1, 1.3}};
+    const std::vector<rte::Stack> stacks = {
+        {.base = base},
+        {.base = base, .coats = {{rte::henyey_greenstein_optics(0.8, 0.3), 0.4}}},
+        {.base = base, .base_index = 1.5, .boundary = rte::Boundary{}},
+        {.base = base, .coats = coat, .base_index = 1.5, .boundary = rte::Boundary{}},
+        {.base = base, .coats = coats, .base_index = 1.5, .boundary = rte::Boundary{}},
+        {.base = base, .base_index = 1.5, .boundary = rte::Boundary{.roughness = 0.3}},
+        {.base = base,
+         .coats = coat,
+         .base_index = 1.5,
+         .boundary = rte::Boundary{.roughness = 0.3}},
+        {.coats = coat,
+         .base_kind = rte::BaseKind::lambertian,
+         .ground_albedo = 0.4,
+         .base_index = 1.5,
+         .boundary = rte::Boundary{}},
+    };
+    const rte::Directions directions{{0.2, 1.0}, {0.1, 0.7}, {0.0, 70.0, 180.0}};
+    const rte::SolverOptions options{.tolerance = 1e-3, .streams = 12};
+    rte::SolutionMemory memory;
+    std::size_t at = 0;
+    for (int k = 0; k < 24; ++k) {
+        // Each after several others.
+        at = (at + 3 + std::size_t(k / 8)) % stacks.size();
+        const rte::Stack& stack = stacks[at];
+        CAPTURE(k, at);
+        const auto kept = rte::reflect(stack, directions, options, &memory).reflection;
+        const auto fresh = rte::reflect(stack, directions, options).reflection;
+        if (stack.boundary && stack.boundary->is_rough()) {
+            // Fresh memories differ by so much from one another.
+            REQUIRE(kept.size() == fresh.size());
+            for (std::size_t v = 0; v < kept.size(); ++v)
+                CHECK(std::abs(kept[v] - fresh[v]) <= 1e-14 * fresh[v]);
+        } else {
+            CHECK(kept == fresh);
+        }
+        CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo ==
+              rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
     }
 }

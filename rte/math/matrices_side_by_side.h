@@ -1,38 +1,59 @@
-// Small matrices side by side: element (i, j) of four of them in one register. What keeps a product
-// of 12 x 12 from the processor's peak (tails of rows, copies into the order that loops want) is
-// then gone. Only where registers hold four doubles.
+// Small matrices side by side: element (i, j) of four or eight of them in one register. What keeps
+// a product of 12 x 12 from the processor's peak (tails of rows, copies into the order that loops
+// want) is then gone. Only where the compiler is told of registers that hold four or eight doubles.
 #pragma once
 
 #if defined(__AVX__)
 #define MIEBRDF_HAS_FOUR_DOUBLES
+#endif
+#if defined(__AVX512F__)
+#define MIEBRDF_HAS_EIGHT_DOUBLES
+#endif
+
+#ifdef MIEBRDF_HAS_FOUR_DOUBLES
 
 namespace miebrdf::math {
 
 typedef double FourDoubles __attribute__((vector_size(32)));
+#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
+typedef double EightDoubles __attribute__((vector_size(64)));
+#endif
 
-inline FourDoubles absolute(FourDoubles x) { return x < 0.0 ? -x : x; }
-inline FourDoubles larger(FourDoubles x, FourDoubles y) { return x > y ? x : y; }
+/// How many matrices go side by side.
+template <typename Doubles>
+inline constexpr int kLanes = int(sizeof(Doubles) / sizeof(double));
 
-/// A matrix stored by columns: element (i, j) at data[i + j * stride].
-struct FourColumns {
-    const FourDoubles* data;
+template <typename Doubles>
+inline Doubles absolute(Doubles x) {
+    return x < 0.0 ? -x : x;
+}
+template <typename Doubles>
+inline Doubles larger(Doubles x, Doubles y) {
+    return x > y ? x : y;
+}
+
+/// Matrices stored by columns: elements (i, j) at data[i + j * stride].
+template <typename Doubles>
+struct Columns {
+    const Doubles* data;
     int stride;
 };
 
-/// A matrix stored in any order: element (i, j) at data[i * down + j * right].
-struct FourMatrix {
-    const FourDoubles* data;
+/// Matrices stored in any order: elements (i, j) at data[i * down + j * right].
+template <typename Doubles>
+struct Strided {
+    const Doubles* data;
     int down, right;
 };
 
 /// A tile of `rows` x `columns` of target = A B or target += A B, in registers.
-template <int rows, int columns, bool add>
-inline void set_tile(const FourColumns& A, const FourMatrix& B, int inner, FourDoubles* target,
-                     int stride) {
-    FourDoubles sum[rows][columns];
+template <int rows, int columns, bool add, typename Doubles>
+inline void set_tile(const Columns<Doubles>& A, const Strided<Doubles>& B, int inner,
+                     Doubles* target, int stride) {
+    Doubles sum[rows][columns];
     for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < columns; ++j) sum[i][j] = add ? target[i + j * stride] : FourDoubles{};
-    const FourDoubles *a = A.data, *b = B.data;
+        for (int j = 0; j < columns; ++j) sum[i][j] = add ? target[i + j * stride] : Doubles{};
+    const Doubles *a = A.data, *b = B.data;
     for (int k = 0; k < inner; ++k, a += A.stride, b += B.down)
         for (int j = 0; j < columns; ++j)
             for (int i = 0; i < rows; ++i) sum[i][j] += a[i] * b[j * B.right];
@@ -40,9 +61,9 @@ inline void set_tile(const FourColumns& A, const FourMatrix& B, int inner, FourD
         for (int j = 0; j < columns; ++j) target[i + j * stride] = sum[i][j];
 }
 
-template <int columns, bool add>
-inline void set_tiles(FourColumns A, const FourMatrix& B, int inner, FourDoubles* target, int rows,
-                      int stride) {
+template <int columns, bool add, typename Doubles>
+inline void set_tiles(Columns<Doubles> A, const Strided<Doubles>& B, int inner, Doubles* target,
+                      int rows, int stride) {
     for (; rows >= 4; rows -= 4, A.data += 4, target += 4)
         set_tile<4, columns, add>(A, B, inner, target, stride);
     if (rows == 3) set_tile<3, columns, add>(A, B, inner, target, stride);
@@ -56,8 +77,8 @@ enum class Part { all, lower };
 /// target = A B or target += A B, A being rows x inner and B inner x columns. The target is stored
 /// by columns, element (i, j) at target[i + j * stride], and overlaps neither. Of `Part::lower`
 /// some above the diagonal are set, too.
-template <bool add, Part part = Part::all>
-void multiply_four(FourColumns A, FourMatrix B, FourDoubles* target, int rows, int inner,
+template <bool add, Part part = Part::all, typename Doubles>
+void multiply_each(Columns<Doubles> A, Strided<Doubles> B, Doubles* target, int rows, int inner,
                    int columns, int stride) {
     for (; columns >= 4; columns -= 4, B.data += 4 * B.right, target += 4 * stride) {
         set_tiles<4, add>(A, B, inner, target, rows, stride);
@@ -71,12 +92,13 @@ void multiply_four(FourColumns A, FourMatrix B, FourDoubles* target, int rows, i
     if (columns == 1) set_tiles<1, add>(A, B, inner, target, rows, stride);
 }
 
-/// The inverse of a symmetric positive definite matrix, in place: n x n, both triangles. Each step
-/// eliminates two rows (the last of an odd number one) from two columns at a time, so that an
-/// element is read and written n / 2 times.
+/// The inverses of symmetric positive definite matrices, in place: n x n, of which the lower
+/// triangle is read; of Part::lower only that is set. Each step eliminates two rows (the last of an
+/// odd number one) from two columns at a time, so that an element is read and written n / 2 times.
 /// @param columns  memory for 2 n
-inline void invert_four(FourDoubles* A, int n, FourDoubles* columns) {
-    FourDoubles *c = columns, *d = columns + n;
+template <Part part = Part::all, typename Doubles>
+void invert_each(Doubles* A, int n, Doubles* columns) {
+    Doubles *c = columns, *d = columns + n;
     int k = 0;
     for (; k + 2 <= n; k += 2) {
         for (int i = 0; i < k; ++i) {
@@ -87,15 +109,15 @@ inline void invert_four(FourDoubles* A, int n, FourDoubles* columns) {
             c[i] = A[i + k * n];
             d[i] = A[i + (k + 1) * n];
         }
-        const FourDoubles above = c[k], side = c[k + 1], below = d[k + 1];
-        const FourDoubles over = 1.0 / (above * below - side * side);
-        const FourDoubles p = below * over, q = -side * over, r = above * over;
-        c[k] = d[k] = c[k + 1] = d[k + 1] = FourDoubles{};
+        const Doubles above = c[k], side = c[k + 1], below = d[k + 1];
+        const Doubles over = 1.0 / (above * below - side * side);
+        const Doubles p = below * over, q = -side * over, r = above * over;
+        c[k] = d[k] = c[k + 1] = d[k + 1] = Doubles{};
         int j = 0;
         for (; j + 2 <= n; j += 2) {
-            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
-            const FourDoubles g = c[j + 1] * p + d[j + 1] * q, h = c[j + 1] * q + d[j + 1] * r;
-            FourDoubles *column = A + j * n, *next = column + n;
+            const Doubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            const Doubles g = c[j + 1] * p + d[j + 1] * q, h = c[j + 1] * q + d[j + 1] * r;
+            Doubles *column = A + j * n, *next = column + n;
             for (int i = j; i < n; ++i) {
                 column[i] -= c[i] * e + d[i] * f;
                 next[i] -= c[i] * g + d[i] * h;
@@ -113,7 +135,7 @@ inline void invert_four(FourDoubles* A, int n, FourDoubles* columns) {
             }
         }
         if (j < n) {  // the last of an odd number, which comes after k
-            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            const Doubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
             A[j + j * n] -= c[j] * e + d[j] * f;
             A[j + k * n] = e;
             A[j + (k + 1) * n] = f;
@@ -124,36 +146,41 @@ inline void invert_four(FourDoubles* A, int n, FourDoubles* columns) {
     }
     if (k < n) {
         for (int i = 0; i < k; ++i) c[i] = A[k + i * n];
-        const FourDoubles over = 1.0 / A[k + k * n];
+        const Doubles over = 1.0 / A[k + k * n];
         for (int j = 0; j < k; ++j) {
-            const FourDoubles e = c[j] * over;
+            const Doubles e = c[j] * over;
             for (int i = j; i < k; ++i) A[i + j * n] -= c[i] * e;
             A[k + j * n] = e;
         }
         A[k + k * n] = -over;
     }
-    for (int j = 0; j < n; ++j)
-        for (int i = j; i < n; ++i) A[i + j * n] = A[j + i * n] = -A[i + j * n];
+    for (int j = 0; j < n; ++j) {
+        for (int i = j; i < n; ++i) {
+            A[i + j * n] = -A[i + j * n];
+            if (part == Part::all) A[j + i * n] = A[i + j * n];
+        }
+    }
 }
 
-/// Solves S y = y for a symmetric positive definite S by eliminating two rows at a time; both are
+/// Solves S y = y for symmetric positive definite S by eliminating two rows at a time; both are
 /// overwritten.
 /// @param S  n x n, of which the lower triangle is read
-inline void solve_four(FourDoubles* S, FourDoubles* y, int n) {
+template <typename Doubles>
+void solve_each(Doubles* S, Doubles* y, int n) {
     int k = 0;
     for (; k + 2 <= n; k += 2) {
-        FourDoubles *c = S + k * n, *d = c + n;
-        const FourDoubles over = 1.0 / (c[k] * d[k + 1] - c[k + 1] * c[k + 1]);
-        const FourDoubles p = d[k + 1] * over, q = -c[k + 1] * over, r = c[k] * over;
+        Doubles *c = S + k * n, *d = c + n;
+        const Doubles over = 1.0 / (c[k] * d[k + 1] - c[k + 1] * c[k + 1]);
+        const Doubles p = d[k + 1] * over, q = -c[k + 1] * over, r = c[k] * over;
         c[k] = p;
         c[k + 1] = q;
         d[k + 1] = r;
-        const FourDoubles y_c = p * y[k] + q * y[k + 1], y_d = q * y[k] + r * y[k + 1];
+        const Doubles y_c = p * y[k] + q * y[k + 1], y_d = q * y[k] + r * y[k + 1];
         y[k] = y_c;
         y[k + 1] = y_d;
         for (int j = k + 2; j < n; ++j) {
-            const FourDoubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
-            FourDoubles* column = S + j * n;
+            const Doubles e = c[j] * p + d[j] * q, f = c[j] * q + d[j] * r;
+            Doubles* column = S + j * n;
             for (int i = j; i < n; ++i) column[i] -= c[i] * e + d[i] * f;
             y[j] -= c[j] * y_c + d[j] * y_d;
         }
@@ -161,8 +188,8 @@ inline void solve_four(FourDoubles* S, FourDoubles* y, int n) {
     if (k < n) y[k] /= S[k + k * n];
     // What is left of the pairs above: y_k -= P S_kj y_j, P the inverse of their diagonal block.
     for (k -= 2; k >= 0; k -= 2) {
-        const FourDoubles *c = S + k * n, *d = c + n;
-        FourDoubles from_c = {}, from_d = {};
+        const Doubles *c = S + k * n, *d = c + n;
+        Doubles from_c = {}, from_d = {};
         for (int j = k + 2; j < n; ++j) {
             from_c += c[j] * y[j];
             from_d += d[j] * y[j];
