@@ -17,12 +17,26 @@ namespace {
 
 /// Of an error of P that is known by its rms.
 constexpr double kDeviations = 2.0;
-/// Ripple has all degrees up to that of the largest spheres, and the forward peak falls to nothing
-/// over the same degrees: what an error of P and of its moments does lies this far between what
-/// degrees beyond the peak do and what the lowest that delta-M cuts off do.
-constexpr double kMeanPeak = 0.25;
-/// What is not known of that, relative to the change of P.
-constexpr double kPeakDoubt = 0.05;
+/// Where the moments come from the same table, its errors are in them, too, and the forward peak
+/// falls to nothing over the degrees that they may have: what an error of P does lies between what
+/// degrees beyond the peak do (0) and what the lowest that delta-M cuts off do (1). Low degrees
+/// prevail, but for straight back, where all degrees add up. Measured against tables for
+/// --mie-tolerance 1e-5 (docs/internals/mie-log.md#errors-of-tables-seen-through-the-forward-peak).
+struct PeakShare {
+    double mean = 0.0;
+    double doubt = 0.0;  ///< rms
+};
+constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareNearBack = {0.6, 0.2};
+/// Less than the rms, which is 0.1 for a pair of large spheres and 0.2 for all that were measured:
+/// 0.13 leaves 13 wavelengths of 31 of the pair unconverged, of which those looked at err by half
+/// of 1e-3.
+constexpr PeakShare kPeakShareBack = {0.3, 0.05};
+constexpr double kNearBack = -0.9980, kStraightBack = -0.999925;  // cosines of 176.4, 179.3 degrees
+
+PeakShare peak_share(double cos_theta) {
+    if (cos_theta > kNearBack) return kPeakShare;
+    return cos_theta > kStraightBack ? kPeakShareNearBack : kPeakShareBack;
+}
 
 /// The phase function of one species of a layer.
 struct PhasePart {
@@ -81,9 +95,20 @@ std::vector<PhaseLayer> layers_of(const SolvedLayers& solved) {
     return layers;
 }
 
-/// dR / dP of each layer at a pair of cosines.
+/// What an error of a layer's P does to R.
+struct Weight {
+    double scattered = 0.0;  ///< dR / dP of what the forward peak does not reach
+    double by_peak = 0.0;    ///< more than that where it is in the moments, times PeakShare
+
+    double value(double cos_theta) const {
+        return scattered + peak_share(cos_theta).mean * by_peak;
+    }
+    double doubt(double cos_theta) const { return peak_share(cos_theta).doubt * by_peak; }
+};
+
+/// Of each layer at a pair of cosines.
 void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu_out,
-                  std::vector<double>& weights) {
+                  std::vector<Weight>& weights) {
     const double q = 1.0 / mu_in + 1.0 / mu_out;
     double above = 0.25 / (mu_in + mu_out), above_scaled = above;
     for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -96,7 +121,8 @@ void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu
             !layer.parts.empty() &&
             std::all_of(layer.parts.begin(), layer.parts.end(),
                         [](const PhasePart& part) { return part.table->parts().gave_moments; });
-        weights[i] = in_moments ? as_scattered + kMeanPeak * (as_peak - as_scattered) : as_peak;
+        weights[i] =
+            in_moments ? Weight{as_scattered, as_peak - as_scattered} : Weight{as_peak, 0.0};
         above *= std::exp(-slant);
         above_scaled *= std::exp(-scaled);
     }
@@ -110,7 +136,8 @@ void for_each_direction(const std::vector<PhaseLayer>& layers, double index,
                         const Visit& visit) {
     const auto& [mu_in, mu_out, azimuths] = directions;
     const std::size_t block = mu_out.size() * azimuths.size();
-    std::vector<double> cosines, weights(layers.size());
+    std::vector<double> cosines;
+    std::vector<Weight> weights(layers.size());
     for (const double azimuth : azimuths)
         cosines.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
     std::size_t k = 0;
@@ -122,7 +149,11 @@ void for_each_direction(const std::vector<PhaseLayer>& layers, double index,
         for (const double out : mu_out) {
             const double inner_out = rte::refracted_cosine(index, out);
             find_weights(layers, inner_in, inner_out, weights);
-            for (double& weight : weights) weight *= rte::straight_paths_factor(index, in, out);
+            const double paths = rte::straight_paths_factor(index, in, out);
+            for (Weight& weight : weights) {
+                weight.scattered *= paths;
+                weight.by_peak *= paths;
+            }
             for (const double cosine : cosines) {
                 visit(k++, rte::cos_scattering_angle(inner_in, inner_out, cosine), weights,
                       brightest);
@@ -177,13 +208,11 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
     const mie::PhaseValues values =
         phase_of_mie(species, w, demand, *part.table, angles_deg, errors, run);
-    const bool in_moments = part.table->parts().gave_moments;
     std::size_t at = 0;
     for (auto& [angle, point] : points) {
         point.change =
             values.phase[at] - (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
-        point.noise = std::hypot(values.error[at] / kDeviations,
-                                 in_moments ? kPeakDoubt * point.change : 0.0);
+        point.noise = values.error[at] / kDeviations;
         // A bounded number of sizes may do worse than the table.
         const double of_table =
             part.table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
@@ -199,18 +228,23 @@ PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, double index,
     const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
     for_each_direction(
         layers, index, directions, reflection,
-        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double brightest) {
+        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double brightest) {
             if (!(brightest > 0.0)) return;
             double noise = 0.0;
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     const PhasePart& part = layers[i].parts[p];
-                    double own = part.table->noise(cos_theta);
+                    double own = part.table->noise(cos_theta), change = 0.0;
                     if (!points.empty() && !points[i][p].empty()) {
                         const auto known = points[i][p].find(angle_of(cos_theta));
-                        if (known != points[i][p].end()) own = known->second.noise;
+                        if (known != points[i][p].end()) {
+                            own = known->second.noise;
+                            change = known->second.change;
+                        }
                     }
-                    noise = std::hypot(noise, weights[i] * part.factor(cos_theta) * own);
+                    const double factor = part.factor(cos_theta);
+                    noise = std::hypot(noise, factor * weights[i].value(cos_theta) * own,
+                                       factor * weights[i].doubt(cos_theta) * change);
                 }
             }
             noise /= brightest;
@@ -256,11 +290,11 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
     const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(parts)));
     for_each_direction(
         layers, index, solved.directions, reflection,
-        [&](std::size_t, double cos_theta, const std::vector<double>& weights, double brightest) {
+        [&](std::size_t, double cos_theta, const std::vector<Weight>& weights, double brightest) {
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     const PhasePart& part = layers[i].parts[p];
-                    const double weight = weights[i] * part.factor(cos_theta);
+                    const double weight = weights[i].value(cos_theta) * part.factor(cos_theta);
                     if (!(weight > 0.0)) continue;
                     const double enough = share * std::max(brightest, 0.0) / weight;
                     const double noise = part.table->noise(cos_theta);
@@ -281,14 +315,14 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
     }
     for_each_direction(
         layers, index, solved.directions, reflection,
-        [&](std::size_t k, double cos_theta, const std::vector<double>& weights, double) {
+        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double) {
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     if (points[i][p].empty()) continue;
                     const auto point = points[i][p].find(angle_of(cos_theta));
                     if (point == points[i][p].end()) continue;
-                    reflection[k] +=
-                        weights[i] * layers[i].parts[p].factor(cos_theta) * point->second.change;
+                    reflection[k] += weights[i].value(cos_theta) *
+                                     layers[i].parts[p].factor(cos_theta) * point->second.change;
                 }
             }
         });
