@@ -137,6 +137,7 @@ void for_each_direction(const std::vector<PhaseLayer>& layers, double index,
     const auto& [mu_in, mu_out, azimuths] = directions;
     const std::size_t block = mu_out.size() * azimuths.size();
     std::vector<double> cosines;
+    cosines.reserve(azimuths.size());
     std::vector<Weight> weights(layers.size());
     for (const double azimuth : azimuths)
         cosines.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
