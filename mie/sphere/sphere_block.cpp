@@ -47,7 +47,7 @@ Lanes dot(const ComplexLanes& u, const ComplexLanes& v) { return u.re * v.re + u
 class Asymmetry {
   public:
     Lanes next(int n, const ComplexLanes& a, const ComplexLanes& b) {
-        const Lanes across = (2 * n + 1) / (n * (n + 1.0)) * dot(a, b) +
+        Lanes across = (2 * n + 1) / (n * (n + 1.0)) * dot(a, b) +
                              (n - 1.0) * (n + 1.0) / n * (dot(a, a_before_) + dot(b, b_before_));
         a_before_ = a;
         b_before_ = b;
