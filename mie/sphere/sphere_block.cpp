@@ -48,7 +48,7 @@ class Asymmetry {
   public:
     Lanes next(int n, const ComplexLanes& a, const ComplexLanes& b) {
         Lanes across = (2 * n + 1) / (n * (n + 1.0)) * dot(a, b) +
-                             (n - 1.0) * (n + 1.0) / n * (dot(a, a_before_) + dot(b, b_before_));
+                       (n - 1.0) * (n + 1.0) / n * (dot(a, a_before_) + dot(b, b_before_));
         a_before_ = a;
         b_before_ = b;
         return across;
