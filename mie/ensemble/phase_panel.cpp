@@ -10,7 +10,7 @@ namespace miebrdf::mie {
 namespace {
 
 // Widths grow by this share of the distance from the nearer end, up to the widest.
-constexpr double kWidthGrowth = 1 / 3.0;
+constexpr double kWidthGrowth = 0.4;
 constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
 
 // Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
