@@ -208,12 +208,21 @@ class AzimuthSum {
     /// Until then orders may be missing from the sum.
     void finish() {
         Eigen::Map<Eigen::MatrixXd> sum(sum_.data(), cosines_.rows(), orders_.rows());
-        sum.noalias() += cosines_.leftCols(count_) * orders_.leftCols(count_).transpose();
+        const auto cosines = cosines_.leftCols(count_);
+        const auto orders = orders_.leftCols(count_).transpose();
+        if (sum.rows() + sum.cols() <= kLargestCoefficientWise) {
+            // Coefficient by coefficient Eigen rounds as the address of the result has it: in memory
+            // of its own always alike.
+            sum += (cosines * orders).eval();
+        } else {
+            sum.noalias() += cosines * orders;
+        }
         count_ = 0;
     }
 
   private:
     static constexpr int kMostAtOnce = 16;
+    static constexpr Eigen::Index kLargestCoefficientWise = 32;  ///< more than Eigen's limit of 20
 
     /// Large tables wait in 2 MB.
     static Eigen::Index at_once(std::size_t pairs) {

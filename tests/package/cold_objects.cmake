@@ -1,0 +1,21 @@
+# cmake -DNM=nm -DLIST=FILE -P cold_objects.cmake: of the objects in FILE, which are compiled with -O1,
+# none has a copy of Eigen's products and decompositions that could take the place of the solver's.
+file(READ "${LIST}" objects)
+string(REPLACE "\n" ";" objects "${objects}")
+set(products "_ZN5Eigen8internal[0-9]+(general_matrix|gebp_|gemm_|triangular_|selfadjoint_|apply_block_|partial_lu|tridiagonal)")
+set(looked_at 0)
+foreach(object IN LISTS objects)
+    if(NOT object MATCHES "[.]o$" OR NOT EXISTS "${object}")
+        continue()
+    endif()
+    math(EXPR looked_at "${looked_at} + 1")
+    execute_process(COMMAND "${NM}" --defined-only "${object}" OUTPUT_VARIABLE symbols
+                    COMMAND_ERROR_IS_FATAL ANY)
+    if(symbols MATCHES " [WV] ${products}[^\n]*")
+        message(SEND_ERROR "${object} has${CMAKE_MATCH_0}; compile its library without COLD")
+    endif()
+endforeach()
+if(looked_at EQUAL 0)
+    message(FATAL_ERROR "no objects in ${LIST}")
+endif()
+message(STATUS "${looked_at} objects")
