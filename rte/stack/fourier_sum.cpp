@@ -211,8 +211,8 @@ class AzimuthSum {
         const auto cosines = cosines_.leftCols(count_);
         const auto orders = orders_.leftCols(count_).transpose();
         if (sum.rows() + sum.cols() <= kLargestCoefficientWise) {
-            // Coefficient by coefficient Eigen rounds as the address of the result has it: in memory
-            // of its own always alike.
+            // Coefficient by coefficient Eigen rounds as the address of the result has it: always
+            // alike in memory of its own.
             sum += (cosines * orders).eval();
         } else {
             sum.noalias() += cosines * orders;

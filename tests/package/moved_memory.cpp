@@ -68,7 +68,9 @@ void* realloc(void* memory, std::size_t size) {
     return larger;
 }
 
-void* aligned_alloc(std::size_t alignment, std::size_t size) { return allocate(size, alignment, 0); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+    return allocate(size, alignment, 0);
+}
 
 void* memalign(std::size_t alignment, std::size_t size) { return allocate(size, alignment, 0); }
 
