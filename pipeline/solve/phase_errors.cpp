@@ -31,10 +31,12 @@ constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareNearBack = {0.6, 0.2};
 /// 0.13 leaves 13 wavelengths of 31 of the pair unconverged, of which those looked at err by half
 /// of 1e-3.
 constexpr PeakShare kPeakShareBack = {0.3, 0.05};
-constexpr double kNearBack = -0.9980, kStraightBack = -0.999925;  // cosines of 176.4, 179.3 degrees
+constexpr PeakShare kPeakShareBeforeBack = {1.0, 0.2};
+constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;  // cosines of 176.4, 179.3 degrees
 
 PeakShare peak_share(double cos_theta) {
-    if (cos_theta > kNearBack) return kPeakShare;
+    if (cos_theta > kBeforeBack) return kPeakShare;
+    if (cos_theta > kNearBack) return kPeakShareBeforeBack;
     return cos_theta > kStraightBack ? kPeakShareNearBack : kPeakShareBack;
 }
 
