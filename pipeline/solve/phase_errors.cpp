@@ -26,13 +26,14 @@ struct PeakShare {
     double mean = 0.0;
     double doubt = 0.0;  ///< rms
 };
-constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareNearBack = {0.6, 0.2};
+constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareBeforeBack = {1.0, 0.2},
+                    kPeakShareNearBack = {0.6, 0.2};
 /// Less than the rms, which is 0.1 for a pair of large spheres and 0.2 for all that were measured:
 /// 0.13 leaves 13 wavelengths of 31 of the pair unconverged, of which those looked at err by half
 /// of 1e-3.
 constexpr PeakShare kPeakShareBack = {0.3, 0.05};
-constexpr PeakShare kPeakShareBeforeBack = {1.0, 0.2};
-constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;  // cosines of 176.4, 179.3 degrees
+// Cosines of 165, 176.4 and 179.3 degrees.
+constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;
 
 PeakShare peak_share(double cos_theta) {
     if (cos_theta > kBeforeBack) return kPeakShare;
