@@ -13,6 +13,12 @@ namespace {
 
 double cos_of_degrees(double angle_deg) { return std::cos(angle_deg * (std::numbers::pi / 180.0)); }
 
+std::vector<double> cosines_of(const std::vector<double>& angles_deg) {
+    std::vector<double> cosines(angles_deg.size());
+    std::transform(angles_deg.begin(), angles_deg.end(), cosines.begin(), cos_of_degrees);
+    return cosines;
+}
+
 }  // namespace
 
 double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth) {
@@ -60,27 +66,23 @@ double single_scattering(const std::vector<ScaledMedium>& media, bool exact, dou
 
 std::vector<bool> near_retro_reflection(const Directions& directions) {
     const double nearest = -cos_of_degrees(5.0);
+    const std::vector<double> cos_azimuth = cosines_of(directions.azimuth_deg);
     std::vector<bool> backwards;
     backwards.reserve(directions.mu_in.size() * directions.mu_out.size() *
                       directions.azimuth_deg.size());
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {
-            for (const double azimuth_deg : directions.azimuth_deg) {
-                const double cosine =
-                    cos_scattering_angle(mu_in, mu_out, cos_of_degrees(azimuth_deg));
-                backwards.push_back(cosine <= nearest);
-            }
+            for (const double cosine : cos_azimuth)
+                backwards.push_back(cos_scattering_angle(mu_in, mu_out, cosine) <= nearest);
         }
     }
     return backwards;
 }
 
 FirstOrderSum::FirstOrderSum(const Directions& directions, const SolverOptions& options)
-    : directions_(directions), options_(options) {
-    for (const double azimuth : directions.azimuth_deg) {
-        cos_azimuth_.push_back(cos_of_degrees(azimuth));
-    }
-}
+    : directions_(directions),
+      options_(options),
+      cos_azimuth_(cosines_of(directions.azimuth_deg)) {}
 
 void FirstOrderSum::add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media,
                            std::vector<double>* unresolved) {
