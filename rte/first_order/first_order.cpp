@@ -13,6 +13,21 @@ namespace {
 
 double cos_of_degrees(double angle_deg) { return std::cos(angle_deg * (std::numbers::pi / 180.0)); }
 
+/// Between a pair of directions, at all azimuths.
+class ScatteringAngles {
+  public:
+    ScatteringAngles(double mu_in, double mu_out)
+        : cosines_(-mu_in * mu_out),
+          sines_(std::sqrt((1.0 - mu_in) * (1.0 + mu_in) * (1.0 - mu_out) * (1.0 + mu_out))) {}
+
+    double cosine(double cos_azimuth) const {
+        return std::clamp(cosines_ + sines_ * cos_azimuth, -1.0, 1.0);
+    }
+
+  private:
+    double cosines_, sines_;
+};
+
 std::vector<double> cosines_of(const std::vector<double>& angles_deg) {
     std::vector<double> cosines(angles_deg.size());
     std::transform(angles_deg.begin(), angles_deg.end(), cosines.begin(), cos_of_degrees);
@@ -22,8 +37,7 @@ std::vector<double> cosines_of(const std::vector<double>& angles_deg) {
 }  // namespace
 
 double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth) {
-    const double sines = std::sqrt((1.0 - mu_in) * (1.0 + mu_in) * (1.0 - mu_out) * (1.0 + mu_out));
-    return std::clamp(-mu_in * mu_out + sines * cos_azimuth, -1.0, 1.0);
+    return ScatteringAngles(mu_in, mu_out).cosine(cos_azimuth);
 }
 
 double exact_phase(const Optics& optics, double cos_theta) {
@@ -72,8 +86,9 @@ std::vector<bool> near_retro_reflection(const Directions& directions) {
                       directions.azimuth_deg.size());
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {
+            const ScatteringAngles angles(mu_in, mu_out);
             for (const double cosine : cos_azimuth)
-                backwards.push_back(cos_scattering_angle(mu_in, mu_out, cosine) <= nearest);
+                backwards.push_back(angles.cosine(cosine) <= nearest);
         }
     }
     return backwards;
@@ -134,10 +149,9 @@ void FirstOrderSum::evaluate_phase(const std::vector<ScaledMedium>& media) {
     for (const ScaledMedium& medium : media) {
         for (const double mu_in : directions_.mu_in) {
             for (const double mu_out : directions_.mu_out) {
-                for (const double cosine : cos_azimuth_) {
-                    phase_.push_back(
-                        exact_phase(medium.exact, cos_scattering_angle(mu_in, mu_out, cosine)));
-                }
+                const ScatteringAngles angles(mu_in, mu_out);
+                for (const double cosine : cos_azimuth_)
+                    phase_.push_back(exact_phase(medium.exact, angles.cosine(cosine)));
             }
         }
     }
