@@ -248,10 +248,10 @@ const Reflector* StackSolver::solve_side_by_side(int fourier_order, const Eigen:
                          !stack_.refracts() &&
                          options_.half_space_method == HalfSpaceMethod::automatic;
     if (!is_bare) return nullptr;
-    OrdersSideBySide& four = memory_.side_by_side;
+    OrdersSideBySide& side_by_side = memory_.side_by_side;
     const RequestedDirections& requested = memory_.requested.front();
     if (fourier_order == 0 && only_fourier_order_zero(requested)) return nullptr;
-    if (four.multiple(fourier_order) == nullptr) {
+    if (side_by_side.multiple(fourier_order) == nullptr) {
         const ScaledOptics& scaled = stack_.media.front().scaled;
         const ProblemSideBySide problem{.strengths = strengths_,
                                         .one_minus_albedo = scaled.one_minus_albedo,
@@ -265,17 +265,17 @@ const Reflector* StackSolver::solve_side_by_side(int fourier_order, const Eigen:
             for (Eigen::Index l = 0; l < count; ++l)
                 strengths_[l] = scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l];
         }
-        if (!four.solve(fourier_order, problem, memory_.tables.front())) return nullptr;
+        if (!side_by_side.solve(fourier_order, problem, memory_.tables.front())) return nullptr;
     }
     reflector_ = &free_reflector(stack_.media.front().index);
-    reflector_->multiple = *four.multiple(fourier_order);
+    reflector_->multiple = *side_by_side.multiple(fourier_order);
     reflector_->specular.resize(0);
     reflector_->has_glow = false;
     reflector_->iterations = 0;
     reflector_->residual = 0.0;
     reflector_->converged = reflector_->physical = true;
     if (fourier_order == 0) {
-        memory_.brightness.front() = four.order_zero(*reflector_);
+        memory_.brightness.front() = side_by_side.order_zero(*reflector_);
         reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
         reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
     }

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
-// The allocator of glibc by the names that it keeps for those who replace malloc.
+// The allocator of glibc itself, by the names that it exports beside malloc and free.
 extern "C" void* __libc_malloc(std::size_t);
 extern "C" void __libc_free(void*);
 

@@ -212,7 +212,7 @@ TEST_CASE("what Mie theory leaves open is not called converged", "[pipeline][brd
 
 TEST_CASE("what a table of P does to its own moments is in the error of points computed anew",
           "[pipeline][brdf][spheres]") {
-    // P changes by 1.3 % there when it is computed anew; its moments keep what the table had.
+    // P is computed anew there; its moments keep what the table had.
     Scene scene = scene_of("index:3.5,0.0018,radius=36.76,variance=0.05,distribution=log-normal");
     const Directions point{{0.8}, {0.1}, {155}};
     const BrdfValues values = solve(scene, {550}).evaluate(point);
