@@ -9,19 +9,18 @@ namespace miebrdf::rte {
 
 #ifdef MIEBRDF_HAS_FOUR_DOUBLES
 
-bool KernelsSideBySide::set(const ZenithGrid& grid, const Eigen::VectorXd& requested, int degrees) {
+void KernelsSideBySide::set(const ZenithGrid& grid, const Eigen::VectorXd& requested, int degrees) {
     const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return a.size() == b.size() && a == b;
     };
     if (degrees == degrees_ && alike(grid.mu, grid_.mu) && alike(grid.weights, grid_.weights) &&
         grid.panels == grid_.panels && alike(requested, requested_)) {
-        return false;
+        return;
     }
     degrees_ = degrees;
     grid_ = grid;
     requested_ = requested;
     tables_.clear();
-    return true;
 }
 
 const double* KernelsSideBySide::table_of(int first, int orders,
@@ -83,13 +82,40 @@ void KernelsSideBySide::form(int first, const Eigen::VectorXd& strengths,
     }
 }
 
+template <typename Doubles>
+void KernelsSideBySide::form_sides(Doubles* even, Doubles* odd, Doubles* same, Doubles* opposite,
+                                   Doubles* same_rows, Doubles* opposite_rows) const {
+    const int n = nodes(), all = rows();
+    for (int q = 0; q < n; ++q) {
+        Doubles *even_column = even + q * all, *odd_column = odd + q * all;
+        for (int p = 0; p < q; ++p) {
+            even_column[p] = even[q + p * all];
+            odd_column[p] = odd[q + p * all];
+        }
+        for (int p = 0; p < n; ++p) {
+            *same++ = even_column[p] + odd_column[p];
+            *opposite++ = even_column[p] - odd_column[p];
+        }
+        for (int i = n; i < all; ++i) {
+            *same_rows++ = even_column[i] + odd_column[i];
+            *opposite_rows++ = even_column[i] - odd_column[i];
+        }
+    }
+}
+
 template void KernelsSideBySide::form(int, const Eigen::VectorXd&, const RequestedDirections&,
                                       FourierModes&, math::FourDoubles*, math::FourDoubles*,
                                       math::FourDoubles*);
+template void KernelsSideBySide::form_sides(math::FourDoubles*, math::FourDoubles*,
+                                            math::FourDoubles*, math::FourDoubles*,
+                                            math::FourDoubles*, math::FourDoubles*) const;
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
 template void KernelsSideBySide::form(int, const Eigen::VectorXd&, const RequestedDirections&,
                                       FourierModes&, math::EightDoubles*, math::EightDoubles*,
                                       math::EightDoubles*);
+template void KernelsSideBySide::form_sides(math::EightDoubles*, math::EightDoubles*,
+                                            math::EightDoubles*, math::EightDoubles*,
+                                            math::EightDoubles*, math::EightDoubles*) const;
 #endif
 
 #endif

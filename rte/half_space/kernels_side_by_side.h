@@ -17,9 +17,9 @@ class FourierModes;
 /// most 2 MB.
 class KernelsSideBySide {
   public:
+    /// Tables are forgotten where any of these is another one than before.
     /// @param requested  cosines
-    /// @return whether any of these is another one than before; tables are forgotten then
-    bool set(const ZenithGrid& grid, const Eigen::VectorXd& requested, int degrees);
+    void set(const ZenithGrid& grid, const Eigen::VectorXd& requested, int degrees);
 
     int nodes() const { return int(grid_.size()); }
     int rows() const { return int(grid_.size() + requested_.size()); }
@@ -34,6 +34,13 @@ class KernelsSideBySide {
     template <typename Doubles>
     void form(int first, const Eigen::VectorXd& strengths, const RequestedDirections& requested,
               FourierModes& modes, Doubles* even, Doubles* odd, Doubles* memory);
+
+    /// The kernels A = E + O and B = E - O of light scattered to the same and to the opposite side,
+    /// between nodes and from nodes to cosines, out of those that `form` gives, of which the upper
+    /// triangles between nodes are completed: nodes x nodes and cosines x nodes, by columns.
+    template <typename Doubles>
+    void form_sides(Doubles* even, Doubles* odd, Doubles* same, Doubles* opposite,
+                    Doubles* same_rows, Doubles* opposite_rows) const;
 
   private:
     /// Y column by column, element by element so many orders.

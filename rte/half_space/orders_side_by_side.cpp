@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rte/half_space/half_space.h"
+#include "rte/half_space/pairs_side_by_side.h"
 #include "rte/half_space/sweeps.h"
 #include "rte/math/matrices_side_by_side.h"
 #include "rte/math/means_side_by_side.h"
@@ -21,6 +22,7 @@ const Eigen::MatrixXd* OrdersSideBySide::multiple(int fourier_order) const {
 namespace {
 
 using math::kLanes;
+using math::multiply_each;
 
 // Matrices in memory, of which each takes as much as the largest.
 enum Place : std::size_t {
@@ -50,17 +52,10 @@ constexpr int kMostSweeps = 40;
 constexpr double kShareOfEach = 0.3;
 
 template <typename Doubles>
-Doubles lanes_of(const std::array<double, OrdersSideBySide::kMostOrders>& values) {
+Doubles in_lanes(const std::array<double, OrdersSideBySide::kMostOrders>& values) {
     Doubles lanes;
     for (int k = 0; k < kLanes<Doubles>; ++k) lanes[k] = values[std::size_t(k)];
     return lanes;
-}
-
-// target = A B or target += A B, all stored by columns.
-template <bool add, typename Doubles>
-void multiply(const Doubles* A, const Doubles* B, Doubles* target, int rows, int inner,
-              int columns) {
-    math::multiply_each<add>({A, rows}, {B, 1, inner}, target, rows, inner, columns, rows);
 }
 
 // Whether all orders have arrived after steps of this size, of which the next one is `ratio` of it.
@@ -77,21 +72,6 @@ bool note_arrivals(const Doubles& step, const Doubles& ratio,
     return have_all;
 }
 
-// Rows of a table, and the same transposed.
-template <typename Doubles>
-void gather(const Doubles* rows, int count, int columns, const std::vector<int>& which,
-            Doubles* result) {
-    for (int c = 0; c < columns; ++c)
-        for (const int row : which) *result++ = rows[row + c * count];
-}
-
-template <typename Doubles>
-void transpose(const Doubles* rows, int count, int columns, const std::vector<int>& which,
-               Doubles* result) {
-    for (const int row : which)
-        for (int c = 0; c < columns; ++c) *result++ = rows[row + c * count];
-}
-
 }  // namespace
 
 template <typename Doubles>
@@ -100,25 +80,41 @@ Doubles* OrdersSideBySide::matrix(std::size_t which) {
     return reinterpret_cast<Doubles*>(memory_.data() + Eigen::Index(which) * matrix_size_);
 }
 
-bool OrdersSideBySide::solve(int first, const ProblemSideBySide& problem, FourierModes& modes) {
+int OrdersSideBySide::lanes_of(int orders) {
+#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
+    if (orders > kLanes<math::FourDoubles>) return kLanes<math::EightDoubles>;
+#else
+    static_cast<void>(orders);
+#endif
+    return kLanes<math::FourDoubles>;
+}
+
+bool OrdersSideBySide::solve(int first, const ProblemSideBySide& problem) {
     clear();
     const RequestedDirections& requested = problem.requested;
     const std::size_t cosines =
         std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
     if (problem.grid.size() > kMostNodes || cosines > kMostCosines) return false;
-    // Slow eigenmodes cost digits here; nor is there anything to gain from sweeps (half_space.h).
-    constexpr double least_absorption = 1e-5;
-    if (first == 0 && problem.one_minus_albedo < least_absorption) return false;
+    // Nor is there anything to gain from sweeps (half_space.h).
+    if (first == 0 && problem.one_minus_albedo < kLeastAbsorption) return false;
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
-    if (problem.strengths.size() - first > kLanes<math::FourDoubles>)
-        return solve_with<math::EightDoubles>(first, problem, modes);
+    if (lanes_of(problem.orders) == kLanes<math::EightDoubles>)
+        return solve_with<math::EightDoubles>(first, problem);
 #endif
-    return solve_with<math::FourDoubles>(first, problem, modes);
+    return solve_with<math::FourDoubles>(first, problem);
 }
 
 template <typename Doubles>
-bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem,
-                                  FourierModes& modes) {
+ReflectorSideBySide<Doubles> OrdersSideBySide::reflector() {
+    return {matrix<Doubles>(kX), matrix<Doubles>(kReflected), matrix<Doubles>(kPairs)};
+}
+template ReflectorSideBySide<math::FourDoubles> OrdersSideBySide::reflector();
+#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
+template ReflectorSideBySide<math::EightDoubles> OrdersSideBySide::reflector();
+#endif
+
+template <typename Doubles>
+bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem) {
     const RequestedDirections& requested = problem.requested;
     first_ = first;
     lanes_ = kLanes<Doubles>;
@@ -129,9 +125,11 @@ bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem,
     matrix_size_ = std::max(rows * n, most * most) * lanes_;
     if (memory_.size() < Eigen::Index(kPlaces) * matrix_size_)
         memory_.resize(Eigen::Index(kPlaces) * matrix_size_);
-    kernels_.form(first, problem.strengths, requested, modes, matrix<Doubles>(kEven),
-                  matrix<Doubles>(kOdd), matrix<Doubles>(kGain));
-    form_sides<Doubles>();
+    problem.kernels.form(first, problem.strengths, requested, problem.modes, matrix<Doubles>(kEven),
+                         matrix<Doubles>(kOdd), matrix<Doubles>(kGain));
+    problem.kernels.form_sides(matrix<Doubles>(kEven), matrix<Doubles>(kOdd),
+                               matrix<Doubles>(kSameSide), matrix<Doubles>(kOppositeSide),
+                               matrix<Doubles>(kSameSideRows), matrix<Doubles>(kOppositeSideRows));
     find_accuracies<Doubles>(first, problem);
     const bool sweeps = few_sweeps_suffice();
     if (sweeps) {
@@ -152,7 +150,7 @@ bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem,
 
 void OrdersSideBySide::set_grid(const ProblemSideBySide& problem) {
     const ZenithGrid& grid = problem.grid;
-    if (!kernels_.set(grid, problem.requested.mu, int(problem.strengths.size()))) return;
+    problem.kernels.set(grid, problem.requested.mu, int(problem.strengths.size()));
     requested_ = problem.requested.mu;
     nodes_ = int(grid.size());
     cosines_ = int(requested_.size());
@@ -161,29 +159,6 @@ void OrdersSideBySide::set_grid(const ProblemSideBySide& problem) {
     to_nodes_.resize(nodes_, nodes_);
     for (Eigen::Index q = 0; q < nodes_; ++q)
         to_nodes_.col(q) = 0.5 / (inverse_mu_.array() + inverse_mu_[q]);
-}
-
-// The kernels A and B of light scattered to the same and to the opposite side.
-template <typename Doubles>
-void OrdersSideBySide::form_sides() {
-    const int n = nodes_, rows = nodes_ + cosines_;
-    Doubles *A = matrix<Doubles>(kSameSide), *B = matrix<Doubles>(kOppositeSide),
-            *A_rows = matrix<Doubles>(kSameSideRows), *B_rows = matrix<Doubles>(kOppositeSideRows);
-    for (int q = 0; q < n; ++q) {
-        Doubles *even = matrix<Doubles>(kEven) + q * rows, *odd = matrix<Doubles>(kOdd) + q * rows;
-        for (int p = 0; p < q; ++p) {
-            even[p] = matrix<Doubles>(kEven)[q + p * rows];
-            odd[p] = matrix<Doubles>(kOdd)[q + p * rows];
-        }
-        for (int p = 0; p < n; ++p) {
-            *A++ = even[p] + odd[p];
-            *B++ = even[p] - odd[p];
-        }
-        for (int i = n; i < rows; ++i) {
-            *A_rows++ = even[i] + odd[i];
-            *B_rows++ = even[i] - odd[i];
-        }
-    }
 }
 
 template <typename Doubles>
@@ -279,13 +254,13 @@ void OrdersSideBySide::sweep_nodes() {
             *psi = matrix<Doubles>(kPsi);
     const double* to_nodes = to_nodes_.data();
     const Eigen::VectorXd& bounded = mu_over_flux_weights_;
-    const Doubles ratio = lanes_of<Doubles>(ratio_);
-    Doubles step = lanes_of<Doubles>(once_), slowest = ratio;
+    const Doubles ratio = in_lanes<Doubles>(ratio_);
+    Doubles step = in_lanes<Doubles>(once_), slowest = ratio;
     for (int sweep = 0; !note_arrivals(step, slowest, accuracy_, has_arrived_); ++sweep) {
         if (sweep == kMostSweeps) return;
         for (int k = 0; k < size; ++k) G[k] = 2.0 * A[k];
-        multiply<true>(B, X, G, n, n, n);
-        multiply<false>(X, G, XG, n, n, n);
+        multiply_each<true>(B, X, G, n, n, n);
+        multiply_each<false>(X, G, XG, n, n, n);
         Doubles next = {};
         for (int q = 0; q < n; ++q) {
             Doubles at_column = {};
@@ -311,9 +286,9 @@ void OrdersSideBySide::sweep_rows() {
             *reflected = matrix<Doubles>(kReflected);
     Doubles *rows = matrix<Doubles>(kRows), *next_rows = matrix<Doubles>(kNextRows);
     std::copy_n(matrix<Doubles>(kSameSide), n * n, gain);
-    multiply<true>(matrix<Doubles>(kOppositeSide), matrix<Doubles>(kX), gain, n, n, n);
+    multiply_each<true>(matrix<Doubles>(kOppositeSide), matrix<Doubles>(kX), gain, n, n, n);
     std::copy_n(matrix<Doubles>(kOppositeSideRows), cosines * n, seen);
-    multiply<true>(matrix<Doubles>(kSameSideRows), matrix<Doubles>(kX), seen, cosines, n, n);
+    multiply_each<true>(matrix<Doubles>(kSameSideRows), matrix<Doubles>(kX), seen, cosines, n, n);
     // mu times the rows is what the pairs need, too.
     const auto reflect = [&] {
         for (int q = 0; q < n; ++q) {
@@ -326,13 +301,13 @@ void OrdersSideBySide::sweep_rows() {
     };
     std::copy_n(seen, cosines * n, rows);
     reflect();
-    const Doubles ratio = lanes_of<Doubles>(ratio_);
-    Doubles step = lanes_of<Doubles>(once_);
+    const Doubles ratio = in_lanes<Doubles>(ratio_);
+    Doubles step = in_lanes<Doubles>(once_);
     std::array<bool, kMostOrders> have_rows = {};
     for (int sweep = 0; !note_arrivals(step, ratio, accuracy_, have_rows); ++sweep) {
         if (sweep == kMostSweeps) break;
         std::copy_n(seen, cosines * n, next_rows);
-        multiply<true>(reflected, gain, next_rows, cosines, n, n);
+        multiply_each<true>(reflected, gain, next_rows, cosines, n, n);
         step = Doubles{};
         for (int q = 0; q < n; ++q) {
             Doubles at_column = {};
@@ -359,7 +334,7 @@ void OrdersSideBySide::solve_rows() {
             *row = matrix<Doubles>(kSeen), *reflected = matrix<Doubles>(kReflected);
     for (int q = 0; q < n; ++q)
         for (int i = 0; i < cosines; ++i) sources[i + q * cosines] = -odd[n + i + q * all];
-    math::multiply_each<true>({even + n, all}, {Z_inverse, 1, n}, sources, cosines, n, n, cosines);
+    multiply_each<true>({even + n, all}, {Z_inverse, 1, n}, sources, cosines, n, n, cosines);
     for (int i = 0; i < cosines; ++i) {
         const double mu = requested_[i];
         for (int q = 0; q < n; ++q) {
@@ -374,7 +349,7 @@ void OrdersSideBySide::solve_rows() {
     const Doubles* X = matrix<Doubles>(kX);
     for (int k = 0; k < n * n; ++k) half[k] = 0.5 * X[k];
     for (int q = 0; q < n; ++q) half[q + q * n] += 0.5;
-    multiply<false>(solved, half, reflected, cosines, n, n);
+    multiply_each<false>(solved, half, reflected, cosines, n, n);
 }
 
 // 4 (mu_o + mu_i) R = T_o (A_i + T_i B)^T + A_o T_i^T with T = mu times the rows.
@@ -385,19 +360,11 @@ void OrdersSideBySide::find_pairs(const RequestedDirections& requested) {
     const Doubles *T = matrix<Doubles>(kReflected), *A = matrix<Doubles>(kSameSideRows);
     Doubles *sum = matrix<Doubles>(kSeen), *pairs = matrix<Doubles>(kPairs);
     std::copy_n(A, cosines * n, sum);
-    multiply<true>(T, matrix<Doubles>(kOppositeSide), sum, cosines, n, n);
-    gather(T, cosines, n, requested.out, matrix<Doubles>(kOut));
-    transpose(sum, cosines, n, requested.in, matrix<Doubles>(kIn));
-    multiply<false>(matrix<Doubles>(kOut), matrix<Doubles>(kIn), pairs, out, n, in);
-    gather(A, cosines, n, requested.out, matrix<Doubles>(kOut));
-    transpose(T, cosines, n, requested.in, matrix<Doubles>(kIn));
-    multiply<true>(matrix<Doubles>(kOut), matrix<Doubles>(kIn), pairs, out, n, in);
-    for (int i = 0; i < in; ++i) {
-        for (int o = 0; o < out; ++o) {
-            pairs[o + i * out] /= 4.0 * (requested.mu[requested.out[std::size_t(o)]] +
-                                         requested.mu[requested.in[std::size_t(i)]]);
-        }
-    }
+    multiply_each<true>(T, matrix<Doubles>(kOppositeSide), sum, cosines, n, n);
+    Doubles *gathered_out = matrix<Doubles>(kOut), *gathered_in = matrix<Doubles>(kIn);
+    multiply_pairs<false>(T, sum, n, requested, gathered_out, gathered_in, pairs);
+    multiply_pairs<true>(A, T, n, requested, gathered_out, gathered_in, pairs);
+    divide_by_cosines(requested, pairs);
     for (std::size_t k = 0; k < std::size_t(count_); ++k) {
         Eigen::MatrixXd& multiple = multiple_[k];
         multiple.resize(out, in);
@@ -406,31 +373,24 @@ void OrdersSideBySide::find_pairs(const RequestedDirections& requested) {
     }
 }
 
-double OrdersSideBySide::order_zero(Reflector& reflector) const {
+double OrdersSideBySide::brightness() const {
     const double* psi = memory_.data() + Eigen::Index(kPsi) * matrix_size_;
-    const double* X = memory_.data() + Eigen::Index(kX) * matrix_size_;
-    const double* T = memory_.data() + Eigen::Index(kReflected) * matrix_size_;
-    reflector.nodes.resize(nodes_, nodes_);
-    reflector.rows.resize(cosines_, nodes_);
     double brightness = 0.0;
     for (Eigen::Index q = 0; q < nodes_; ++q) {
-        for (Eigen::Index p = 0; p < nodes_; ++p) {
-            reflector.nodes(p, q) = X[(p + q * nodes_) * lanes_];
-            if (p > q) continue;
+        for (Eigen::Index p = 0; p <= q; ++p) {
             brightness =
                 std::max(brightness, std::abs(psi[(p + q * nodes_) * lanes_]) *
                                          mu_over_flux_weights_[p] * mu_over_flux_weights_[q]);
         }
-        for (Eigen::Index i = 0; i < cosines_; ++i)
-            reflector.rows(i, q) = T[(i + q * cosines_) * lanes_] / requested_[i];
     }
     return brightness;
 }
 
 #else
 
-bool OrdersSideBySide::solve(int, const ProblemSideBySide&, FourierModes&) { return false; }
-double OrdersSideBySide::order_zero(Reflector&) const { return 0.0; }
+int OrdersSideBySide::lanes_of(int) { return 0; }
+bool OrdersSideBySide::solve(int, const ProblemSideBySide&) { return false; }
+double OrdersSideBySide::brightness() const { return 0.0; }
 
 #endif
 

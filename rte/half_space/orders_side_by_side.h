@@ -10,9 +10,7 @@
 
 namespace miebrdf::rte {
 
-struct Reflector;
-
-/// A half-space as OrdersSideBySide sees it.
+/// A half-space as OrdersSideBySide sees it, and a layer as LayersSideBySide does.
 struct ProblemSideBySide {
     const Eigen::VectorXd& strengths;  ///< alpha (2l+1) chi_l, l = 0 ... L - 1
     double one_minus_albedo;
@@ -20,6 +18,17 @@ struct ProblemSideBySide {
     const ZenithGrid& grid;
     const RequestedDirections& requested;
     double tolerance;  ///< as of solve_half_space
+    int orders;        ///< that are likely to be asked for, from the first on
+    KernelsSideBySide& kernels;
+    FourierModes& modes;  ///< for tables that the kernels have not seen yet
+};
+
+/// What reflects, in several Fourier orders side by side: all stored by columns.
+template <typename Doubles>
+struct ReflectorSideBySide {
+    Doubles* nodes;       ///< X, n x n
+    Doubles* moved_rows;  ///< mu times Reflector::rows, cosines x n
+    Doubles* pairs;       ///< Reflector::multiple, out x in
 };
 
 /// R of successive Fourier orders between requested cosines, with each matrix element of all of
@@ -42,21 +51,29 @@ class OrdersSideBySide {
 
     /// Orders `first` and above, which then are known, or found to be better solved one by one: too
     /// many nodes or cosines, hardly any absorption, or a library that is not compiled for AVX.
-    /// @param modes  for tables that have not been seen yet
     /// @return whether `first` is known
-    bool solve(int first, const ProblemSideBySide& problem, FourierModes& modes);
+    bool solve(int first, const ProblemSideBySide& problem);
 
-    /// Of order 0, if it is known: nodes, rows and what lies at their base; and its brightness.
-    double order_zero(Reflector& reflector) const;
+    /// How many orders `solve` finds at once, of which so many are likely to be asked for; 0 where
+    /// registers hold no four doubles.
+    static int lanes_of(int orders);
+    /// What the last call of `solve` has found, in as many lanes; valid until the next one.
+    template <typename Doubles>
+    ReflectorSideBySide<Doubles> reflector();
+
+    /// Of order 0, if the last call of `solve` began with it: largest 4 (mu + mu') |R| between
+    /// nodes, as FourierMedium::brightness.
+    double brightness() const;
+
+    /// From here on slow eigenmodes cost digits in order 0.
+    static constexpr double kLeastAbsorption = 1e-5;
 
   private:
     template <typename Doubles>
-    bool solve_with(int first, const ProblemSideBySide& problem, FourierModes& modes);
+    bool solve_with(int first, const ProblemSideBySide& problem);
     template <typename Doubles>
     Doubles* matrix(std::size_t which);
     void set_grid(const ProblemSideBySide& problem);
-    template <typename Doubles>
-    void form_sides();
     template <typename Doubles>
     void find_accuracies(int first, const ProblemSideBySide& problem);
     bool few_sweeps_suffice() const;
@@ -82,7 +99,6 @@ class OrdersSideBySide {
     std::array<Eigen::MatrixXd, kMostOrders> multiple_;
     Eigen::VectorXd memory_;
 
-    KernelsSideBySide kernels_;
     // Of their grid and cosines.
     Eigen::VectorXd requested_;
     Eigen::VectorXd inverse_mu_, mu_over_flux_weights_;

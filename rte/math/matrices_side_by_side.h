@@ -92,6 +92,14 @@ void multiply_each(Columns<Doubles> A, Strided<Doubles> B, Doubles* target, int 
     if (columns == 1) set_tiles<1, add>(A, B, inner, target, rows, stride);
 }
 
+/// The same of matrices that are all stored by columns.
+template <bool add, typename Doubles>
+void multiply_each(const Doubles* A, const Doubles* B, Doubles* target, int rows, int inner,
+                   int columns) {
+    multiply_each<add>(Columns<Doubles>{A, rows}, Strided<Doubles>{B, 1, inner}, target, rows,
+                       inner, columns, rows);
+}
+
 /// The inverses of symmetric positive definite matrices, in place: n x n, of which the lower
 /// triangle is read; of Part::lower only that is set. Each step eliminates two rows (the last of an
 /// odd number one) from two columns at a time, so that an element is read and written n / 2 times.

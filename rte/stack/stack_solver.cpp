@@ -207,9 +207,9 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
     const bool is_wanted =
         parts == ReflectorParts::pairs ? fourier_order > 0 : parts == ReflectorParts::sky;
-    if (is_wanted) {
-        const Reflector* found = solve_side_by_side(fourier_order, sky);
-        if (found != nullptr) return *found;
+    if (is_wanted && solve_side_by_side(fourier_order, sky)) {
+        if (stack_.top_index != 1.0) put_on_top(fourier_order, parts, sky);
+        return *reflector_;
     }
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
@@ -229,13 +229,7 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes, sky);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
-    if (has_boundary && reflector_->physical) {
-        if (rough_top_) {
-            put_on_rough_top(parts);
-        } else {
-            put_on_boundary(index, 1.0, parts, sky);
-        }
-    }
+    if (has_boundary && reflector_->physical) put_on_top(fourier_order, parts, sky);
     if (parts == ReflectorParts::sky && !has_sky && reflector_->physical) {
         reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
         reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
@@ -243,48 +237,32 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
     return *reflector_;
 }
 
-const Reflector* StackSolver::solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky) {
-    const bool is_bare = stack_.base == BaseKind::half_space && stack_.media.size() == 1 &&
-                         !stack_.refracts() &&
-                         options_.half_space_method == HalfSpaceMethod::automatic;
-    if (!is_bare) return nullptr;
-    OrdersSideBySide& side_by_side = memory_.side_by_side;
-    const RequestedDirections& requested = memory_.requested.front();
-    if (fourier_order == 0 && only_fourier_order_zero(requested)) return nullptr;
-    if (side_by_side.multiple(fourier_order) == nullptr) {
-        const ScaledOptics& scaled = stack_.media.front().scaled;
-        const ProblemSideBySide problem{.strengths = strengths_,
-                                        .one_minus_albedo = scaled.one_minus_albedo,
-                                        .brightness = memory_.brightness.front(),
-                                        .grid = grids_.top(),
-                                        .requested = requested,
-                                        .tolerance = tolerance_};
-        if (strengths_.size() == 0) {
-            strengths_.setZero(stack_.moments);
-            const Eigen::Index count = std::min(strengths_.size(), scaled.chi.size());
-            for (Eigen::Index l = 0; l < count; ++l)
-                strengths_[l] = scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l];
-        }
-        if (!side_by_side.solve(fourier_order, problem, memory_.tables.front())) return nullptr;
-    }
-    reflector_ = &free_reflector(stack_.media.front().index);
-    reflector_->multiple = *side_by_side.multiple(fourier_order);
-    reflector_->specular.resize(0);
-    reflector_->has_glow = false;
-    reflector_->iterations = 0;
-    reflector_->residual = 0.0;
-    reflector_->converged = reflector_->physical = true;
-    if (fourier_order == 0) {
-        memory_.brightness.front() = side_by_side.order_zero(*reflector_);
-        reflector_->sky_at_requested.noalias() = reflector_->rows * sky;
-        reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
-    }
-    return reflector_;
+bool StackSolver::solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky) {
+    if (!may_leave_out_layers() || stack_.has_mirrors()) return false;
+    const double index = stack_.top_index;
+    const std::size_t place = place_of(index);
+    const StackSideBySide::Question question{
+        .stack = stack_,
+        .grid = grids_.of(index),
+        .requested = memory_.requested[place],
+        .tolerance = tolerance_,
+        .orders = std::min(stack_.moments - fourier_order, orders_),
+        .wants_nodes = index != 1.0,
+        .sky = sky,
+        .brightness = memory_.brightness,
+        .modes = memory_.tables[place],
+    };
+    reflector_ = &free_reflector(index);
+    return memory_.side_by_side.find(fourier_order, question, *reflector_);
 }
 
-void StackSolver::put_on_rough_top(ReflectorParts parts) {
+void StackSolver::put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky) {
+    if (!rough_top_) {
+        put_on_boundary(stack_.top_index, 1.0, parts, sky);
+        return;
+    }
     Reflector& result = free_reflector(1.0);
-    rough_top_->put_on(memory_.modes.front()->fourier_order, *reflector_, parts, result);
+    rough_top_->put_on(fourier_order, *reflector_, parts, result);
     reflector_ = &result;
 }
 

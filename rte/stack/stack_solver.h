@@ -6,6 +6,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -15,9 +16,9 @@
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/grid/refraction_grid.h"
-#include "rte/half_space/orders_side_by_side.h"
 #include "rte/layer/layer.h"
 #include "rte/phase/scaled_medium.h"
+#include "rte/stack/stack_side_by_side.h"
 
 namespace miebrdf::rte {
 
@@ -111,7 +112,7 @@ struct StackMemory {
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
-    OrdersSideBySide side_by_side = {};
+    StackSideBySide side_by_side = {};
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 
@@ -126,6 +127,9 @@ class StackSolver {
                 StackMemory& memory);
     ~StackSolver();
 
+    /// So many orders are likely to be asked for after any one, itself included; none is left out.
+    void expect_orders(int orders) { orders_ = orders; }
+
     /// Of the whole stack, boundary included. Where there is one, `specular` is the reflection into
     /// the mirror direction, the same in all orders.
     /// @param sky  for ReflectorParts::sky: downward radiance at the nodes of StackGrids::top
@@ -138,10 +142,11 @@ class StackSolver {
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
-    /// Pairs of a half-space without anything above it, together with the orders that come next.
-    /// Null where orders are better solved one by one.
-    const Reflector* solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky);
-    void put_on_rough_top(ReflectorParts parts);
+    /// All media, which have the same index, together with the orders that come next. False where
+    /// orders are better solved one by one.
+    bool solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky);
+    /// The boundary to air.
+    void put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky);
     const SmoothBoundary& boundary_between(double below, double above);
     void put_on_boundary(double below, double above, ReflectorParts parts,
                          const Eigen::VectorXd& sky);
@@ -164,8 +169,8 @@ class StackSolver {
     const StackGrids& grids_;
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
-    double tolerance_;           ///< of the equations of one order
-    Eigen::VectorXd strengths_;  ///< of a half-space alone: alpha (2l+1) chi_l of all degrees
+    double tolerance_;  ///< of the equations of one order
+    int orders_ = std::numeric_limits<int>::max();
     StackMemory& memory_;
     Reflector* reflector_ = nullptr;  ///< of all that has been solved so far in this order
 };

@@ -196,8 +196,8 @@ TEST_CASE("layers of 1 mm and 4 mm are one of 5 mm", "[pipeline][mixture]") {
     Scene smooth_one = one, smooth_two = two;
     smooth_one.layers = {layer("hg:0.99,0.7@5")};
     smooth_two.layers = {layer("hg:0.99,0.7@4"), layer("hg:0.99,0.7@1")};
-    // Refined eigenmodes of the higher orders stop at a share of the tolerance.
-    CHECK(largest_difference(total(smooth_two), total(smooth_one)) <= 1e-11);
+    // Equations are solved to a hundredth of the tolerance.
+    CHECK(largest_difference(total(smooth_two), total(smooth_one)) <= 1e-5);
     const auto thick = solve(one, {550}, {.streams = 24}).albedo({0.3, 1.0});
     const auto thin = solve(two, {550}, {.streams = 24}).albedo({0.3, 1.0});
     CHECK(relative(thin.at(0, 0), thick.at(0, 0)) <= 1e-12);

@@ -34,15 +34,17 @@ struct Problem {
 void solve_some(rte::OrdersSideBySide& some, const Problem& problem, int first, double tolerance,
                 double brightness = 0.0) {
     rte::FourierModes modes;
+    rte::KernelsSideBySide kernels;
     const Eigen::VectorXd strengths = problem.scaled.strengths();
-    some.solve(first,
-               {.strengths = strengths,
-                .one_minus_albedo = problem.scaled.one_minus_albedo,
-                .brightness = brightness,
-                .grid = problem.grid,
-                .requested = problem.requested,
-                .tolerance = tolerance},
-               modes);
+    some.solve(first, {.strengths = strengths,
+                       .one_minus_albedo = problem.scaled.one_minus_albedo,
+                       .brightness = brightness,
+                       .grid = problem.grid,
+                       .requested = problem.requested,
+                       .tolerance = tolerance,
+                       .orders = int(strengths.size()) - first,
+                       .kernels = kernels,
+                       .modes = modes});
 }
 
 bool has_registers(const Problem& problem) {
@@ -130,8 +132,7 @@ TEST_CASE("beside order 0 higher orders side by side err by no more than each al
     rte::OrdersSideBySide some, alike;
     solve_some(some, problem, 0, tolerance);
     REQUIRE(some.multiple(0) != nullptr);
-    rte::Reflector order_zero;
-    const double brightness = some.order_zero(order_zero);
+    const double brightness = some.brightness();
     REQUIRE(brightness > 0.0);
     int spared = 0;
     for (int first = 4; first < problem.moments; first += 4) {
@@ -175,26 +176,6 @@ TEST_CASE("the last orders have fewer degrees than there are orders side by side
               3e-9 * largest_single_scattering(problem) + 1e-14);
     }
     CHECK(some.multiple(problem.moments) == nullptr);
-}
-
-TEST_CASE("order 0 of several is all of a half-space", "[rte][half_space]") {
-    const double albedo = GENERATE(0.3, 0.99, 0.9999);
-    Problem problem(rte::henyey_greenstein_optics(albedo, 0.6), 12, 36);
-    if (!has_registers(problem)) return;
-    rte::OrdersSideBySide some;
-    solve_some(some, problem, 0, 1e-9);
-    REQUIRE(some.multiple(0) != nullptr);
-    rte::Reflector found;
-    const double brightness = some.order_zero(found);
-    problem.set(0);
-    rte::FourierWork work;
-    rte::Reflector one;
-    rte::solve_half_space(rte::HalfSpaceMethod::automatic, problem.medium, problem.mode,
-                          problem.grid, problem.requested, 1e-15, work, one);
-    CAPTURE(albedo);
-    CHECK(brightness == Approx(work.brightness).epsilon(1e-8));
-    CHECK((found.nodes - one.nodes).cwiseAbs().maxCoeff() <= 1e-8);
-    CHECK((found.rows - one.rows).cwiseAbs().maxCoeff() <= 1e-8);
 }
 
 TEST_CASE("few sweeps and means of matrices agree", "[rte][half_space]") {
