@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
+#include "rte/math/legendre.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
@@ -13,32 +14,9 @@ namespace {
 // Of interpolation in log q.
 constexpr int kMostPoints = 48;
 
-// sum_l strengths(j, l) P_l(cos angle): row = angle, column = j. The recurrence is a chain in l, so
-// many angles go side by side; the sums are matrix products of blocks of degrees.
+// sum_l strengths(j, l) P_l(cos angle): row = angle, column = j.
 Eigen::MatrixXd sum_degrees(const Eigen::MatrixXd& strengths, const Eigen::VectorXd& angles) {
-    constexpr Eigen::Index group = 256;  // with a block of degrees, what a second-level cache holds
-    constexpr Eigen::Index block = 64;
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(angles.size(), strengths.rows());
-    Eigen::MatrixXd legendre;
-    for (Eigen::Index first = 0; first < angles.size(); first += group) {
-        const Eigen::Index count = std::min(group, angles.size() - first);
-        const Eigen::ArrayXd x = angles.segment(first, count).array().cos();
-        Eigen::ArrayXd before = Eigen::ArrayXd::Zero(count);
-        Eigen::ArrayXd here = Eigen::ArrayXd::Ones(count);
-        legendre.resize(count, block);
-        for (Eigen::Index start = 0; start < strengths.cols(); start += block) {
-            const Eigen::Index degrees = std::min(block, strengths.cols() - start);
-            for (Eigen::Index d = 0; d < degrees; ++d) {
-                const double l = double(start + d);
-                legendre.col(d) = here.matrix();
-                before = ((2.0 * l + 1.0) / (l + 1.0)) * x * here - (l / (l + 1.0)) * before;
-                before.swap(here);
-            }
-            sums.middleRows(first, count).noalias() +=
-                legendre.leftCols(degrees) * strengths.middleCols(start, degrees).transpose();
-        }
-    }
-    return sums;
+    return math::legendre_sums(strengths, angles.array().cos());
 }
 
 double log_q_of(double mu_in, double mu_out) { return std::log(1.0 / mu_in + 1.0 / mu_out); }

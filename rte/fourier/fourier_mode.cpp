@@ -72,7 +72,7 @@ bool FourierModes::are_of(int degrees, const ZenithGrid& grid,
 }
 
 const FourierMode& FourierModes::find(int fourier_order, int degrees, const ZenithGrid& grid,
-                                      const RequestedDirections& requested) {
+                                      const RequestedDirections& requested, bool keep) {
     if (!are_of(degrees, grid, requested)) {
         degrees_ = degrees;
         grid_ = grid;
@@ -83,10 +83,11 @@ const FourierMode& FourierModes::find(int fourier_order, int degrees, const Zeni
     constexpr Eigen::Index most = 1 << 18;
     const Eigen::Index size = (2 * grid.size() + requested.mu.size()) * degrees;
     const auto order = std::size_t(fourier_order);
-    const bool is_kept = Eigen::Index(order + 1) * size <= most;
+    const bool is_known = order < known_.size() && known_[order].is_filled;
+    const bool is_kept = is_known || (keep && Eigen::Index(order + 1) * size <= most);
     if (is_kept && order >= known_.size()) known_.resize(order + 1);
     Known& known = is_kept ? known_[order] : passing_;
-    if (!is_kept || !known.is_filled)
+    if (!is_known)
         make_fourier_mode(fourier_order, degrees, grid, requested, sampling_, known.mode);
     known.is_filled = is_kept;
     return known.mode;

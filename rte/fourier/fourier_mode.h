@@ -67,9 +67,10 @@ void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
 /// stay, each order is found once.
 class FourierModes {
   public:
+    /// @param keep  false: the caller keeps what it needs of a table that is not known yet
     /// @return valid until the next call
     const FourierMode& find(int fourier_order, int degrees, const ZenithGrid& grid,
-                            const RequestedDirections& requested);
+                            const RequestedDirections& requested, bool keep = true);
 
   private:
     struct Known {

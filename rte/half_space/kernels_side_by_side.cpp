@@ -40,7 +40,7 @@ const double* KernelsSideBySide::table_of(int first, int orders,
         for (Eigen::Index k = 0; k < from.size(); ++k) to[k * orders + order] = from[k];
     };
     for (int m = first; m < std::min(degrees_, first + orders); ++m) {
-        const FourierMode& mode = modes.find(m, degrees_, grid_, requested);
+        const FourierMode& mode = modes.find(m, degrees_, grid_, requested, !is_kept);
         for (Eigen::Index c = 0; c < mode.scaled_nodes.cols(); ++c) {
             double* column = table.values.data() + c * rows() * orders;
             put(mode.scaled_nodes.col(c), m - first, column);

@@ -26,9 +26,9 @@ using math::multiply_each;
 
 // Matrices in memory, of which each takes as much as the largest.
 enum Place : std::size_t {
-    kEven,  // kernels E and O between nodes, and below them those from nodes to cosines
-    kOdd,
-    kSameSide,
+    kEven,  // kernels E and O between nodes, and below them those from nodes to cosines: two each
+    kOdd = kEven + 2,
+    kSameSide = kOdd + 2,
     kOppositeSide,
     kX,
     kGain,
@@ -119,10 +119,10 @@ bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem) {
     first_ = first;
     lanes_ = kLanes<Doubles>;
     set_grid(problem);
-    const Eigen::Index n = nodes_, rows = nodes_ + cosines_;
+    const Eigen::Index n = nodes_;
     const auto most = Eigen::Index(std::max(
         {requested.out.size(), requested.in.size(), std::size_t(cosines_), std::size_t(nodes_)}));
-    matrix_size_ = std::max(rows * n, most * most) * lanes_;
+    matrix_size_ = std::max({n * n, cosines_ * n, most * most}) * lanes_;
     if (memory_.size() < Eigen::Index(kPlaces) * matrix_size_)
         memory_.resize(Eigen::Index(kPlaces) * matrix_size_);
     problem.kernels.form(first, problem.strengths, requested, problem.modes, matrix<Doubles>(kEven),

@@ -17,9 +17,9 @@ using math::multiply_each;
 
 // Matrices in memory, of which each takes as much as the largest.
 enum Place : std::size_t {
-    kEven,  // kernels E and O between nodes, and below them those from nodes to cosines
-    kOdd,
-    kSameSide,
+    kEven,  // kernels E and O between nodes, and below them those from nodes to cosines: two each
+    kOdd = kEven + 2,
+    kSameSide = kOdd + 2,
     kOppositeSide,
     kSameSideRows,
     kOppositeSideRows,
@@ -86,7 +86,8 @@ template <typename Doubles>
 void LayersSideBySide::allocate(const RequestedDirections& requested) {
     const auto most = Eigen::Index(std::max(
         {requested.out.size(), requested.in.size(), std::size_t(cosines_), std::size_t(nodes_)}));
-    const auto size = std::max(Eigen::Index(nodes_ + cosines_) * nodes_, most * most) * lanes_;
+    const Eigen::Index n = nodes_;
+    const auto size = std::max({n * n, cosines_ * n, most * most}) * lanes_;
     // What lies below may be in this memory.
     if (size == matrix_size_) return;
     matrix_size_ = size;

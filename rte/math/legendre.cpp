@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <miebrdf/error.h>
 
@@ -77,6 +81,88 @@ double legendre_series(std::span<const double> chi, double x) {
         b_next = b;
     }
     return b_next;
+}
+
+namespace {
+
+#if defined(__AVX512F__)
+constexpr int kArgumentsInRegister = 8,
+              kMostFunctions = 12;  // two registers of arguments for each function
+#elif defined(__AVX__)
+constexpr int kArgumentsInRegister = 4, kMostFunctions = 5;
+#else
+constexpr int kArgumentsInRegister = 2, kMostFunctions = 5;
+#endif
+typedef double Arguments __attribute__((vector_size(kArgumentsInRegister * sizeof(double))));
+constexpr int kArguments = 2 * kArgumentsInRegister;  // at a time
+
+struct Recurrence {
+    double forward, back;  // P_{l+1} = forward x P_l - back P_{l-1}
+};
+
+// Some neighbouring functions.
+// sums: [function * kArguments + argument]
+template <int functions>
+void sum_some(const Eigen::MatrixXd& weights, Eigen::Index first,
+              const std::vector<Recurrence>& recurrence, const double* x, double* sums) {
+    Arguments argument[2], here[2], before[2] = {}, sum[functions][2] = {};
+    for (int i = 0; i < kArguments; ++i)
+        argument[i / kArgumentsInRegister][i % kArgumentsInRegister] = x[i];
+    here[0] = here[1] = Arguments{} + 1.0;
+    const double* weight = weights.data() + first;
+    for (const auto& [forward, back] : recurrence) {
+        for (int j = 0; j < functions; ++j) {
+            sum[j][0] += weight[j] * here[0];
+            sum[j][1] += weight[j] * here[1];
+        }
+        for (int half = 0; half < 2; ++half) {
+            const Arguments next = (forward * argument[half]) * here[half] - back * before[half];
+            before[half] = here[half];
+            here[half] = next;
+        }
+        weight += weights.rows();
+    }
+    for (int j = 0; j < functions; ++j)
+        for (int i = 0; i < kArguments; ++i)
+            *sums++ = sum[j][i / kArgumentsInRegister][i % kArgumentsInRegister];
+}
+
+using SumSome = void (*)(const Eigen::MatrixXd&, Eigen::Index, const std::vector<Recurrence>&,
+                         const double*, double*);
+
+template <std::size_t... counts>
+constexpr std::array<SumSome, sizeof...(counts)> each_count(std::index_sequence<counts...>) {
+    return {sum_some<int(counts) + 1>...};
+}
+
+}  // namespace
+
+Eigen::MatrixXd legendre_sums(const Eigen::MatrixXd& weights, const Eigen::VectorXd& x) {
+    static constexpr auto sum_of = each_count(std::make_index_sequence<kMostFunctions>());
+    std::vector<Recurrence> recurrence(std::size_t(weights.cols()));
+    for (std::size_t l = 0; l < recurrence.size(); ++l) {
+        const double degree = double(l);
+        recurrence[l] = {(2.0 * degree + 1.0) / (degree + 1.0), degree / (degree + 1.0)};
+    }
+    const Eigen::Index functions = weights.rows();
+    // As many as possible, but equally many: few take nearly as long as several.
+    const Eigen::Index groups = (functions + kMostFunctions - 1) / kMostFunctions;
+    Eigen::MatrixXd result(x.size(), functions);
+    std::array<double, kArguments> some_x;
+    std::array<double, std::size_t(kArguments) * kMostFunctions> sums;
+    for (Eigen::Index begin = 0; begin < x.size(); begin += kArguments) {
+        const Eigen::Index count = std::min<Eigen::Index>(kArguments, x.size() - begin);
+        some_x.fill(0.0);
+        std::copy_n(x.data() + begin, count, some_x.data());
+        for (Eigen::Index group = 0; group < groups; ++group) {
+            const Eigen::Index first = group * functions / groups;
+            const Eigen::Index size = (group + 1) * functions / groups - first;
+            sum_of[std::size_t(size - 1)](weights, first, recurrence, some_x.data(), sums.data());
+            for (Eigen::Index j = 0; j < size; ++j)
+                std::copy_n(&sums[std::size_t(j) * kArguments], count, &result(begin, first + j));
+        }
+    }
+    return result;
 }
 
 }  // namespace miebrdf::math

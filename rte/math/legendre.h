@@ -25,6 +25,13 @@ void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::Ve
 void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
                         ScratchMatrix& table);
 
+/// Sums of Legendre polynomials, sum_l weights(j, l) P_l(x_i), by upward recurrence: several
+/// functions of many arguments, in registers.
+/// @param weights  row j = function, column = degree l = 0, 1, ...
+/// @param x        in [-1, 1]
+/// @return row = argument, column = function
+Eigen::MatrixXd legendre_sums(const Eigen::MatrixXd& weights, const Eigen::VectorXd& x);
+
 /// sum_l (2l+1) chi_l P_l(x) by Clenshaw's downward recurrence.
 /// @param chi  chi_0, chi_1, ...; may be empty
 /// @param x    in [-1, 1]

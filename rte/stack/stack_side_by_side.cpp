@@ -51,13 +51,14 @@ std::size_t lowest_visible(int first, const StackSideBySide::Question& question)
 
 }  // namespace
 
-bool StackSideBySide::knows(int fourier_order) const {
+bool StackSideBySide::knows(int fourier_order, const Question& question) const {
     const int which = fourier_order - first_;
-    return which >= 0 && which < count_ && has_arrived_[std::size_t(which)];
+    return kernels_ == &question.kernels && which >= 0 && which < count_ &&
+           has_arrived_[std::size_t(which)];
 }
 
 bool StackSideBySide::find(int fourier_order, const Question& question, Reflector& result) {
-    if (!knows(fourier_order) && !solve(fourier_order, question)) return false;
+    if (!knows(fourier_order, question) && !solve(fourier_order, question)) return false;
     result.multiple = multiple_[std::size_t(fourier_order - first_)];
     result.specular.resize(0);
     result.has_glow = false;
@@ -96,7 +97,7 @@ ProblemSideBySide StackSideBySide::problem_of(std::size_t medium, const Question
             .requested = question.requested,
             .tolerance = question.tolerance,
             .orders = question.orders,
-            .kernels = kernels_,
+            .kernels = question.kernels,
             .modes = question.modes};
 }
 
@@ -186,6 +187,7 @@ bool StackSideBySide::solve_with(int first, const Question& question, std::size_
         }
     }
     first_ = first;
+    kernels_ = &question.kernels;
     lanes_ = lanes;
     nodes_ = reinterpret_cast<const double*>(below.nodes);
     moved_rows_ = reinterpret_cast<const double*>(below.moved_rows);

@@ -28,18 +28,20 @@ class StackSideBySide {
         const Eigen::VectorXd& sky;       ///< for order 0, unless nodes are wanted
         std::vector<double>& brightness;  ///< of order 0, by medium: set by order 0
         FourierModes& modes;
+        KernelsSideBySide& kernels;  ///< of this stack's grid
     };
 
-    /// Forgets all results. Tables stay.
+    /// Forgets all results.
     void clear() { count_ = 0; }
 
     /// One order, found together with those that come next: `multiple` and nodes and rows or, of
     /// order 0, the answer to the sky.
+    /// One solution is kept, that of the kernels it was found with.
     /// @return false where orders are better solved one by one
     bool find(int fourier_order, const Question& question, Reflector& result);
 
   private:
-    bool knows(int fourier_order) const;
+    bool knows(int fourier_order, const Question& question) const;
     bool solve(int first, const Question& question);
     template <typename Doubles>
     bool solve_with(int first, const Question& question, std::size_t lowest);
@@ -50,6 +52,7 @@ class StackSideBySide {
     ProblemSideBySide problem_of(std::size_t medium, const Question& question);
 
     int first_ = 0, count_ = 0, lanes_ = 0;
+    const KernelsSideBySide* kernels_ = nullptr;             ///< of the last solution
     const double *nodes_ = nullptr, *moved_rows_ = nullptr;  ///< of the last solution, in its lanes
     std::array<bool, OrdersSideBySide::kMostOrders> has_arrived_ = {};
     std::array<Eigen::MatrixXd, OrdersSideBySide::kMostOrders> multiple_;
@@ -57,7 +60,6 @@ class StackSideBySide {
     Eigen::VectorXd strengths_;                        ///< of the medium that is being solved
     Reflector ground_;                                 ///< in order 0
     Eigen::VectorXd ground_memory_;
-    KernelsSideBySide kernels_;
     OrdersSideBySide half_space_;
     LayersSideBySide layers_;
 };

@@ -166,7 +166,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
     memory_.brightness.assign(stack.media.size(), 0.0);
-    memory_.side_by_side.clear();
+    memory_.side_by_side->clear();
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -181,6 +181,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         if (has_mirrors) own = with_cosines_beside(own);
     }
     memory_.tables.resize(memory_.requested.size());
+    memory_.kernels.resize(memory_.requested.size());
     memory_.modes.resize(memory_.requested.size());
     memory_.reflectors.resize(memory_.requested.size());
     if (is_rough) {
@@ -251,9 +252,10 @@ bool StackSolver::solve_side_by_side(int fourier_order, const Eigen::VectorXd& s
         .sky = sky,
         .brightness = memory_.brightness,
         .modes = memory_.tables[place],
+        .kernels = memory_.kernels[place],
     };
     reflector_ = &free_reflector(index);
-    return memory_.side_by_side.find(fourier_order, question, *reflector_);
+    return memory_.side_by_side->find(fourier_order, question, *reflector_);
 }
 
 void StackSolver::put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky) {

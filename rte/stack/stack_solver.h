@@ -112,7 +112,9 @@ struct StackMemory {
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
-    StackSideBySide side_by_side = {};
+    std::vector<KernelsSideBySide> kernels = {};  ///< by index
+    /// One after the other in the same matrices: of stacks solved with other numbers of nodes too.
+    std::shared_ptr<StackSideBySide> side_by_side = std::make_shared<StackSideBySide>();
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 

@@ -17,6 +17,7 @@ struct Problem {
     rte::RequestedDirections requested;
     double tolerance;
     rte::FourierModes modes = {};
+    rte::KernelsSideBySide kernels = {};
     std::vector<double> brightness = {};
 
     Problem(const rte::Stack& of, int moments, int nodes, rte::RequestedDirections directions,
@@ -42,7 +43,8 @@ struct Problem {
                           .wants_nodes = false,
                           .sky = flux,
                           .brightness = brightness,
-                          .modes = modes},
+                          .modes = modes,
+                          .kernels = kernels},
                          result);
     }
 
