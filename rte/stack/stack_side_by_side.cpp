@@ -25,12 +25,10 @@ bool fits(int fourier_order, const StackSideBySide::Question& question) {
     }
     if (question.stack.media.empty()) return false;
     if (fourier_order == 0 && only_fourier_order_zero(requested)) return false;
-    // Two or three orders take as long one by one, but for a half-space alone.
-    constexpr int few = 4, many_nodes = 20;
-    const bool ends_soon =
-        question.orders <= few && question.stack.moments - fourier_order > question.orders;
+    // The more nodes, the more orders it takes to gain, but for a half-space alone.
+    constexpr int nodes_per_order = 5;
     const bool is_alone = !has_coats(question.stack) && !question.wants_nodes;
-    return !(ends_soon && !is_alone && question.grid.size() > many_nodes);
+    return is_alone || nodes_per_order * question.orders > question.grid.size();
 }
 
 // The highest coat that counts as a half-space; orders above `first` are scattered less. One past
