@@ -1,4 +1,5 @@
-// Reflection between requested cosines in several Fourier orders side by side: sums over nodes.
+// Sums over nodes in several Fourier orders side by side: between requested cosines, and of one
+// order.
 #pragma once
 
 #include "rte/grid/directions.h"
@@ -24,6 +25,15 @@ void multiply_pairs(const Doubles* A, const Doubles* B, int n, const RequestedDi
         for (int c = 0; c < n; ++c) *to++ = B[row + c * cosines];
     math::multiply_each<add>(out, in, pairs, int(requested.out.size()), n,
                              int(requested.in.size()));
+}
+
+/// result += matrix times vector, of the first order alone.
+/// @param matrix  result.size() x vector.size(), by columns
+template <typename Doubles>
+void add_first_order(const Doubles* matrix, const Eigen::VectorXd& vector,
+                     Eigen::VectorXd& result) {
+    for (const double value : vector)
+        for (double& sum : result) sum += (*matrix++)[0] * value;
 }
 
 /// Divides by 4 (mu_out + mu_in).

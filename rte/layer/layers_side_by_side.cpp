@@ -54,17 +54,10 @@ int doublings(double depth, double least_node, double least_cosine, double toler
     return int(std::ceil(std::max({smooth, steep, 0.0})));
 }
 
-// Of the first order alone: result += matrix times vector.
-template <typename Doubles>
-void add_first(const Doubles* matrix, const Eigen::VectorXd& vector, Eigen::VectorXd& result) {
-    for (Eigen::Index q = 0; q < vector.size(); ++q)
-        for (Eigen::Index p = 0; p < result.size(); ++p) result[p] += (*matrix++)[0] * vector[q];
-}
-
 template <typename Doubles>
 Eigen::VectorXd first_of(const Doubles* matrix, const Eigen::VectorXd& vector) {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(vector.size());
-    add_first(matrix, vector, result);
+    add_first_order(matrix, vector, result);
     return result;
 }
 
@@ -179,15 +172,14 @@ void LayersSideBySide::find_layer() {
     invert(M, matrix<Doubles>(kMRows), opposite, opposite_rows);
     invert(P, matrix<Doubles>(kPInverseRows), other, other_rows);
     Doubles *T = matrix<Doubles>(kTransmission), *T_rows = matrix<Doubles>(kTransmissionRows);
-    Doubles least = Doubles{} + 1.0, most = {};
-    for (int q = 0; q < n; ++q) {
-        for (const Doubles* inverse : {opposite, other}) {
-            most = math::larger(most, inverse[q + q * n]);
-            least = -math::larger(-least, -inverse[q + q * n]);
+    for (int k = 0; k < lanes_; ++k) {
+        bool is_physical = true;
+        for (int q = 0; q < n; ++q) {
+            const double one = opposite[q + q * n][k], two = other[q + q * n][k];
+            is_physical = is_physical && one >= 0.0 && one <= 1.0 && two >= 0.0 && two <= 1.0;
         }
+        physical_[std::size_t(k)] = is_physical;
     }
-    for (std::size_t k = 0; k < std::size_t(lanes_); ++k)
-        physical_[k] = physical_[k] && least[k] >= 0.0 && most[k] <= 1.0;
     for (int k = 0; k < n * n; ++k) {
         T[k] = -(opposite[k] + other[k]);
         opposite[k] -= other[k];
@@ -327,13 +319,13 @@ void LayersSideBySide::reflect_sky(const Eigen::VectorXd& sky,
             first_of(matrix<Doubles>(kSeen), first_of(matrix<Doubles>(kSameSide), through));
         const Eigen::VectorXd down = 0.5 * first_of(matrix<Doubles>(kBelow), both);
         const Eigen::VectorXd up = both - down;
-        add_first(below->moved_rows, down, at_requested);
+        add_first_order(below->moved_rows, down, at_requested);
         at_requested.array() *= direct_.array() / mu_.array();
-        add_first(matrix<Doubles>(kTransmissionRows), up, at_requested);
-        add_first(matrix<Doubles>(kTransmission), up, at_nodes);
+        add_first_order(matrix<Doubles>(kTransmissionRows), up, at_requested);
+        add_first_order(matrix<Doubles>(kTransmission), up, at_nodes);
     }
-    add_first(matrix<Doubles>(kOppositeRows), sky, at_requested);
-    add_first(matrix<Doubles>(kOpposite), sky, at_nodes);
+    add_first_order(matrix<Doubles>(kOppositeRows), sky, at_requested);
+    add_first_order(matrix<Doubles>(kOpposite), sky, at_nodes);
 }
 
 template <typename Doubles>
@@ -351,7 +343,6 @@ bool LayersSideBySide::put_on(int first, const ProblemSideBySide& problem, doubl
     if (steps > most_steps) return false;
     if (first == 0 && problem.one_minus_albedo < OrdersSideBySide::kLeastAbsorption) return false;
     allocate<Doubles>(requested);
-    physical_.fill(true);
     slot_ = 1 - slot_;
     direct_ = (-depth * mu_.cwiseInverse().array()).exp();
     problem.kernels.set(problem.grid, mu_, int(problem.strengths.size()));

@@ -27,9 +27,8 @@ class LayersSideBySide {
     /// @param depth    scaled optical depth, > 0 and finite
     /// @param below    of the same orders and directions: null for nothing
     /// @param is_top   only pairs are wanted
-    /// @return whether `reflector` is known: not of more nodes or cosines than OrdersSideBySide
-    /// takes,
-    ///         or where hardly anything absorbs in order 0, or of a depth that takes too many means
+    /// @return whether `reflector` is known: not where hardly anything absorbs in order 0, nor of a
+    ///         depth that takes too many means
     template <typename Doubles>
     bool put_on(int first, const ProblemSideBySide& problem, double depth,
                 const ReflectorSideBySide<Doubles>* below, bool is_top);

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "rte/fourier/fourier_mode.h"
+#include "rte/half_space/pairs_side_by_side.h"
 #include "rte/math/matrices_side_by_side.h"
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/stack_solver.h"
@@ -31,8 +32,8 @@ bool fits(int fourier_order, const StackSideBySide::Question& question) {
     return is_alone || nodes_per_order * question.orders > question.grid.size();
 }
 
-// The highest coat that counts as a half-space; orders above `first` are scattered less. One past
-// the end: none.
+// Of the media that are solved: the highest coat that counts as a half-space (orders above `first`
+// are scattered less), else the base, else one past the end.
 std::size_t lowest_visible(int first, const StackSideBySide::Question& question) {
     const std::vector<ScaledMedium>& media = question.stack.media;
     const std::size_t first_coat = question.stack.base == BaseKind::half_space ? 1 : 0;
@@ -143,12 +144,8 @@ void StackSideBySide::reflect_sky(const ReflectorSideBySide<Doubles>& half_space
     const Eigen::VectorXd& mu = question.requested.mu;
     sky_at_nodes_.setZero(sky.size());
     sky_at_requested_.setZero(mu.size());
-    for (Eigen::Index q = 0; q < sky.size(); ++q) {
-        const Doubles *nodes = half_space.nodes + q * sky.size(),
-                      *rows = half_space.moved_rows + q * mu.size();
-        for (Eigen::Index p = 0; p < sky.size(); ++p) sky_at_nodes_[p] += nodes[p][0] * sky[q];
-        for (Eigen::Index i = 0; i < mu.size(); ++i) sky_at_requested_[i] += rows[i][0] * sky[q];
-    }
+    add_first_order(half_space.nodes, sky, sky_at_nodes_);
+    add_first_order(half_space.moved_rows, sky, sky_at_requested_);
     sky_at_requested_.array() /= mu.array();
 }
 
