@@ -10,45 +10,6 @@
 #include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
-namespace {
-
-bool has_coats(const ScaledStack& stack) {
-    return stack.media.size() > (stack.base == BaseKind::half_space ? 1U : 0U);
-}
-
-bool fits(int fourier_order, const StackSideBySide::Question& question) {
-    const RequestedDirections& requested = question.requested;
-    const auto cosines =
-        std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
-    if (question.grid.size() > OrdersSideBySide::kMostNodes ||
-        cosines > OrdersSideBySide::kMostCosines) {
-        return false;
-    }
-    if (question.stack.media.empty()) return false;
-    if (fourier_order == 0 && only_fourier_order_zero(requested)) return false;
-    // The more nodes, the more orders it takes to gain, but for a half-space alone.
-    constexpr int nodes_per_order = 5;
-    const bool is_alone = !has_coats(question.stack) && !question.wants_nodes;
-    return is_alone || nodes_per_order * question.orders > question.grid.size();
-}
-
-// Of the media that are solved: the highest coat that counts as a half-space (orders above `first`
-// are scattered less), else the base, else one past the end.
-std::size_t lowest_visible(int first, const StackSideBySide::Question& question) {
-    const std::vector<ScaledMedium>& media = question.stack.media;
-    const std::size_t first_coat = question.stack.base == BaseKind::half_space ? 1 : 0;
-    const double allowed = question.tolerance * std::min(question.stack.brightness, 1.0);
-    FourierMedium medium;
-    medium.lowest_degree = first;
-    for (std::size_t c = media.size(); c-- > first_coat;) {
-        const Eigen::VectorXd strengths = media[c].scaled.strengths();
-        medium.strengths = strengths.tail(std::max<Eigen::Index>(strengths.size() - first, 0));
-        if (hides_in_fourier_order(medium, media[c].scaled_optical_depth, allowed)) return c;
-    }
-    return first_coat == 1 ? 0 : media.size();
-}
-
-}  // namespace
 
 bool StackSideBySide::knows(int fourier_order, const Question& question) const {
     const int which = fourier_order - first_;
@@ -100,21 +61,47 @@ ProblemSideBySide StackSideBySide::problem_of(std::size_t medium, const Question
             .modes = question.modes};
 }
 
-bool StackSideBySide::solve(int first, const Question& question) {
-    count_ = 0;
-    if (!fits(first, question)) return false;
-    const std::size_t lowest = lowest_visible(first, question);
-    const int lanes = OrdersSideBySide::lanes_of(question.orders);
-#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
-    if (lanes == 8) return solve_with<math::EightDoubles>(first, question, lowest);
-#endif
 #ifdef MIEBRDF_HAS_FOUR_DOUBLES
-    if (lanes == 4) return solve_with<math::FourDoubles>(first, question, lowest);
-#endif
-    return false;
+
+namespace {
+
+bool has_coats(const ScaledStack& stack) {
+    return stack.media.size() > (stack.base == BaseKind::half_space ? 1U : 0U);
 }
 
-#ifdef MIEBRDF_HAS_FOUR_DOUBLES
+bool fits(int fourier_order, const StackSideBySide::Question& question) {
+    const RequestedDirections& requested = question.requested;
+    const auto cosines =
+        std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
+    if (question.grid.size() > OrdersSideBySide::kMostNodes ||
+        cosines > OrdersSideBySide::kMostCosines) {
+        return false;
+    }
+    if (question.stack.media.empty()) return false;
+    if (fourier_order == 0 && only_fourier_order_zero(requested)) return false;
+    // The more nodes, the more orders it takes to gain, but for a half-space alone.
+    constexpr int nodes_per_order = 5;
+    const bool is_alone = !has_coats(question.stack) && !question.wants_nodes;
+    return is_alone || nodes_per_order * question.orders > question.grid.size();
+}
+
+// Of the media that are solved: the highest coat that counts as a half-space (orders above `first`
+// are scattered less), else the base, else one past the end.
+std::size_t lowest_visible(int first, const StackSideBySide::Question& question) {
+    const std::vector<ScaledMedium>& media = question.stack.media;
+    const std::size_t first_coat = question.stack.base == BaseKind::half_space ? 1 : 0;
+    const double allowed = question.tolerance * std::min(question.stack.brightness, 1.0);
+    FourierMedium medium;
+    medium.lowest_degree = first;
+    for (std::size_t c = media.size(); c-- > first_coat;) {
+        const Eigen::VectorXd strengths = media[c].scaled.strengths();
+        medium.strengths = strengths.tail(std::max<Eigen::Index>(strengths.size() - first, 0));
+        if (hides_in_fourier_order(medium, media[c].scaled_optical_depth, allowed)) return c;
+    }
+    return first_coat == 1 ? 0 : media.size();
+}
+
+}  // namespace
 
 // White or grey in order 0, and black in all others.
 template <typename Doubles>
@@ -197,6 +184,22 @@ bool StackSideBySide::solve_with(int first, const Question& question, std::size_
     }
     return has_arrived_[0];
 }
+
+bool StackSideBySide::solve(int first, const Question& question) {
+    count_ = 0;
+    if (!fits(first, question)) return false;
+    const std::size_t lowest = lowest_visible(first, question);
+#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
+    constexpr int eight = math::kLanes<math::EightDoubles>;
+    if (OrdersSideBySide::lanes_of(question.orders) == eight)
+        return solve_with<math::EightDoubles>(first, question, lowest);
+#endif
+    return solve_with<math::FourDoubles>(first, question, lowest);
+}
+
+#else
+
+bool StackSideBySide::solve(int, const Question&) { return false; }
 
 #endif
 
