@@ -46,12 +46,16 @@ install_missing_packages() {
         "${missing[@]}" >/dev/null
 }
 
-# build_preset PRESET TARGET
-build_preset() {
-    say "configuring and building preset '$1' ($(nproc) processors)"
+configure_preset() {
     local log="build/$1-configure.log"
     mkdir -p build
     cmake --preset "$1" >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
+}
+
+# build_preset PRESET TARGET
+build_preset() {
+    say "configuring and building preset '$1' ($(nproc) processors)"
+    configure_preset "$1"
     local started=$SECONDS
     cmake --build --preset "$1" --target "$2"
     say "built in $((SECONDS - started)) s"

@@ -12,7 +12,7 @@ using bench::TracedBoundary;
 
 namespace {
 
-constexpr double kSigmas = 4.5;  // as in photon_tracer_test.cpp
+constexpr double kStandardErrors = 4.5;  // as in photon_tracer_test.cpp
 
 struct Share {
     double value, standard_error;
@@ -41,9 +41,9 @@ TEST_CASE("photons at a smooth boundary follow Duntley's diffuse reflectances", 
         const Share outside = diffuse_reflectance(boundary, true, 100000);
         const Share inside = diffuse_reflectance(boundary, false, 100000);
         CHECK(std::abs(outside.value - table.number(row, "r_ext")) <=
-              kSigmas * outside.standard_error);
+              kStandardErrors * outside.standard_error);
         CHECK(std::abs(inside.value - table.number(row, "r_int")) <=
-              kSigmas * inside.standard_error);
+              kStandardErrors * inside.standard_error);
     }
 }
 
@@ -59,10 +59,10 @@ TEST_CASE("photons at a rough boundary follow another program's random walk", "[
     const Share outside = diffuse_reflectance(boundary, true, 200000);
     CAPTURE(c.alpha, inside.value, outside.value);
     CHECK(std::abs(inside.value - c.inside) <=
-          kSigmas * std::hypot(0.00078, inside.standard_error));
+          kStandardErrors * std::hypot(0.00078, inside.standard_error));
     // Equilibrium: n^2 (1 - r_int) = 1 - r_ext.
     CHECK(std::abs(2.25 * (1 - inside.value) - (1 - outside.value)) <=
-          kSigmas * std::hypot(2.25 * inside.standard_error, outside.standard_error));
+          kStandardErrors * std::hypot(2.25 * inside.standard_error, outside.standard_error));
 }
 
 TEST_CASE("photons in a clear varnish follow Saunderson's correction", "[bench][tracer]") {
@@ -74,7 +74,7 @@ TEST_CASE("photons in a clear varnish follow Saunderson's correction", "[bench][
         const auto traced = bench::trace_photons(stack, 1.0, {}, {.photons = 20000});
         const double truth = table.number(row, "saunderson");
         CAPTURE(*stack.ground_albedo, truth, traced.plane_albedo.value);
-        CHECK(traced.plane_albedo.agrees_with(truth, kSigmas, 1e-12));
+        CHECK(traced.plane_albedo.agrees_with(truth, kStandardErrors, 1e-12));
     }
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("photons in binders follow another program's", "[bench][tracer]") {
         const auto& mine = detectors.empty() ? traced.plane_albedo : traced.reflection[0];
         CAPTURE(row, mine.value, mine.standard_error, table.number(row, "value"));
         CHECK(std::abs(mine.value - table.number(row, "value")) <=
-              kSigmas * std::hypot(mine.standard_error, table.number(row, "sigma")));
+              kStandardErrors * std::hypot(mine.standard_error, table.number(row, "sigma")));
         ++compared;
     }
     CHECK(compared >= 8);

@@ -73,8 +73,6 @@ TEST_CASE("check sees what is not reciprocal, negative or missing", "[formats][f
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::unique_ptr<BrdfFile> table_of(const rte::Directions& grid, const BrdfSource& source) {
     GridTable table;
     table.format = "test";
@@ -91,7 +89,8 @@ class Shape : public support::TestMaterial {
   public:
     explicit Shape(double (*shape)(const Direction&)) : TestMaterial({550}, 0.0), shape_(shape) {}
     void evaluate(std::span<const Direction> directions, std::span<double> values) const override {
-        for (std::size_t d = 0; d < directions.size(); ++d) values[d] = shape_(directions[d]) / kPi;
+        for (std::size_t d = 0; d < directions.size(); ++d)
+            values[d] = shape_(directions[d]) / std::numbers::pi;
     }
 
   private:

@@ -16,8 +16,6 @@ using support::written_file;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Integral over the lit part of the square (x, y) of the interpolated table, per solid angle of
 /// outgoing directions, by midpoints in each cell.
 double light(const Eigen::Vector3d& in, const std::vector<double>& values, std::size_t n) {
@@ -29,13 +27,15 @@ double light(const Eigen::Vector3d& in, const std::vector<double>& values, std::
             const double y = (double(i) + 0.5) / kPoints, x = (double(j) + 0.5) / kPoints;
             const std::size_t r = i / kPoints, c = j / kPoints;
             const double t = y - double(r), s = x - double(c);
-            const double u = x / double(n - 1), theta = u * u * kPi / 2;
-            const Eigen::Vector3d half = spherical(theta, (2 * y / double(n - 1) - 1) * kPi);
+            const double u = x / double(n - 1), theta = u * u * std::numbers::pi / 2;
+            const Eigen::Vector3d half =
+                spherical(theta, (2 * y / double(n - 1) - 1) * std::numbers::pi);
             if (!(mirrored(in, half).z() > 0)) continue;
             const double value =
                 (1 - t) * ((1 - s) * values[r * n + c] + s * values[r * n + c + 1]) +
                 t * ((1 - s) * values[(r + 1) * n + c] + s * values[(r + 1) * n + c + 1]);
-            sum += value * 2 * kPi * kPi * u * std::sin(theta) * 4 * in.dot(half);
+            sum += value * 2 * std::numbers::pi * std::numbers::pi * u * std::sin(theta) * 4 *
+                   in.dot(half);
         }
     }
     return sum / double(side * side);
@@ -53,7 +53,7 @@ TEST_CASE("a white Lambertian surface keeps its albedo on a half-vector table of
     const HalfVectorTable table(n, in);
     std::vector<double> values(table.size(), 0.0);
     for (std::size_t node = 0; node < table.size(); ++node)
-        values[node] = table.outgoing(node).z() / kPi;
+        values[node] = table.outgoing(node).z() / std::numbers::pi;
     table.fit(values);
     CAPTURE(mu_in, n);
     // Nodes alone, with zeros below the horizon: up to 4e-2, 1e-2 and 3e-3.

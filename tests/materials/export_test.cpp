@@ -14,7 +14,7 @@ using namespace miebrdf::materials;
 
 namespace {
 
-const std::filesystem::path samples = MIEBRDF_MATERIALS_TEST_SAMPLES;
+const std::filesystem::path sample_files = MIEBRDF_MATERIALS_TEST_SAMPLES;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
          {"sopra_ev.nk", "sopra_commas.NK", "tfcalc.MAT", "page_nk.yml", "page_formula.yml",
           "table.csv", "two_parts.csv", "energy.csv", "imd.nk", "pair.eta.spd"}) {
         const support::TemporaryFolder folder;
-        Dataset original = read_file(samples / name);
+        Dataset original = read_file(sample_files / name);
         original.density_g_cm3 = 4.23;
         original.density_source = "a handbook";
         original.licence = "CC0-1.0";
@@ -69,15 +69,15 @@ TEST_CASE("every format that takes a dataset gives it back", "[materials][export
 
 TEST_CASE("exports refuse what the format cannot say", "[materials][export][errors]") {
     const auto refusal = [](const char* name, const char* format) {
-        return [=] { export_dataset(read_file(samples / name), format); };
+        return [=] { export_dataset(read_file(sample_files / name), format); };
     };
     CHECK_THROWS_WITH(refusal("page_formula.yml", "csv")(), Catch::Contains("formula"));
     CHECK_THROWS_WITH(refusal("two_parts.csv", "tfcalc")(), Catch::Contains("different grids"));
     CHECK_THROWS_WITH(refusal("imd.nk", "sopra")(), Catch::Contains("no unit angstrom"));
-    Dataset uneven = read_file(samples / "sopra_nm.nk");
+    Dataset uneven = read_file(sample_files / "sopra_nm.nk");
     for (Series* series : {&*uneven.n, &*uneven.k}) series->x[1] *= 1 + 1e-13;
     CHECK_THROWS_WITH(export_dataset(uneven, "sopra"), Catch::Contains("not uniform"));
-    Dataset d = read_file(samples / "table.csv");
+    Dataset d = read_file(sample_files / "table.csv");
     d.k.reset();
     CHECK_THROWS_WITH(export_dataset(d, "tfcalc"), Catch::Contains("k is unknown"));
     const auto as_zero = export_dataset(d, "tfcalc", {.unknown_k_as_zero = true});

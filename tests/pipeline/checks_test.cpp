@@ -20,10 +20,9 @@ namespace {
 
 // P = 1 everywhere, in two panels whose noise differs.
 rte::Optics noisy_isotropic(double albedo, double forward, double backward) {
-    constexpr double kPi = std::numbers::pi;
     constexpr auto kNodes = static_cast<std::size_t>(mie::PhaseTable::kPanelNodes);
     mie::PhaseTable::Parts parts;
-    parts.edges = {0, kPi / 2, kPi};
+    parts.edges = {0, std::numbers::pi / 2, std::numbers::pi};
     parts.coefficients.assign(2 * kNodes, 0.0);
     parts.coefficients[0] = parts.coefficients[kNodes] = 1.0;
     parts.noise = {forward, backward};

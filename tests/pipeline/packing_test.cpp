@@ -15,7 +15,7 @@ using support::scene_of;
 
 namespace {
 
-double relative(double value, double truth) { return std::abs(value / truth - 1.0); }
+double relative_error(double value, double truth) { return std::abs(value / truth - 1.0); }
 
 }  // namespace
 
@@ -23,12 +23,12 @@ TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipelin
     for (const double f : {0.01, 0.1, 0.3, 0.45}) {
         // S(0) = (1 - f)^4 / (1 + 2 f)^2.
         const double at_zero = std::pow(1 - f, 4) / ((1 + 2 * f) * (1 + 2 * f));
-        CHECK(relative(percus_yevick(f, 0.0), at_zero) <= 1e-12);
+        CHECK(relative_error(percus_yevick(f, 0.0), at_zero) <= 1e-12);
         // Where the series ends and the closed form begins.
-        CHECK(relative(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
+        CHECK(relative_error(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
         CHECK(std::abs(percus_yevick(f, 200.0) - 1) <= 0.01);
     }
-    CHECK(relative(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
+    CHECK(relative_error(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
 }
 
 TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipeline][packing]") {

@@ -23,8 +23,6 @@ using support::under_surface;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Brdf brdf_of(const Scene& scene, const SolverOptions& options = {}) {
     return solve(scene, {550}, options);
 }
@@ -39,11 +37,13 @@ RenderScene sphere_of(const Scene& scene) {
 
 double value(const RenderBrdf& brdf, double mu_in, double mu_out, double azimuth_deg) {
     std::vector<double> values(brdf.wavelengths());
-    brdf.evaluate(mu_in, mu_out, std::cos(azimuth_deg * kPi / 180), values);
+    brdf.evaluate(mu_in, mu_out, std::cos(azimuth_deg * std::numbers::pi / 180), values);
     return values[0];
 }
 
-double disc_mean(const SpectralPicture& picture) { return mean_radiance(picture) * 4 / kPi; }
+double disc_mean(const SpectralPicture& picture) {
+    return mean_radiance(picture) * 4 / std::numbers::pi;
+}
 
 }  // namespace
 
@@ -180,7 +180,7 @@ TEST_CASE("nodes are where their taps are looked for", "[render][solved]") {
     // The first cosine only stands for the horizon.
     for (std::size_t i = 1; i < mu.size(); ++i) CHECK(is_at(cosine_taps(mu[i], 49), i));
     for (std::size_t i = 0; i < azimuth.size(); ++i)
-        CHECK(is_at(azimuth_taps(std::cos(azimuth[i] * kPi / 180), 33), i));
+        CHECK(is_at(azimuth_taps(std::cos(azimuth[i] * std::numbers::pi / 180), 33), i));
     for (std::size_t i = 0; i < angle.size(); ++i)
         CHECK(is_at(scattering_angle_taps(std::cos(angle[i]), 1025), i));
 }

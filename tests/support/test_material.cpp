@@ -7,8 +7,6 @@
 namespace miebrdf::support {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double hapke_h(double mu, double albedo) {
     return (1 + 2 * mu) / (1 + 2 * mu * std::sqrt(1 - albedo));
 }
@@ -29,10 +27,11 @@ TestMaterial::TestMaterial(std::vector<double> wavelength_nm, double asymmetry)
 
 double TestMaterial::brdf(const Direction& d, double albedo) const {
     const double cos_theta =
-        -d.mu_in * d.mu_out + sine(d.mu_in) * sine(d.mu_out) * std::cos(d.azimuth_deg * kPi / 180);
+        -d.mu_in * d.mu_out +
+        sine(d.mu_in) * sine(d.mu_out) * std::cos(d.azimuth_deg * std::numbers::pi / 180);
     const double g = asymmetry_;
     const double phase = (1 - g * g) / std::pow(1 + g * g - 2 * g * cos_theta, 1.5);
-    return albedo / (4 * kPi * (d.mu_in + d.mu_out)) *
+    return albedo / (4 * std::numbers::pi * (d.mu_in + d.mu_out)) *
                (phase - 1 + hapke_h(d.mu_in, albedo) * hapke_h(d.mu_out, albedo)) +
            lobe(d);
 }
@@ -52,14 +51,15 @@ SharpMaterial::SharpMaterial(std::vector<double> wavelength_nm, double beckmann_
     : TestMaterial(std::move(wavelength_nm), 0.4), alpha_(beckmann_alpha) {}
 
 double SharpMaterial::lobe(const Direction& d) const {
-    const double azimuth = d.azimuth_deg * kPi / 180;
+    const double azimuth = d.azimuth_deg * std::numbers::pi / 180;
     const double hx = sine(d.mu_in) - sine(d.mu_out) * std::cos(azimuth);
     const double hy = sine(d.mu_out) * std::sin(azimuth);
     const double hz = d.mu_in + d.mu_out;
     const double tan2 = (hx * hx + hy * hy) / (hz * hz);
     const double cos4 = std::pow(1 / (1 + tan2), 2);
     // Divided by (mu_in + mu_out)^2 in place of a shadowing term: bounded and reciprocal.
-    return 0.05 * std::exp(-tan2 / (alpha_ * alpha_)) / (kPi * alpha_ * alpha_ * cos4 * hz * hz);
+    return 0.05 * std::exp(-tan2 / (alpha_ * alpha_)) /
+           (std::numbers::pi * alpha_ * alpha_ * cos4 * hz * hz);
 }
 
 ColouredMaterial::ColouredMaterial()

@@ -4,12 +4,15 @@
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/tools/one_line.h"
 
 using namespace miebrdf;
+using support::kBadInput;
+using support::kUsage;
 
 namespace {
 
-constexpr int kCheckFailed = 1, kUsage = 2, kBadInput = 3;
+constexpr int kCheckFailed = 1;
 
 const std::string kCsv = "# label: lab\nwavelength_nm,n,k\n400,1.5,0.1\n500,1.6,0.2\n600,1.7,0.3\n";
 

@@ -12,13 +12,13 @@ using Columns = std::vector<std::string>;
 
 namespace {
 
-const std::string kDirections = " --wavelengths 550 --mu-in 0.8 --mu-out 0.5 --azimuth 90";
+const std::string kOneDirection = " --wavelengths 550 --mu-in 0.8 --mu-out 0.5 --azimuth 90";
 
 }  // namespace
 
 TEST_CASE("brdf --stokes prints Mueller matrices", "[program][polarisation]") {
     const auto three =
-        csv_of("brdf --base rayleigh:0.9 --stokes 3 --quantity reflection" + kDirections);
+        csv_of("brdf --base rayleigh:0.9 --stokes 3 --quantity reflection" + kOneDirection);
     CHECK(three.columns() == Columns{"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "m11",
                                      "m12", "m13", "m21", "m22", "m23", "m31", "m32", "m33", "dolp",
                                      "aolp_deg"});
@@ -27,14 +27,14 @@ TEST_CASE("brdf --stokes prints Mueller matrices", "[program][polarisation]") {
     CHECK(std::abs(three.number(0, "m31") - 0.18648685) <= 2e-3);
     CHECK(std::abs(three.number(0, "dolp") - std::hypot(0.01182129, 0.18648685) / 0.42948297) <=
           5e-3);
-    const auto four = csv_of("brdf --base rayleigh:0.9 --stokes 4" + kDirections);
+    const auto four = csv_of("brdf --base rayleigh:0.9 --stokes 4" + kOneDirection);
     CHECK(four.columns().size() == 4 + 16 + 2);
     CHECK(std::abs(four.number(0, "m44") * M_PI + 0.13434483) <= 2e-3);
 }
 
 TEST_CASE("outputs say what was done about polarisation", "[program][polarisation]") {
     const auto said = [](const std::string& words) {
-        const std::string out = support::run_program("brdf " + words + kDirections).out;
+        const std::string out = support::run_program("brdf " + words + kOneDirection).out;
         const auto at = out.find("# polarisation: ");
         return at == std::string::npos ? std::string() : out.substr(at, out.find('\n', at) - at);
     };
@@ -50,15 +50,15 @@ TEST_CASE("what does not go with polarisation is refused with the reason",
         std::string words, reason;
     };
     const auto wrong = GENERATE(
-        Case{"brdf --base rayleigh:0.9 --stokes 2" + kDirections, "auto, 1, 3, 4"},
+        Case{"brdf --base rayleigh:0.9 --stokes 2" + kOneDirection, "auto, 1, 3, 4"},
         Case{"brdf --base rayleigh:0.9 --stokes 3 --quantity hdrf --diffuse-fraction 0.1" +
-                 kDirections,
+                 kOneDirection,
              "Mueller"},
-        Case{"brdf --base rayleigh:0.9 --stokes 3 --component subsurface" + kDirections,
+        Case{"brdf --base rayleigh:0.9 --stokes 3 --component subsurface" + kOneDirection,
              "component"},
-        Case{
-            "brdf --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --stokes 3" + kDirections,
-            "unpolarised"},
+        Case{"brdf --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --stokes 3" +
+                 kOneDirection,
+             "unpolarised"},
         Case{"export --base rayleigh:0.9 --roughness 0.3 --surface-index 1.5 --format pbsdf "
              "--wavelengths 550 -o /dev/null",
              "unpolarised"});
@@ -81,7 +81,7 @@ TEST_CASE("polarisation is drawn", "[program][polarisation][plot]") {
 }
 
 TEST_CASE("auto is the default", "[program][polarisation]") {
-    const std::string words = "brdf --base rayleigh:0.9 --no-comments" + kDirections;
+    const std::string words = "brdf --base rayleigh:0.9 --no-comments" + kOneDirection;
     const std::string out = support::run_program(words).out;
     CHECK(out == support::run_program(words + " --stokes auto").out);
     CHECK(out != support::run_program(words + " --stokes 1").out);
@@ -89,7 +89,7 @@ TEST_CASE("auto is the default", "[program][polarisation]") {
 
 TEST_CASE("exports hold what brdf --stokes prints", "[program][polarisation][export]") {
     const support::TemporaryFolder folder;
-    const std::string scene = " --base rayleigh:0.9 --stokes 3" + kDirections;
+    const std::string scene = " --base rayleigh:0.9 --stokes 3" + kOneDirection;
     const std::string file = folder / "gas.csv";
     const auto run = support::run_program("export --format csv" + scene + " -o " + file);
     CAPTURE(run.err);

@@ -10,7 +10,6 @@
 namespace miebrdf::support {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::array<double, 3> kScale = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 /// Rusinkiewicz 1998: angles of the half vector, and of the light in the frame about it whose x
@@ -28,7 +27,7 @@ Angles half_and_difference(const Vector& light, const Vector& viewer) {
     const Vector y(-std::sin(phi), std::cos(phi), 0);
     const double turned = std::atan2(light.dot(y), light.dot(x));
     return {theta, std::acos(std::clamp(light.dot(half), -1.0, 1.0)),
-            turned < 0 ? turned + kPi : turned};
+            turned < 0 ? turned + std::numbers::pi : turned};
 }
 
 class MerlBins : public OutsideFile {
@@ -38,9 +37,9 @@ class MerlBins : public OutsideFile {
 
     std::vector<double> brdf(const Vector& light, const Vector& viewer) const override {
         const Angles a = half_and_difference(light, viewer);
-        const int h = std::clamp(int(90 * std::sqrt(a.theta_h / (kPi / 2))), 0, 89);
-        const int d = std::clamp(int(90 * a.theta_d / (kPi / 2)), 0, 89);
-        const int p = std::clamp(int(180 * a.phi_d / kPi), 0, 179);
+        const int h = std::clamp(int(90 * std::sqrt(a.theta_h / (std::numbers::pi / 2))), 0, 89);
+        const int d = std::clamp(int(90 * a.theta_d / (std::numbers::pi / 2)), 0, 89);
+        const int p = std::clamp(int(180 * a.phi_d / std::numbers::pi), 0, 179);
         return {value(0, h, d, p), value(1, h, d, p), value(2, h, d, p)};
     }
 
@@ -62,7 +61,7 @@ class MerlInterpolated : public MerlBins {
 
     std::vector<double> brdf(const Vector& light, const Vector& viewer) const override {
         const Angles a = half_and_difference(light, viewer);
-        const double degrees = 180 / kPi;
+        const double degrees = 180 / std::numbers::pi;
         const double theta_h = a.theta_h * degrees;
         const int h = std::clamp(int(std::sqrt(90 * theta_h)), 0, 89);
         const double low = h * h / 90.0, high = (h + 1) * (h + 1) / 90.0;

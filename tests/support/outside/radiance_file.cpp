@@ -13,8 +13,6 @@
 namespace miebrdf::support {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
     const std::size_t from = text.find(open);
     if (from == text.npos) return {};
@@ -82,11 +80,11 @@ class KlemsFile : public OutsideFile {
     static std::size_t patch(const Vector& v) {
         constexpr std::array<double, 9> kUpper = {5, 15, 25, 35, 45, 55, 65, 75, 90};
         constexpr std::array<int, 9> kCount = {1, 8, 16, 20, 24, 24, 24, 16, 12};
-        const double theta = std::acos(std::min(1.0, v.z())) * 180 / kPi;
+        const double theta = std::acos(std::min(1.0, v.z())) * 180 / std::numbers::pi;
         std::size_t ring = 0;
         int first = 0;
         while (ring + 1 < kUpper.size() && theta >= kUpper[ring]) first += kCount[ring++];
-        double azimuth = std::atan2(v.y(), v.x()) / (2 * kPi);
+        double azimuth = std::atan2(v.y(), v.x()) / (2 * std::numbers::pi);
         if (azimuth < 0) azimuth += 1;
         return static_cast<std::size_t>(first + int(azimuth * kCount[ring] + 0.5) % kCount[ring]);
     }
@@ -136,7 +134,7 @@ class TensorTreeFile : public OutsideFile {
         }
         const auto [r, g, b] = least;
         const double y = 0.3791 * r + 0.5769 * g + 0.0440 * b;
-        if (y <= 0.01 / kPi) return;
+        if (y <= 0.01 / std::numbers::pi) return;
         diffuse_ = {0.8156 * r + 0.0472 * g + 0.1372 * b, y, -0.0123 * r + 0.0167 * g + 0.9955 * b};
         u_.clear();
         v_.clear();
@@ -148,7 +146,7 @@ class TensorTreeFile : public OutsideFile {
         const bool along_x = std::abs(x) > std::abs(y);
         const double large = std::copysign(radius, along_x ? x : y);
         const double ratio = radius > 0 ? (along_x ? y / x : x / y) : 0.0;
-        const double small = large * std::atan(ratio) / (kPi / 4);
+        const double small = large * std::atan(ratio) / (std::numbers::pi / 4);
         return along_x ? std::pair{(large + 1) / 2, (small + 1) / 2}
                        : std::pair{(small + 1) / 2, (large + 1) / 2};
     }

@@ -11,8 +11,6 @@
 namespace miebrdf::support {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Value and antiderivative of the cubic through f0, f1 with end slopes d0, d1, on [0, 1].
 struct Cubic {
     double f0, f1, d0, d1;
@@ -68,14 +66,14 @@ class ScatfunFile : public OutsideFile {
         const double half = u < 0.5 ? 2 * u : 2 - 2 * u;
         const double angle = root(
             [&](double phi) {
-                double total = series[0] * (phi - half * kPi);
+                double total = series[0] * (phi - half * std::numbers::pi);
                 for (std::size_t k = 1; k < series.size(); ++k) {
                     const auto order = static_cast<double>(k);
                     total += series[k] / order * std::sin(order * phi);
                 }
                 return total;
             },
-            0.0, kPi);
+            0.0, std::numbers::pi);
         const double turned = std::atan2(viewer.y(), viewer.x()) + (u < 0.5 ? angle : -angle);
         const double sine = std::sqrt(std::max(0.0, 1 - mu_i * mu_i));
         return Vector(-sine * std::cos(turned), -sine * std::sin(turned), -mu_i);
@@ -89,7 +87,7 @@ class ScatfunFile : public OutsideFile {
                 rho += row.w[i] * cdf_[static_cast<std::size_t>(row.first + i) * n_ + n_ - 1];
         }
         const double y = sum(mixed(-light.z(), viewer.z())[0], azimuth(-light, viewer));
-        return rho > 0 && y > 0 ? y / (2 * kPi * rho) : 0.0;
+        return rho > 0 && y > 0 ? y / (2 * std::numbers::pi * rho) : 0.0;
     }
 
   private:

@@ -12,8 +12,6 @@
 namespace miebrdf::support {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Field {
     std::vector<std::uint64_t> shape;
     std::size_t position = 0, count = 1;
@@ -155,8 +153,9 @@ class Marginal {
 
 Square square_of(const Vector& v, double phi_zero) {
     const double theta = std::acos(std::clamp(v.z(), -1.0, 1.0));
-    const double y = (std::atan2(v.y(), v.x()) - phi_zero + kPi) / (2 * kPi);
-    return {std::sqrt(theta * 2 / kPi), y - std::floor(y)};
+    const double y =
+        (std::atan2(v.y(), v.x()) - phi_zero + std::numbers::pi) / (2 * std::numbers::pi);
+    return {std::sqrt(theta * 2 / std::numbers::pi), y - std::floor(y)};
 }
 
 class TensorBsdfFile : public OutsideFile {
@@ -183,7 +182,8 @@ class TensorBsdfFile : public OutsideFile {
         const auto [slice, share] = incidence(light);
         const Warps& warps = at(slice, share);
         const Square m = warps.visible.sample(warps.luminance.sample({u, v}));
-        const double theta = m.x * m.x * kPi / 2, phi = (2 * m.y - 1) * kPi + azimuth(light);
+        const double theta = m.x * m.x * std::numbers::pi / 2,
+                     phi = (2 * m.y - 1) * std::numbers::pi + azimuth(light);
         const Vector half(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
                           std::cos(theta));
         const Vector viewer = 2 * half.dot(light) * half - light;
@@ -197,8 +197,9 @@ class TensorBsdfFile : public OutsideFile {
         const Square m = square_of(half, azimuth(light));
         const Warps& warps = at(slice, share);
         const double jacobian =
-            std::max(2 * kPi * kPi * m.x * std::hypot(half.x(), half.y()), 1e-6) * 4 *
-            light.dot(half);
+            std::max(2 * std::numbers::pi * std::numbers::pi * m.x * std::hypot(half.x(), half.y()),
+                     1e-6) *
+            4 * light.dot(half);
         return warps.visible.density(m) * warps.luminance.density(warps.visible.invert(m)) /
                jacobian;
     }
