@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
+#include <numbers>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
@@ -9,6 +11,7 @@
 #include "mie/ensemble/far_rays.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/ray_columns.h"
+#include "mie/ensemble/size_families.h"
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "tests/support/catch.h"
@@ -16,6 +19,47 @@
 using namespace miebrdf;
 using Complex = std::complex<double>;
 using Kind = mie::SizeDistributionKind;
+
+TEST_CASE("glories by rays are those of whole spheres, however many sizes there are",
+          "[mie][rays]") {
+    mie::SizeDistribution sizes;
+    sizes.effective_radius_um = 53.27;
+    sizes.effective_variance = 0.105;
+    const Complex m(1.494, 4.75e-4);
+    constexpr double wave_number_per_um = 2 * std::numbers::pi / 0.55;
+    const mie::RadiusRange range = mie::radius_range(sizes);
+    const int terms = mie::number_of_terms(wave_number_per_um * range.largest_um);
+    const mie::Executor run = [](int count, const std::function<void(int)>& job) {
+        for (int i = 0; i < count; ++i) job(i);
+    };
+    const mie::AngularFunctionsOf<float> angular(std::vector<double>{180, 179.9, 179.5}, terms,
+                                                 run);
+    const auto phase = [&](mie::SizeFamilies::Method method, int last_level) -> Eigen::VectorXd {
+        mie::SizeFamilies families(m, sizes, range, wave_number_per_um, 1e-6, method);
+        std::vector<mie::FamilyIntensity> parts;
+        for (int level = 0; level <= last_level; ++level) {
+            const auto more =
+                families.levels(std::vector<int>(families.part_count(), level), angular, run);
+            if (level == 0) parts = more;
+            for (std::size_t i = 0; level > 0 && i < parts.size(); ++i)
+                parts[i] = families.with_level(parts[i], more[i]);
+        }
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(3);
+        double scattered = 0;
+        for (const mie::FamilyIntensity& part : parts) {
+            sum += part.intensity.rowwise().sum();
+            scattered += part.scattered[0] + part.scattered[1];
+        }
+        return sum / scattered;
+    };
+    const Eigen::VectorXd whole = phase(mie::SizeFamilies::Method::sizes, 5);
+    for (const int last_level : {4, 6}) {
+        const Eigen::VectorXd by_rays = phase(mie::SizeFamilies::Method::exact_rays, last_level);
+        CAPTURE(last_level, whole.transpose(), by_rays.transpose());
+        // Single precision. With orders left out at the edges: 9e-4, more with more sizes.
+        CHECK((by_rays - whole).cwiseAbs().cwiseQuotient(whole).maxCoeff() <= 1e-5);
+    }
+}
 
 TEST_CASE("far rays in closed form are the sum of the rays one by one", "[mie][rays]") {
     const Complex m = GENERATE(Complex(1.5, 5e-4), Complex(2.6, 5e-4));
