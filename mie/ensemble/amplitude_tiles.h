@@ -56,6 +56,16 @@ struct WaveColumns {
         real += stride;
         imaginary += stride;
     }
+    /// Puts `count` orders one behind the other.
+    void copy(std::ptrdiff_t stride, int count, Scalar* to) const {
+        WaveColumns from = *this;
+        for (int n = 0; n < count;
+             ++n, from.advance(stride), to += kRegisters * sizeof(Register) / sizeof(Scalar)) {
+            Register waves[kRegisters];
+            from.load(waves);
+            std::memcpy(to, waves, sizeof waves);
+        }
+    }
 };
 
 /// Calls visit(angle, sums) for each angle of a tile: sum over `count` orders of functions times

@@ -13,6 +13,7 @@ namespace miebrdf::mie {
 namespace {
 
 constexpr int kTilesPerJob = 10;
+constexpr int kTilesWorthACopy = 16;  // of waves, which every tile reads again
 
 constexpr int kMostChunks = 8;
 constexpr int kLeastChunk = 32;
@@ -189,14 +190,23 @@ void AngularFunctionsOf<Scalar>::visit_amplitudes(const Matrix& functions,
                                                   const Waves& waves, const Visit& visit) const {
     constexpr int whole = kRegisterSize<Scalar>;
     const std::ptrdiff_t stride = waves.outerStride();
+    thread_local Eigen::Array<Scalar, Eigen::Dynamic, 1> kept;
     const auto visit_columns = [&]<bool kHalves>(int column, int width) {
         const auto [first, last] = block.orders_of(column, width);
         const Scalar* start = waves.data() + first * stride + column;
+        WaveColumns<Scalar, kHalves> columns{start, start + block.imaginary};
+        const int count = last - first + 1;
+        std::ptrdiff_t step = stride;
+        if (tile_count() >= kTilesWorthACopy) {
+            step = columns.kRegisters * whole;
+            if (kept.size() < count * step) kept.resize(count * step);
+            columns.copy(stride, count, kept.data());
+            columns = {kept.data(), kept.data() + step / 2};
+        }
         for (int tile = 0; tile < tile_count(); ++tile) {
             const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
-            visit_angles(angles, of_tile(functions, tile, first),
-                         WaveColumns<Scalar, kHalves>{start, start + block.imaginary}, stride,
-                         last - first + 1, [&](int angle, const auto& sums) {
+            visit_angles(angles, of_tile(functions, tile, first), columns, step, count,
+                         [&](int angle, const auto& sums) {
                              if (angle < angles) visit(first_angle + angle, column, sums);
                          });
         }
