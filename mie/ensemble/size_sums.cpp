@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include <miebrdf/sphere.h>
 #include "mie/ensemble/amplitude_tiles.h"
@@ -24,6 +25,18 @@ int most_chunks(int size_count, const SizeSumOptions& options) {
     const double band_bytes = 2 * 8.0 * (options.terms + 1) * (std::max(options.band_width, 0) + 1);
     const int fitting = std::max(4, static_cast<int>(kChunkMemory / band_bytes));
     return std::min(size_count >= 2048 ? kMostChunks : 4, fitting);
+}
+
+// Columns that many tiles read again, copied order behind order, and the stride between orders.
+template <typename Scalar, bool kHalves>
+std::pair<WaveColumns<Scalar, kHalves>, std::ptrdiff_t> close_together(
+    const WaveColumns<Scalar, kHalves>& columns, std::ptrdiff_t stride, int count, int tiles) {
+    if (tiles < kTilesWorthACopy) return {columns, stride};
+    const int step = columns.kRegisters * kRegisterSize<Scalar>;
+    thread_local Eigen::Array<Scalar, Eigen::Dynamic, 1> kept;
+    if (kept.size() < Eigen::Index(count) * step) kept.resize(Eigen::Index(count) * step);
+    columns.copy(stride, count, kept.data());
+    return {{kept.data(), kept.data() + step / 2}, step};
 }
 
 // To whole vectors.
@@ -190,19 +203,13 @@ void AngularFunctionsOf<Scalar>::visit_amplitudes(const Matrix& functions,
                                                   const Waves& waves, const Visit& visit) const {
     constexpr int whole = kRegisterSize<Scalar>;
     const std::ptrdiff_t stride = waves.outerStride();
-    thread_local Eigen::Array<Scalar, Eigen::Dynamic, 1> kept;
     const auto visit_columns = [&]<bool kHalves>(int column, int width) {
         const auto [first, last] = block.orders_of(column, width);
-        const Scalar* start = waves.data() + first * stride + column;
-        WaveColumns<Scalar, kHalves> columns{start, start + block.imaginary};
         const int count = last - first + 1;
-        std::ptrdiff_t step = stride;
-        if (tile_count() >= kTilesWorthACopy) {
-            step = columns.kRegisters * whole;
-            if (kept.size() < count * step) kept.resize(count * step);
-            columns.copy(stride, count, kept.data());
-            columns = {kept.data(), kept.data() + step / 2};
-        }
+        const Scalar* start = waves.data() + first * stride + column;
+        const auto [columns, step] =
+            close_together(WaveColumns<Scalar, kHalves>{start, start + block.imaginary}, stride,
+                           count, tile_count());
         for (int tile = 0; tile < tile_count(); ++tile) {
             const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
             visit_angles(angles, of_tile(functions, tile, first), columns, step, count,
@@ -258,18 +265,20 @@ void AngularFunctionsOf<Scalar>::add_forms(double weight, const TriangularForm<S
         for (int column = 0; column < form.count(); column += piece) {
             const Scalar* start = form.row(column) + column;
             const int columns = std::min(piece, form.count() - column);
+            const int count = form.count() - column;
+            const auto [waves, step] =
+                close_together(WaveColumns<Scalar, false>{start, start + half}, form.row_size(),
+                               count, tile_count());
             for (int tile = 0; tile < tile_count(); ++tile) {
                 const int first_angle = tile * kAnglesPerTile, angles = angles_in(tile);
                 const Scalar* own = of_tile(functions, tile, first + column);
-                visit_angles(
-                    angles, own, WaveColumns<Scalar, false>{start, start + half}, form.row_size(),
-                    form.count() - column, [&](int angle, const auto& sums) {
-                        if (angle >= angles) return;
-                        double whole = 0;
-                        for (int m = 0; m < columns; ++m)
-                            whole += sums[m / half][m % half] * own[m * kAnglesPerTile + angle];
-                        intensity[first_angle + angle] += weight * whole;
-                    });
+                visit_angles(angles, own, waves, step, count, [&](int angle, const auto& sums) {
+                    if (angle >= angles) return;
+                    double whole = 0;
+                    for (int m = 0; m < columns; ++m)
+                        whole += sums[m / half][m % half] * own[m * kAnglesPerTile + angle];
+                    intensity[first_angle + angle] += weight * whole;
+                });
             }
         }
     };
