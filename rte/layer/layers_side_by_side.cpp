@@ -341,7 +341,8 @@ bool LayersSideBySide::put_on(int first, const ProblemSideBySide& problem, doubl
     const int steps = doublings(depth, problem.grid.mu.minCoeff(), least_cosine, problem.tolerance);
     constexpr int most_steps = 12;
     if (steps > most_steps) return false;
-    if (first == 0 && problem.one_minus_albedo < OrdersSideBySide::kLeastAbsorption) return false;
+    if (first == 0 && problem.one_minus_albedo < HalfSpacesSideBySide::kLeastAbsorption)
+        return false;
     allocate<Doubles>(requested);
     slot_ = 1 - slot_;
     direct_ = (-depth * mu_.cwiseInverse().array()).exp();

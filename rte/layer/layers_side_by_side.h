@@ -5,13 +5,13 @@
 #include <array>
 #include <cstddef>
 
-#include "rte/half_space/orders_side_by_side.h"
+#include "rte/half_space/half_spaces_side_by_side.h"
 
 namespace miebrdf::rte {
 
-/// What LayerOperator and put_on (layer.h) are for one order, for as many as OrdersSideBySide finds
-/// at once, without eigenmodes. M = V^-1 K coth(K tau/2) and P = V^-1 K tanh(K tau/2), K^2 = V U,
-/// of twice the optical depth are the arithmetic and the harmonic mean of both:
+/// What LayerOperator and put_on (layer.h) are for one order, for as many as HalfSpacesSideBySide
+/// finds at once, without eigenmodes. M = V^-1 K coth(K tau/2) and P = V^-1 K tanh(K tau/2), K^2 =
+/// V U, of twice the optical depth are the arithmetic and the harmonic mean of both:
 ///     M' = (M + P) / 2,   P'^-1 = (M^-1 + P^-1) / 2,
 /// the means whose common limit is a half-space (rte/math/means_side_by_side.h). They begin with a
 /// thin layer, M = 2/h V^-1 + h/6 U and P^-1 = 2/h U^-1 + h/6 V, and end with
@@ -20,7 +20,7 @@ namespace miebrdf::rte {
 /// tolerance, relative to the largest (docs/maths-rte.md).
 class LayersSideBySide {
   public:
-    static constexpr int kMostOrders = OrdersSideBySide::kMostOrders;
+    static constexpr int kMostOrders = HalfSpacesSideBySide::kMostOrders;
 
     /// A layer on what `below` is; one layer after the other in the same memory.
     /// @param problem  of the layer; brightness is not needed

@@ -73,8 +73,8 @@ bool fits(int fourier_order, const StackSideBySide::Question& question) {
     const RequestedDirections& requested = question.requested;
     const auto cosines =
         std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
-    if (question.grid.size() > OrdersSideBySide::kMostNodes ||
-        cosines > OrdersSideBySide::kMostCosines) {
+    if (question.grid.size() > HalfSpacesSideBySide::kMostNodes ||
+        cosines > HalfSpacesSideBySide::kMostCosines) {
         return false;
     }
     if (question.stack.media.empty()) return false;
@@ -191,7 +191,7 @@ bool StackSideBySide::solve(int first, const Question& question) {
     const std::size_t lowest = lowest_visible(first, question);
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
     constexpr int eight = math::kLanes<math::EightDoubles>;
-    if (OrdersSideBySide::lanes_of(question.orders) == eight)
+    if (HalfSpacesSideBySide::lanes_of(question.orders) == eight)
         return solve_with<math::EightDoubles>(first, question, lowest);
 #endif
     return solve_with<math::FourDoubles>(first, question, lowest);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rte/half_space/half_space.h"
-#include "rte/half_space/orders_side_by_side.h"
+#include "rte/half_space/half_spaces_side_by_side.h"
 #include "rte/layer/layers_side_by_side.h"
 
 namespace miebrdf::rte {
@@ -54,13 +54,13 @@ class StackSideBySide {
     int first_ = 0, count_ = 0, lanes_ = 0;
     const KernelsSideBySide* kernels_ = nullptr;             ///< of the last solution
     const double *nodes_ = nullptr, *moved_rows_ = nullptr;  ///< of the last solution, in its lanes
-    std::array<bool, OrdersSideBySide::kMostOrders> has_arrived_ = {};
-    std::array<Eigen::MatrixXd, OrdersSideBySide::kMostOrders> multiple_;
+    std::array<bool, HalfSpacesSideBySide::kMostOrders> has_arrived_ = {};
+    std::array<Eigen::MatrixXd, HalfSpacesSideBySide::kMostOrders> multiple_;
     Eigen::VectorXd sky_at_nodes_, sky_at_requested_;  ///< of order 0
     Eigen::VectorXd strengths_;                        ///< of the medium that is being solved
     Reflector ground_;                                 ///< in order 0
     Eigen::VectorXd ground_memory_;
-    OrdersSideBySide half_space_;
+    HalfSpacesSideBySide half_space_;
     LayersSideBySide layers_;
 };
 

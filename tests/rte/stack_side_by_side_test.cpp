@@ -72,7 +72,7 @@ struct Problem {
 };
 
 bool has_registers() {
-    if (rte::OrdersSideBySide::lanes_of(8) > 0) return true;
+    if (rte::HalfSpacesSideBySide::lanes_of(8) > 0) return true;
     WARN("skipped: not compiled for registers that hold four doubles");
     return false;
 }
@@ -233,7 +233,7 @@ TEST_CASE("coats are left to eigenmodes where these take less or keep more digit
     rte::StackSideBySide some;
     rte::Reflector found;
     {
-        Problem many_nodes(stack, 80, rte::OrdersSideBySide::kMostNodes + 1, some_directions(),
+        Problem many_nodes(stack, 80, rte::HalfSpacesSideBySide::kMostNodes + 1, some_directions(),
                            1e-5);
         CHECK_FALSE(many_nodes.find(some, 1, found));
     }

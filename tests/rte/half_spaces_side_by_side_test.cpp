@@ -1,5 +1,5 @@
 // Four or eight Fourier orders of a half-space side by side.
-#include "rte/half_space/orders_side_by_side.h"
+#include "rte/half_space/half_spaces_side_by_side.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
 #include "rte/phase/scaled_medium.h"
@@ -31,8 +31,8 @@ struct Problem {
     }
 };
 
-void solve_some(rte::OrdersSideBySide& some, const Problem& problem, int first, double tolerance,
-                double brightness = 0.0) {
+void solve_some(rte::HalfSpacesSideBySide& some, const Problem& problem, int first,
+                double tolerance, double brightness = 0.0) {
     rte::FourierModes modes;
     rte::KernelsSideBySide kernels;
     const Eigen::VectorXd strengths = problem.scaled.strengths();
@@ -48,7 +48,7 @@ void solve_some(rte::OrdersSideBySide& some, const Problem& problem, int first, 
 }
 
 bool has_registers(const Problem& problem) {
-    rte::OrdersSideBySide some;
+    rte::HalfSpacesSideBySide some;
     solve_some(some, problem, 1, 1e-3);
     if (some.multiple(1) != nullptr) return true;
     WARN("skipped: not compiled for registers that hold four doubles");
@@ -97,7 +97,7 @@ TEST_CASE("Fourier orders side by side are what eigenmodes find", "[rte][half_sp
     Problem problem(rte::henyey_greenstein_optics(albedo, 0.6), nodes, 3 * nodes);
     if (!has_registers(problem)) return;
     const int begin = GENERATE(0, 1);
-    rte::OrdersSideBySide some;
+    rte::HalfSpacesSideBySide some;
     int found = 0;
     for (int first = begin; first < problem.moments; first += 4) {
         solve_some(some, problem, first, tolerance);
@@ -129,7 +129,7 @@ TEST_CASE("beside order 0 higher orders side by side err by no more than each al
     const int nodes = 12;
     Problem problem(rte::henyey_greenstein_optics(albedo, 0.6), nodes, 4 * nodes);
     if (!has_registers(problem)) return;
-    rte::OrdersSideBySide some, alike;
+    rte::HalfSpacesSideBySide some, alike;
     solve_some(some, problem, 0, tolerance);
     REQUIRE(some.multiple(0) != nullptr);
     const double brightness = some.brightness();
@@ -164,7 +164,7 @@ TEST_CASE("the last orders have fewer degrees than there are orders side by side
     const int left = GENERATE(8, 5, 4, 1);
     Problem problem(rte::henyey_greenstein_optics(0.95, 0.8), 16, 40);
     if (!has_registers(problem)) return;
-    rte::OrdersSideBySide some;
+    rte::HalfSpacesSideBySide some;
     solve_some(some, problem, problem.moments - left, 1e-9);
     for (int m = problem.moments - left; m < problem.moments; ++m) {
         if (m >= problem.moments - left + 4 && some.multiple(m) == nullptr)
@@ -182,7 +182,7 @@ TEST_CASE("few sweeps and means of matrices agree", "[rte][half_space]") {
     // Orders 6 to 9 take the one or the other by what the tolerance asks for.
     Problem problem(rte::henyey_greenstein_optics(0.9, 0.7), 12, 48);
     if (!has_registers(problem)) return;
-    rte::OrdersSideBySide loose, strict;
+    rte::HalfSpacesSideBySide loose, strict;
     solve_some(loose, problem, 6, 1e-3);
     solve_some(strict, problem, 6, 1e-12);
     for (int m = 6; m < 10; ++m) {
@@ -192,9 +192,9 @@ TEST_CASE("few sweeps and means of matrices agree", "[rte][half_space]") {
 }
 
 TEST_CASE("large problems are left to eigenmodes", "[rte][half_space]") {
-    Problem problem(rte::henyey_greenstein_optics(0.5, 0.5), rte::OrdersSideBySide::kMostNodes + 1,
-                    20);
-    rte::OrdersSideBySide some;
+    Problem problem(rte::henyey_greenstein_optics(0.5, 0.5),
+                    rte::HalfSpacesSideBySide::kMostNodes + 1, 20);
+    rte::HalfSpacesSideBySide some;
     solve_some(some, problem, 5, 1e-5);
     CHECK(some.multiple(5) == nullptr);
 }
@@ -203,7 +203,7 @@ TEST_CASE("equations without a physical solution are left to eigenmodes", "[rte]
     // Far more point values than the nodes integrate: U and V are not positive definite.
     Problem problem(rte::henyey_greenstein_optics(0.999, 0.95), 4, 60);
     problem.grid.panels.clear();
-    rte::OrdersSideBySide some;
+    rte::HalfSpacesSideBySide some;
     solve_some(some, problem, 0, 1e-5);
     problem.set(0);
     const rte::Reflector one =

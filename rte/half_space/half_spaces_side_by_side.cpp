@@ -1,4 +1,4 @@
-#include "rte/half_space/orders_side_by_side.h"
+#include "rte/half_space/half_spaces_side_by_side.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace miebrdf::rte {
 
-const Eigen::MatrixXd* OrdersSideBySide::multiple(int fourier_order) const {
+const Eigen::MatrixXd* HalfSpacesSideBySide::multiple(int fourier_order) const {
     const int which = fourier_order - first_;
     if (which < 0 || which >= count_ || !has_arrived_[std::size_t(which)]) return nullptr;
     return &multiple_[std::size_t(which)];
@@ -52,7 +52,7 @@ constexpr int kMostSweeps = 40;
 constexpr double kShareOfEach = 0.3;
 
 template <typename Doubles>
-Doubles in_lanes(const std::array<double, OrdersSideBySide::kMostOrders>& values) {
+Doubles in_lanes(const std::array<double, HalfSpacesSideBySide::kMostOrders>& values) {
     Doubles lanes;
     for (int k = 0; k < kLanes<Doubles>; ++k) lanes[k] = values[std::size_t(k)];
     return lanes;
@@ -61,8 +61,8 @@ Doubles in_lanes(const std::array<double, OrdersSideBySide::kMostOrders>& values
 // Whether all orders have arrived after steps of this size, of which the next one is `ratio` of it.
 template <typename Doubles>
 bool note_arrivals(const Doubles& step, const Doubles& ratio,
-                   const std::array<double, OrdersSideBySide::kMostOrders>& accuracy,
-                   std::array<bool, OrdersSideBySide::kMostOrders>& has_arrived) {
+                   const std::array<double, HalfSpacesSideBySide::kMostOrders>& accuracy,
+                   std::array<bool, HalfSpacesSideBySide::kMostOrders>& has_arrived) {
     bool have_all = true;
     for (int k = 0; k < kLanes<Doubles>; ++k) {
         const auto order = std::size_t(k);
@@ -75,12 +75,12 @@ bool note_arrivals(const Doubles& step, const Doubles& ratio,
 }  // namespace
 
 template <typename Doubles>
-Doubles* OrdersSideBySide::matrix(std::size_t which) {
+Doubles* HalfSpacesSideBySide::matrix(std::size_t which) {
     static_assert(EIGEN_MAX_ALIGN_BYTES >= sizeof(Doubles), "vectors of Eigen's hold registers");
     return reinterpret_cast<Doubles*>(memory_.data() + Eigen::Index(which) * matrix_size_);
 }
 
-int OrdersSideBySide::lanes_of(int orders) {
+int HalfSpacesSideBySide::lanes_of(int orders) {
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
     if (orders > kLanes<math::FourDoubles>) return kLanes<math::EightDoubles>;
 #else
@@ -89,7 +89,7 @@ int OrdersSideBySide::lanes_of(int orders) {
     return kLanes<math::FourDoubles>;
 }
 
-bool OrdersSideBySide::solve(int first, const ProblemSideBySide& problem) {
+bool HalfSpacesSideBySide::solve(int first, const ProblemSideBySide& problem) {
     clear();
     const RequestedDirections& requested = problem.requested;
     const std::size_t cosines =
@@ -105,16 +105,16 @@ bool OrdersSideBySide::solve(int first, const ProblemSideBySide& problem) {
 }
 
 template <typename Doubles>
-ReflectorSideBySide<Doubles> OrdersSideBySide::reflector() {
+ReflectorSideBySide<Doubles> HalfSpacesSideBySide::reflector() {
     return {matrix<Doubles>(kX), matrix<Doubles>(kReflected), matrix<Doubles>(kPairs)};
 }
-template ReflectorSideBySide<math::FourDoubles> OrdersSideBySide::reflector();
+template ReflectorSideBySide<math::FourDoubles> HalfSpacesSideBySide::reflector();
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
-template ReflectorSideBySide<math::EightDoubles> OrdersSideBySide::reflector();
+template ReflectorSideBySide<math::EightDoubles> HalfSpacesSideBySide::reflector();
 #endif
 
 template <typename Doubles>
-bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem) {
+bool HalfSpacesSideBySide::solve_with(int first, const ProblemSideBySide& problem) {
     const RequestedDirections& requested = problem.requested;
     first_ = first;
     lanes_ = kLanes<Doubles>;
@@ -148,7 +148,7 @@ bool OrdersSideBySide::solve_with(int first, const ProblemSideBySide& problem) {
     return has_arrived_[0];
 }
 
-void OrdersSideBySide::set_grid(const ProblemSideBySide& problem) {
+void HalfSpacesSideBySide::set_grid(const ProblemSideBySide& problem) {
     const ZenithGrid& grid = problem.grid;
     problem.kernels.set(grid, problem.requested.mu, int(problem.strengths.size()));
     requested_ = problem.requested.mu;
@@ -162,7 +162,7 @@ void OrdersSideBySide::set_grid(const ProblemSideBySide& problem) {
 }
 
 template <typename Doubles>
-void OrdersSideBySide::find_accuracies(int first, const ProblemSideBySide& problem) {
+void HalfSpacesSideBySide::find_accuracies(int first, const ProblemSideBySide& problem) {
     const Doubles* B = matrix<Doubles>(kOppositeSide);
     Doubles once = {};
     for (int q = 0; q < nodes_; ++q) {
@@ -187,7 +187,7 @@ void OrdersSideBySide::find_accuracies(int first, const ProblemSideBySide& probl
 }
 
 // Where the means of matrices take longer.
-bool OrdersSideBySide::few_sweeps_suffice() const {
+bool HalfSpacesSideBySide::few_sweeps_suffice() const {
     constexpr double most_sweeps = 8.0;
     for (std::size_t k = 0; k < std::size_t(lanes_); ++k) {
         if (once_[k] > 0.0 && !arrives_within(most_sweeps, ratio_[k], accuracy_[k] / once_[k]))
@@ -197,7 +197,7 @@ bool OrdersSideBySide::few_sweeps_suffice() const {
 }
 
 template <typename Doubles>
-void OrdersSideBySide::start_from_nothing() {
+void HalfSpacesSideBySide::start_from_nothing() {
     const Doubles* B = matrix<Doubles>(kOppositeSide);
     Doubles *X = matrix<Doubles>(kX), *psi = matrix<Doubles>(kPsi);
     for (int k = 0; k < nodes_ * nodes_; ++k) {
@@ -208,7 +208,7 @@ void OrdersSideBySide::start_from_nothing() {
 
 // Where they take fewer operations. With U and V of half_space.h, (I + Z)^-1 = W gives X = 2 W - I.
 template <typename Doubles>
-bool OrdersSideBySide::start_from_means() {
+bool HalfSpacesSideBySide::start_from_means() {
     const int n = nodes_, rows = nodes_ + cosines_, size = n * n;
     Doubles *Z = matrix<Doubles>(kX), *Z_inverse = matrix<Doubles>(kZInverse);
     const Doubles *even = matrix<Doubles>(kEven), *odd = matrix<Doubles>(kOdd);
@@ -247,7 +247,7 @@ bool OrdersSideBySide::start_from_means() {
 
 // X by the fixed point of half_space.cpp.
 template <typename Doubles>
-void OrdersSideBySide::sweep_nodes() {
+void HalfSpacesSideBySide::sweep_nodes() {
     const int n = nodes_, size = n * n;
     const Doubles *A = matrix<Doubles>(kSameSide), *B = matrix<Doubles>(kOppositeSide);
     Doubles *X = matrix<Doubles>(kX), *G = matrix<Doubles>(kGain), *XG = matrix<Doubles>(kProduct),
@@ -280,7 +280,7 @@ void OrdersSideBySide::sweep_nodes() {
 
 // With X known, 2 R(mu, mu_q) D_q at each requested cosine by a linear fixed point of its own.
 template <typename Doubles>
-void OrdersSideBySide::sweep_rows() {
+void HalfSpacesSideBySide::sweep_rows() {
     const int n = nodes_, cosines = cosines_;
     Doubles *gain = matrix<Doubles>(kGain), *seen = matrix<Doubles>(kSeen),
             *reflected = matrix<Doubles>(kReflected);
@@ -325,7 +325,7 @@ void OrdersSideBySide::sweep_rows() {
 // The rows of the closed form without its eigenmodes: 2 R(mu, .) D = r_mu (I + X) / 2 with
 // r_mu (Z^-1 + mu V) = (E Z^-1 - O) at the cosine.
 template <typename Doubles>
-void OrdersSideBySide::solve_rows() {
+void HalfSpacesSideBySide::solve_rows() {
     const int n = nodes_, cosines = cosines_, all = nodes_ + cosines_;
     const Doubles *even = matrix<Doubles>(kEven), *odd = matrix<Doubles>(kOdd),
                   *Z_inverse = matrix<Doubles>(kZInverse);
@@ -354,7 +354,7 @@ void OrdersSideBySide::solve_rows() {
 
 // 4 (mu_o + mu_i) R = T_o (A_i + T_i B)^T + A_o T_i^T with T = mu times the rows.
 template <typename Doubles>
-void OrdersSideBySide::find_pairs(const RequestedDirections& requested) {
+void HalfSpacesSideBySide::find_pairs(const RequestedDirections& requested) {
     const int n = nodes_, cosines = cosines_;
     const int out = int(requested.out.size()), in = int(requested.in.size());
     const Doubles *T = matrix<Doubles>(kReflected), *A = matrix<Doubles>(kSameSideRows);
@@ -373,7 +373,7 @@ void OrdersSideBySide::find_pairs(const RequestedDirections& requested) {
     }
 }
 
-double OrdersSideBySide::brightness() const {
+double HalfSpacesSideBySide::brightness() const {
     const double* psi = memory_.data() + Eigen::Index(kPsi) * matrix_size_;
     double brightness = 0.0;
     for (Eigen::Index q = 0; q < nodes_; ++q) {
@@ -388,9 +388,9 @@ double OrdersSideBySide::brightness() const {
 
 #else
 
-int OrdersSideBySide::lanes_of(int) { return 0; }
-bool OrdersSideBySide::solve(int, const ProblemSideBySide&) { return false; }
-double OrdersSideBySide::brightness() const { return 0.0; }
+int HalfSpacesSideBySide::lanes_of(int) { return 0; }
+bool HalfSpacesSideBySide::solve(int, const ProblemSideBySide&) { return false; }
+double HalfSpacesSideBySide::brightness() const { return 0.0; }
 
 #endif
 

@@ -10,7 +10,7 @@
 
 namespace miebrdf::rte {
 
-/// A half-space as OrdersSideBySide sees it, and a layer as LayersSideBySide does.
+/// A half-space as HalfSpacesSideBySide sees it, and a layer as LayersSideBySide does.
 struct ProblemSideBySide {
     const Eigen::VectorXd& strengths;  ///< alpha (2l+1) chi_l, l = 0 ... L - 1
     double one_minus_albedo;
@@ -37,7 +37,7 @@ struct ReflectorSideBySide {
 /// point do, by these from X = 0, else by means of matrices that become Z (half_space.h), and a
 /// sweep that says how well. Four or, with AVX-512, eight orders of 12 to 20 nodes take as long as
 /// one or two by eigenmodes, of 32 as three.
-class OrdersSideBySide {
+class HalfSpacesSideBySide {
   public:
     static constexpr int kMostOrders = 8;
     /// More take longer than one by one.
