@@ -39,6 +39,7 @@ template <typename Scalar, bool kHalves>
 struct WaveColumns {
     using Register = typename RegisterOf<Scalar>::Type;
     static constexpr int kRegisters = kHalves ? 1 : 2;
+    static constexpr int kNumbers = kRegisters * kRegisterSize<Scalar>;  // of one order
     const Scalar *real, *imaginary;
 
     MIEBRDF_VECTOR void load(Register (&waves)[kRegisters]) const {
@@ -59,8 +60,7 @@ struct WaveColumns {
     /// Puts `count` orders one behind the other.
     void copy(std::ptrdiff_t stride, int count, Scalar* to) const {
         WaveColumns from = *this;
-        for (int n = 0; n < count;
-             ++n, from.advance(stride), to += kRegisters * sizeof(Register) / sizeof(Scalar)) {
+        for (int n = 0; n < count; ++n, from.advance(stride), to += kNumbers) {
             Register waves[kRegisters];
             from.load(waves);
             std::memcpy(to, waves, sizeof waves);

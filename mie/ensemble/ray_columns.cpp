@@ -18,7 +18,7 @@ using Block = SphereBlockOf<float>;
 
 // Orders from 1 on, and from the last one down, that scatter less than this share of the light
 // together are left out. Straight back the waves of all orders add up in step: there a share of
-// 1e-9 beyond the edge of a sphere with n = 1.5 makes 9e-4 of P, 1e-14 makes 1e-6.
+// 1e-9 beyond the edge of a sphere with n = 1.5 makes 9e-4 of P, 1e-14 makes 2e-6.
 constexpr double kFaintShare = 1e-14;
 constexpr double kNothing = 1e-11;
 constexpr float kRoundedToNothing = 1e-14F;  // of |1 - R|^2, where |R| is 1 to rounding

@@ -32,7 +32,7 @@ template <typename Scalar, bool kHalves>
 std::pair<WaveColumns<Scalar, kHalves>, std::ptrdiff_t> close_together(
     const WaveColumns<Scalar, kHalves>& columns, std::ptrdiff_t stride, int count, int tiles) {
     if (tiles < kTilesWorthACopy) return {columns, stride};
-    const int step = columns.kRegisters * kRegisterSize<Scalar>;
+    const int step = columns.kNumbers;
     thread_local Eigen::Array<Scalar, Eigen::Dynamic, 1> kept;
     if (kept.size() < Eigen::Index(count) * step) kept.resize(Eigen::Index(count) * step);
     columns.copy(stride, count, kept.data());

@@ -10,8 +10,9 @@
 namespace miebrdf::rte {
 
 /// What LayerOperator and put_on (layer.h) are for one order, for as many as HalfSpacesSideBySide
-/// finds at once, without eigenmodes. M = V^-1 K coth(K tau/2) and P = V^-1 K tanh(K tau/2), K^2 =
-/// V U, of twice the optical depth are the arithmetic and the harmonic mean of both:
+/// finds at once, without eigenmodes. With K^2 = V U, M = V^-1 K coth(K tau/2) and
+/// P = V^-1 K tanh(K tau/2) of twice the optical depth are the arithmetic and the harmonic mean of
+/// both:
 ///     M' = (M + P) / 2,   P'^-1 = (M^-1 + P^-1) / 2,
 /// the means whose common limit is a half-space (rte/math/means_side_by_side.h). They begin with a
 /// thin layer, M = 2/h V^-1 + h/6 U and P^-1 = 2/h U^-1 + h/6 V, and end with

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -29,17 +28,13 @@ TEST_CASE("glories by rays are those of whole spheres, however many sizes there 
     constexpr double wave_number_per_um = 2 * std::numbers::pi / 0.55;
     const mie::RadiusRange range = mie::radius_range(sizes);
     const int terms = mie::number_of_terms(wave_number_per_um * range.largest_um);
-    const mie::Executor run = [](int count, const std::function<void(int)>& job) {
-        for (int i = 0; i < count; ++i) job(i);
-    };
-    const mie::AngularFunctionsOf<float> angular(std::vector<double>{180, 179.9, 179.5}, terms,
-                                                 run);
+    const mie::AngularFunctionsOf<float> angular(std::vector<double>{180, 179.9, 179.5}, terms);
     const auto phase = [&](mie::SizeFamilies::Method method, int last_level) -> Eigen::VectorXd {
         mie::SizeFamilies families(m, sizes, range, wave_number_per_um, 1e-6, method);
         std::vector<mie::FamilyIntensity> parts;
         for (int level = 0; level <= last_level; ++level) {
-            const auto more =
-                families.levels(std::vector<int>(families.part_count(), level), angular, run);
+            const auto more = families.levels(std::vector<int>(families.part_count(), level),
+                                              angular, mie::run_in_order);
             if (level == 0) parts = more;
             for (std::size_t i = 0; level > 0 && i < parts.size(); ++i)
                 parts[i] = families.with_level(parts[i], more[i]);
