@@ -218,7 +218,7 @@ class Rehearsing {
             return !is_cut;
         };
         rte::SolverReport report;
-        std::vector<double> values;
+        std::vector<double> values, transfer_errors;
         if (sample.components > 1) {
             report =
                 rte::reflect_polarised(optics.stack, directions_, sample.components, solver, look)
@@ -228,6 +228,7 @@ class Rehearsing {
                 rte::reflect(optics.stack, directions_, solver, nullptr, look);
             report = table.report;
             values = std::move(table.reflection);
+            transfer_errors = std::move(table.errors);
         }
         const double known = watch.seconds();
         double more = 0.0;
@@ -242,9 +243,8 @@ class Rehearsing {
         }
         sample.transfer_s = of_all_directions(known + more, sample);
         if (noisy) {
-            const double others =
-                optics.mie_error_estimate + (is_cut ? solver.tolerance : report.error_estimate);
-            single_angles(w, optics, report, others, values, sample);
+            if (is_cut) std::fill(transfer_errors.begin(), transfer_errors.end(), solver.tolerance);
+            single_angles(w, optics, report.moments, transfer_errors, values, sample);
         }
     }
 
@@ -264,13 +264,15 @@ class Rehearsing {
                of_values * values(all) / std::max(1.0, values(directions_));
     }
 
-    void single_angles(std::size_t w, const SceneOptics& optics, const rte::SolverReport& report,
-                       double other_estimates, std::vector<double>& values, Sample& sample) const {
+    void single_angles(std::size_t w, const SceneOptics& optics, int moments,
+                       const std::vector<double>& transfer_errors, std::vector<double>& values,
+                       Sample& sample) const {
         const Watch watch;
-        refine_phase(request_.scene, w, demand_,
-                     {optics.stack, directions_, report.moments, request_.solver.delta_m},
-                     rest_for_phase(request_.solver.tolerance, other_estimates), values,
-                     mie::run_in_order);
+        refine_phase(
+            request_.scene, w, demand_,
+            {optics.stack, directions_, moments, request_.solver.delta_m, transfer_errors},
+            rest_for_phase(request_.solver.tolerance, optics.mie_error_estimate, transfer_errors),
+            values, mie::run_in_order);
         sample.single_angles_s = watch.seconds();
     }
 

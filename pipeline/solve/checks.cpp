@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/solve/phase_errors.h"
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
@@ -50,18 +49,29 @@ double rest_of_tolerance(double tolerance, double mie_error_estimate) {
     return std::max(tolerance - mie_error_estimate, 0.5 * tolerance);
 }
 
-double rest_for_phase(double tolerance, double other_estimates) {
+std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
+                                   const std::vector<double>& transfer_errors) {
     constexpr double just = 1 - 1e-6;  // all are summed again
-    return std::max(kPhaseShare * tolerance, just * (tolerance - other_estimates));
+    std::vector<double> rest;
+    rest.reserve(transfer_errors.size());
+    for (const double error : transfer_errors) {
+        rest.push_back(
+            std::max(kPhaseShare * tolerance, just * (tolerance - (mie_error_estimate + error))));
+    }
+    return rest;
+}
+
+void judge(WavelengthReport& report, double with_transfer, double mie_error_estimate,
+           bool mie_converged, double tolerance) {
+    report.mie_error_estimate = mie_error_estimate;
+    report.error_estimate = with_transfer + mie_error_estimate;
+    report.converged =
+        has_converged(report.error_estimate, tolerance, report.solver.converged, mie_converged);
 }
 
 void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
            double tolerance) {
-    report.mie_error_estimate = mie_error_estimate;
-    report.error_estimate = report.solver.error_estimate + mie_error_estimate +
-                            phase_error_estimate(report.phase_noise);
-    report.converged =
-        has_converged(report.error_estimate, tolerance, report.solver.converged, mie_converged);
+    judge(report, report.solver.error_estimate, mie_error_estimate, mie_converged, tolerance);
 }
 
 }  // namespace miebrdf

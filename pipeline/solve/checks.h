@@ -18,13 +18,18 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 /// all the same.
 double rest_of_tolerance(double tolerance, double mie_error_estimate);
 
-/// What points of the phase function may err by: their share of the tolerance, or all that the
-/// estimates of the other steps have left of it, if that is more.
-double rest_for_phase(double tolerance, double other_estimates);
+/// What points of the phase function may err by at each pair of cosines: their share of the
+/// tolerance, or all that the estimates of the other steps have left of it there, if that is more.
+/// @param transfer_errors  of rte::ReflectionTable
+std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
+                                   const std::vector<double>& transfer_errors);
 
 /// The one place that decides whether values are converged: all estimates together (transfer, size
 /// averages, points of the phase function) are within `tolerance`, and every step says so.
-/// @param report  its solver's part and its phase noise are set
+/// @param report         its solver's part is set
+/// @param with_transfer  of PhaseErrors; of values without points of P the solver's own estimate
+void judge(WavelengthReport& report, double with_transfer, double mie_error_estimate,
+           bool mie_converged, double tolerance);
 void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
            double tolerance);
 

@@ -145,6 +145,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     solver.tolerance = rest_of_tolerance(
         tolerance, optics.mie_error_estimate +
                        (reflects && has_noisy_phase(stack) ? kPhaseShare * tolerance : 0.0));
+    double with_transfer = 0.0;
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
     slice.report.polarisation_left_out = light.left_out;
@@ -152,11 +153,15 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
         slice.values = std::move(table.reflection);
         slice.report.solver = table.report;
-        slice.report.phase_noise = refine_phase(
+        const PhaseErrors left = refine_phase(
             request.scene, w, demand,
-            {stack, request.directions, table.report.moments, solver.delta_m},
-            rest_for_phase(tolerance, optics.mie_error_estimate + table.report.error_estimate),
-            slice.values, run);
+            {stack, request.directions, table.report.moments, solver.delta_m, table.errors},
+            rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
+        slice.report.phase_noise = left.noise;
+        with_transfer = left.with_transfer;
+        // It was given less than the tolerance, of which the points have not taken all.
+        slice.report.solver.converged =
+            has_converged(table.report.error_estimate, tolerance, table.steps_converged);
         slice.plane_albedo = std::move(table.plane_albedo);
         slice.mirror_reflectance = std::move(table.mirror_reflectance);
         remove_rounding(slice.plane_albedo);
@@ -170,8 +175,9 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         // Nothing comes through a half-space.
         slice.transmittance.resize(slice.values.size(), 0.0);
         slice.report.solver = table.report;
+        with_transfer = table.report.error_estimate;
     }
-    judge(slice.report, optics.mie_error_estimate, optics.converged, tolerance);
+    judge(slice.report, with_transfer, optics.mie_error_estimate, optics.converged, tolerance);
     return slice;
 }
 

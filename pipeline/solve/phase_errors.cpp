@@ -225,15 +225,20 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
 }
 
-PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, double index,
-                      const Directions& directions, const std::vector<double>& reflection,
-                      const Points& points) {
-    PhaseNoise worst;
+// NaN, too, and for good.
+void raise(double& largest, double value) {
+    if (value > largest || std::isnan(value)) largest = value;
+}
+
+PhaseErrors errors_left(const std::vector<PhaseLayer>& layers, const SolvedLayers& solved,
+                        const std::vector<double>& reflection, const Points& points) {
+    const Directions& directions = solved.directions;
     const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
+    PhaseErrors worst;
     for_each_direction(
-        layers, index, directions, reflection,
+        layers, index_of(solved.stack), directions, reflection,
         [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double brightest) {
-            if (!(brightest > 0.0)) return;
+            const double of_transfer = solved.transfer_errors[k];
             double noise = 0.0;
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
@@ -251,20 +256,28 @@ PhaseNoise noise_left(const std::vector<PhaseLayer>& layers, double index,
                                        factor * weights[i].doubt(cos_theta) * change);
                 }
             }
-            noise /= brightest;
-            if (!(noise > worst.largest)) return;
-            worst = {noise, directions.mu_in[k / azimuths / outs],
-                     directions.mu_out[k / azimuths % outs], directions.azimuth_deg[k % azimuths]};
+            noise = brightest > 0.0 ? noise / brightest : 0.0;
+            raise(worst.with_transfer, of_transfer + kDeviations * noise);
+            if (!(noise > worst.noise.largest)) return;
+            worst.noise = {noise, directions.mu_in[k / azimuths / outs],
+                           directions.mu_out[k / azimuths % outs],
+                           directions.azimuth_deg[k % azimuths]};
         });
     return worst;
 }
 
+PhaseErrors of_transfer_alone(const SolvedLayers& solved) {
+    PhaseErrors errors;
+    for (const double error : solved.transfer_errors) raise(errors.with_transfer, error);
+    return errors;
+}
+
 }  // namespace
 
-PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection) {
+PhaseErrors phase_errors(const SolvedLayers& layers, const std::vector<double>& reflection) {
     const std::vector<PhaseLayer> list = layers_of(layers);
-    if (!any_noisy(list)) return {};
-    return noise_left(list, index_of(layers.stack), layers.directions, reflection, {});
+    if (!any_noisy(list) || is_rough(layers.stack)) return of_transfer_alone(layers);
+    return errors_left(list, layers, reflection, {});
 }
 
 bool has_noisy_phase(const rte::Stack& stack) {
@@ -274,16 +287,13 @@ bool has_noisy_phase(const rte::Stack& stack) {
                        [&](const rte::Coat& coat) { return is_noisy(coat.optics); });
 }
 
-double phase_error_estimate(const PhaseNoise& noise) { return kDeviations * noise.largest; }
-
-PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
-                        const SolvedLayers& solved, double allowed, std::vector<double>& reflection,
-                        const mie::Executor& run) {
+PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
+                         const SolvedLayers& solved, const std::vector<double>& allowed,
+                         std::vector<double>& reflection, const mie::Executor& run) {
     const std::vector<PhaseLayer> layers = layers_of(solved);
-    if (!any_noisy(layers) || is_rough(solved.stack)) return {};
+    if (!any_noisy(layers) || is_rough(solved.stack) || !has_one_index(solved.stack))
+        return phase_errors(solved, reflection);
     const double index = index_of(solved.stack);
-    if (!has_one_index(solved.stack))
-        return noise_left(layers, index, solved.directions, reflection, {});
     Points points(layers.size());
     std::size_t parts = 0;
     for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -291,16 +301,17 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
         parts += layers[i].parts.size();
     }
     // An rms; parts err independently of each other.
-    const double share = allowed / (kDeviations * std::sqrt(static_cast<double>(parts)));
+    const double share = 1.0 / (kDeviations * std::sqrt(static_cast<double>(parts)));
     for_each_direction(
         layers, index, solved.directions, reflection,
-        [&](std::size_t, double cos_theta, const std::vector<Weight>& weights, double brightest) {
+        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double brightest) {
+            const double largest = share * allowed[k] * std::max(brightest, 0.0);
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     const PhasePart& part = layers[i].parts[p];
                     const double weight = weights[i].value(cos_theta) * part.factor(cos_theta);
                     if (!(weight > 0.0)) continue;
-                    const double enough = share * std::max(brightest, 0.0) / weight;
+                    const double enough = largest / weight;
                     const double noise = part.table->noise(cos_theta);
                     if (noise <= enough) continue;
                     Point& point = points[i][p][angle_of(cos_theta)];
@@ -330,7 +341,7 @@ PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsD
                 }
             }
         });
-    return noise_left(layers, index, solved.directions, reflection, points);
+    return errors_left(layers, solved, reflection, points);
 }
 
 }  // namespace miebrdf

@@ -17,6 +17,13 @@ struct SolvedLayers {
     const Directions& directions;
     int moments = 0;  ///< kept by delta-M (rte::SolverReport)
     bool delta_m = true;
+    const std::vector<double>& transfer_errors;  ///< of rte::ReflectionTable
+};
+
+struct PhaseErrors {
+    PhaseNoise noise = {};
+    /// Largest over the values: what transfer errs by at a pair of cosines and twice the noise.
+    double with_transfer = 0.0;
 };
 
 /// Transparent spheres ripple in size and angle: points of their averaged phase function err by a
@@ -28,23 +35,19 @@ struct SolvedLayers {
 /// before or after counts by what degree they belong to (rte/first_order/narrow_features.h).
 ///
 /// @param reflection  R laid out as BrdfValues::Slice
-/// @return the largest rms relative to the largest value at its incidence
-PhaseNoise largest_phase_noise(const SolvedLayers& layers, const std::vector<double>& reflection);
+PhaseErrors phase_errors(const SolvedLayers& layers, const std::vector<double>& reflection);
 
 /// Whether a layer has a phase function that errs at single angles.
 bool has_noisy_phase(const rte::Stack& stack);
 
-/// Phase noise as an error estimate: twice the rms.
-double phase_error_estimate(const PhaseNoise& noise);
-
-/// P anew, at the angles of directions whose noise is above `allowed`, from as many sizes as that
-/// takes, where it is few angles that are too noisy; R is linear in P there.
+/// P anew, at the angles of directions where twice the noise is above `allowed`, from as many sizes
+/// as that takes; R is linear in P there.
 /// @param w           the wavelength
-/// @param allowed     error estimate, relative to the largest value at an incidence
+/// @param allowed     of each pair of cosines, relative to the largest value at its incidence
 /// @param reflection  corrected
-/// @return the noise that is left
-PhaseNoise refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
-                        const SolvedLayers& layers, double allowed, std::vector<double>& reflection,
-                        const mie::Executor& run);
+/// @return what is left
+PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
+                         const SolvedLayers& layers, const std::vector<double>& allowed,
+                         std::vector<double>& reflection, const mie::Executor& run);
 
 }  // namespace miebrdf

@@ -58,7 +58,7 @@ std::vector<std::string> ResultReport::shortfalls() const {
         const rte::SolverReport& solver = report.solver;
         if (!(solver.worst_mu_out > 0.0)) continue;  // an albedo
         const PhaseNoise& noise = report.phase_noise;
-        if (2.0 * noise.largest > 0.5 * report.error_estimate) {
+        if (solver.error_estimate + report.mie_error_estimate < 0.5 * report.error_estimate) {
             line += fmt::format(
                 " at mu_in {}, mu_out {}, azimuth {}: points of the phase function (a glory or a "
                 "rainbow) that the number of sphere sizes does not settle; a larger tolerance "

@@ -159,8 +159,11 @@ double difference(double a, double b, double largest) {
     return change > 0.0 ? change / largest : 0.0;
 }
 
+// Whether `value` is to take the place of the largest so far: NaN does, and stays.
+bool is_larger(double value, double largest) { return value > largest || std::isnan(value); }
+
 void raise(double& largest, double value) {
-    if (!(value <= largest)) largest = value;  // to NaN, too
+    if (is_larger(value, largest)) largest = value;
 }
 
 // What the solution with one number of nodes cannot be trusted to differ from the next one by, when
@@ -218,26 +221,35 @@ double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& f
     }
     std::size_t within = 0;
     double largest = 0.0;
+    const double least = std::max(report.error_estimate, kRounding);
+    fine.errors.clear();
     visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
         const double error = gain * last_at(k, scale);
+        fine.errors.push_back(std::max(error, least));
         if (error <= tolerance) ++within;
-        if (!(error <= largest)) {
+        if (is_larger(error, largest)) {
             largest = error;
             report.worst_value = k;
         }
     });
     const std::size_t count = fine.values.size();
     report.share_within_tolerance = count == 0 ? 1.0 : double(within) / double(count);
-    report.error_estimate = std::max({report.error_estimate, kRounding, largest});
+    report.error_estimate = std::max(largest, least);
     return now;
+}
+
+void know_nothing(Attempt& attempt) {
+    constexpr double unknown = std::numeric_limits<double>::infinity();
+    attempt.errors.assign(attempt.values.size(), unknown);
+    attempt.report.error_estimate = unknown;
+    attempt.report.share_within_tolerance = 0.0;
 }
 
 void require_physical(Attempt& attempt, std::size_t count) {
     if (attempt.physical) return;
     attempt.values.assign(count, std::numeric_limits<double>::quiet_NaN());
     attempt.report.converged = false;
-    attempt.report.error_estimate = std::numeric_limits<double>::infinity();
-    attempt.report.share_within_tolerance = 0.0;
+    know_nothing(attempt);
 }
 
 double work_of(int streams, int fourier_orders) {
@@ -291,10 +303,12 @@ void Attempt::clear() {
     values.clear();
     plane_albedo.clear();
     unresolved.clear();
+    errors.clear();
     std::string method = std::move(report.method);
     report = {};
     report.method = std::move(method);
     report.method.clear();
+    steps_converged = false;
     physical = false;
 }
 
@@ -348,10 +362,10 @@ Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, s
                 estimate();
             }
         } else if (fine.physical) {
-            fine.report.error_estimate = std::numeric_limits<double>::infinity();
-            fine.report.share_within_tolerance = 0.0;
+            know_nothing(fine);
         }
         may_be_spared = false;
+        fine.steps_converged = fine.report.converged;
         fine.report.converged =
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged || step + 1 == ladder.size()) break;

@@ -40,7 +40,10 @@ struct Attempt {
     /// Of each value, the part that the nodes do not resolve and that is known but roughly; empty:
     /// none.
     std::vector<double> unresolved = {};
+    /// Of each value, the estimated error relative to the largest of its block.
+    std::vector<double> errors = {};
     SolverReport report;
+    bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
     bool physical = false;
 
     void clear();

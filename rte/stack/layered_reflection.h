@@ -40,6 +40,9 @@ struct ReflectionTable {
     /// At each mu_in, what is reflected into the mirror direction and nowhere else, by boundaries
     /// and mirrors: a delta that `reflection` is without. Empty where there is none.
     std::vector<double> mirror_reflectance;
+    /// Of each value of `reflection`, an estimate relative to the largest value at its incidence.
+    std::vector<double> errors;
+    bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
     SolverReport report;
 };
 

@@ -50,17 +50,54 @@ TEST_CASE("converged is what both estimates together and every step say", "[pipe
     CHECK_FALSE(judged(5e-4, false, 4e-4, true).converged);
     CHECK_FALSE(judged(5e-4, true, 4e-4, false).converged);
     CHECK_FALSE(judged(std::nan(""), true, 0, true).converged);
-    // Twice the rms of the phase function counts, too.
+    // What points of the phase function add to transfer counts, too.
     WavelengthReport noisy;
     noisy.solver.error_estimate = 3e-4;
     noisy.solver.converged = true;
-    noisy.phase_noise.largest = 2e-4;
-    judge(noisy, 1e-4, true, 1e-3);
+    judge(noisy, 7e-4, 1e-4, true, 1e-3);
     CHECK(noisy.error_estimate == Approx(8e-4));
     CHECK(noisy.converged);
-    noisy.phase_noise.largest = 4e-4;
-    judge(noisy, 1e-4, true, 1e-3);
+    judge(noisy, 1.1e-3, 1e-4, true, 1e-3);
     CHECK_FALSE(noisy.converged);
+}
+
+TEST_CASE("points of P get what transfer leaves at each value, four tenths at least",
+          "[pipeline][budget]") {
+    const double nan = std::nan("");
+    const auto rest = rest_for_phase(1e-3, 1e-4, {0.0, 2e-4, 5e-4, 0.7e-3, 3e-2, nan});
+    const std::vector<double> expected = {9e-4, 7e-4, 4e-4, 4e-4, 4e-4, 4e-4};
+    REQUIRE(rest.size() == expected.size());
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+        // A millionth is kept for the rounding of the sum.
+        CHECK(std::abs(rest[k] / expected[k] - 1) <= 1.1e-6);
+        CHECK(rest[k] <= expected[k]);
+    }
+}
+
+TEST_CASE("noise adds to what transfer errs by at the same value", "[pipeline][noise]") {
+    // A poor value without noise beside a good one with it.
+    const Directions directions{{0.5}, {0.5}, {0, 180}};
+    const rte::Stack stack{.base = noisy_isotropic(0.8, 0.0, 0.01)};
+    const std::vector<double> R = {0.3, 0.3};
+    const auto with = [&](const std::vector<double>& transfer) {
+        return phase_errors(
+            {.stack = stack, .directions = directions, .moments = 32, .transfer_errors = transfer},
+            R);
+    };
+    const double noise = with({0, 0}).noise.largest;
+    REQUIRE(noise > 0);
+    CHECK(with({0, 0}).with_transfer == Approx(2 * noise));
+    CHECK(with({1e-4, 0}).with_transfer == Approx(2 * noise));
+    CHECK(with({0, 1e-4}).with_transfer == Approx(2 * noise + 1e-4));
+    CHECK(with({5 * noise, 1e-4}).with_transfer == Approx(5 * noise));
+    CHECK(with({5 * noise, 1e-4}).noise.azimuth_deg == 180);
+    CHECK(std::isnan(with({std::nan(""), 0}).with_transfer));
+    const rte::Stack formula{.base = rte::henyey_greenstein_optics(0.9, 0.5)};
+    const std::vector<double> transfer = {1e-4, 2e-4};
+    const PhaseErrors alone =
+        phase_errors({.stack = formula, .directions = directions, .transfer_errors = transfer}, R);
+    CHECK(alone.noise.largest == 0);
+    CHECK(alone.with_transfer == 2e-4);
 }
 
 TEST_CASE("streams get what Mie theory leaves of the tolerance, half of it at least",
@@ -76,8 +113,17 @@ TEST_CASE("noise of P comes through single scattering", "[pipeline][noise]") {
     const Directions towards_source{{mu_in}, {mu_out}, {180}};
     const rte::Stack base{.base = noisy_isotropic(albedo, 0.5, 0.01)};
     const double R = 0.3;
+    const std::vector<double> no_error = {0.0};
+    const auto noise_of = [&](const rte::Stack& stack) {
+        return phase_errors({.stack = stack,
+                             .directions = towards_source,
+                             .moments = 32,
+                             .transfer_errors = no_error},
+                            {R})
+            .noise;
+    };
     const double direct = albedo * 0.01 / (4 * (mu_in + mu_out)) / R;
-    const PhaseNoise noise = largest_phase_noise({base, towards_source, 32}, {R});
+    const PhaseNoise noise = noise_of(base);
     CHECK(std::abs(noise.largest / direct - 1) <= 1e-12);
     CHECK(noise.mu_in == mu_in);
     CHECK(noise.mu_out == mu_out);
@@ -87,11 +133,11 @@ TEST_CASE("noise of P comes through single scattering", "[pipeline][noise]") {
     const rte::Stack coat{.coats = {{noisy_isotropic(albedo, 0.5, 0.01), depth}},
                           .base_kind = rte::BaseKind::none};
     const double share = 1 - std::exp(-depth * (1 / mu_in + 1 / mu_out));
-    const PhaseNoise of_coat = largest_phase_noise({coat, towards_source, 32}, {R});
+    const PhaseNoise of_coat = noise_of(coat);
     CHECK(std::abs(of_coat.largest / (direct * share) - 1) <= 1e-12);
     // Formulas have none.
     const rte::Stack formula{.base = rte::henyey_greenstein_optics(0.9, 0.5)};
-    CHECK(largest_phase_noise({formula, towards_source, 32}, {R}).largest == 0);
+    CHECK(noise_of(formula).largest == 0);
 }
 
 TEST_CASE("the noise that a result states covers its change with more sizes", "[pipeline][noise]") {

@@ -1,6 +1,8 @@
 #include "rte/stack/layered_reflection.h"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "rte/grid/directions.h"
 #include "rte/math/quadrature.h"
@@ -221,4 +223,54 @@ TEST_CASE(
                                   [](const rte::SolverReport&, int) { return false; });
     CHECK(cut.report.streams == seen.front());
     CHECK_FALSE(cut.report.converged);
+}
+
+TEST_CASE("estimates of single values hold", "[rte][reflect]") {
+    std::mt19937 random(7);
+    const auto uniform = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    const rte::Directions directions{
+        {0.1, 0.4, 0.9}, {0.07, 0.3, 0.6, 0.8, 1.0}, {0, 30, 60, 90, 120, 150, 180}};
+    const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size();
+    std::size_t values = 0, beyond = 0, far_beyond = 0;
+    for (int scene = 0; scene < 40; ++scene) {
+        rte::Stack stack{.base =
+                             rte::henyey_greenstein_optics(uniform(0.3, 1.0), uniform(-0.3, 0.95))};
+        if (scene % 3 == 0) {
+            stack.coats = {{rte::henyey_greenstein_optics(uniform(0.3, 1.0), uniform(0.0, 0.8)),
+                            std::pow(10.0, uniform(-2.0, 1.0))}};
+        }
+        const auto truth = rte::reflect(stack, directions, {.tolerance = 1e-9, .streams = 96});
+        for (const double tolerance : {1e-2, 1e-3, 1e-5}) {
+            const auto result = rte::reflect(stack, directions, {.tolerance = tolerance});
+            REQUIRE(result.errors.size() == result.reflection.size());
+            CHECK(*std::max_element(result.errors.begin(), result.errors.end()) ==
+                  result.report.error_estimate);
+            for (std::size_t k = 0; k < result.errors.size(); ++k) {
+                const auto first = truth.reflection.begin() + std::ptrdiff_t(k - k % block);
+                const double largest = *std::max_element(first, first + std::ptrdiff_t(block));
+                const double error = std::abs(result.reflection[k] - truth.reflection[k]) / largest;
+                // Moments that are left out show as a tenth of the tolerance at most, in no
+                // comparison.
+                const double stated = std::max(result.errors[k], 0.1 * tolerance);
+                ++values;
+                if (!(error <= stated)) ++beyond;
+                if (!(error <= 3 * stated)) ++far_beyond;
+            }
+        }
+    }
+    CAPTURE(values, beyond, far_beyond);
+    // Estimates of two or three solutions are statistics.
+    CHECK(double(beyond) <= 0.01 * double(values));
+    CHECK(double(far_beyond) <= 0.001 * double(values));
+}
+
+TEST_CASE("the estimate of a single value is that of its probes, too", "[rte][reflect]") {
+    const auto one = rte::reflect({.base = rte::henyey_greenstein_optics(0.99, 0.97)},
+                                  {{0.03}, {0.2}, {40}}, {.tolerance = 1e-5, .streams = 24});
+    REQUIRE(one.errors.size() == 1);
+    CHECK(one.errors[0] == one.report.error_estimate);
+    CHECK(one.steps_converged);
+    CHECK_FALSE(one.report.converged);
 }
