@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -66,6 +67,42 @@ void require_cosines(const std::vector<double>& cosines, const char* field) {
     }
 }
 
+/// At the zenith all waves of P_l are along the zenith angle, so that nodes which resolve a degree
+/// in part elsewhere do not resolve it there at all (maths-rte.md, section 8). So sharp a change is
+/// left out of the values, where tables could not follow it, but not of what is known but roughly.
+/// @return how much more that is
+double more_unresolved_at_zenith(const ScaledStack& stack) {
+    double most = 1.0;
+    for (const ScaledMedium& medium : stack.media) {
+        double in_values = 0.0, at_zenith = 0.0;
+        const auto degrees =
+            std::min(medium.unresolved_shares.size() / kResolvedAngles,
+                     std::size_t(medium.narrow.first_degree) + medium.narrow.rest.size());
+        for (auto l = std::size_t(medium.narrow.first_degree); l < degrees; ++l) {
+            const double share = medium.unresolved_shares[l * kResolvedAngles];
+            const double rest = medium.narrow.rest[l - std::size_t(medium.narrow.first_degree)];
+            const double size = (2.0 * double(l) + 1.0) * std::abs(rest);
+            in_values += share * size;
+            at_zenith += share > 0.0 ? size : 0.0;
+        }
+        if (in_values > 0.0) most = std::max(most, at_zenith / in_values);
+    }
+    return most;
+}
+
+void add_at_zenith(const Directions& directions, double factor, std::vector<double>& unresolved) {
+    const double near_zenith = std::cos(5.0 * std::numbers::pi / 180.0);
+    auto value = unresolved.begin();
+    for (const double in : directions.mu_in) {
+        for (const double out : directions.mu_out) {
+            const auto end = value + std::ptrdiff_t(directions.azimuth_deg.size());
+            for (; value != end; ++value) {
+                if (std::min(in, out) >= near_zenith) *value *= factor;
+            }
+        }
+    }
+}
+
 void reflect_with(const Stack& stack, const Directions& directions,
                   const RequestedDirections& requested, const SolverOptions& options,
                   const Discretisation& discretisation, SolutionMemory::Parts::Solution& solution,
@@ -92,7 +129,10 @@ void reflect_with(const Stack& stack, const Directions& directions,
         attempt.report.error_estimate =
             std::max(attempt.report.error_estimate, kEquationShare * options.tolerance);
     }
-    if (attempt.physical) first_order.add_to(attempt.values, scaled, &attempt.unresolved);
+    if (!attempt.physical) return;
+    first_order.add_to(attempt.values, scaled, &attempt.unresolved);
+    if (!attempt.unresolved.empty())
+        add_at_zenith(directions, more_unresolved_at_zenith(scaled), attempt.unresolved);
 }
 
 /// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
