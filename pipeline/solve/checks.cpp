@@ -51,12 +51,13 @@ double rest_of_tolerance(double tolerance, double mie_error_estimate) {
 
 std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
                                    const std::vector<double>& transfer_errors) {
-    constexpr double just = 1 - 1e-6;  // all are summed again
+    // Twice an rms: of many values that may all err by so much, some are beyond it.
+    constexpr double share = 0.85;
     std::vector<double> rest;
     rest.reserve(transfer_errors.size());
     for (const double error : transfer_errors) {
         rest.push_back(
-            std::max(kPhaseShare * tolerance, just * (tolerance - (mie_error_estimate + error))));
+            std::max(kPhaseShare * tolerance, share * (tolerance - (mie_error_estimate + error))));
     }
     return rest;
 }

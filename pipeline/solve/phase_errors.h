@@ -22,7 +22,7 @@ struct SolvedLayers {
 
 struct PhaseErrors {
     PhaseNoise noise = {};
-    /// Largest over the values: what transfer errs by at a pair of cosines and twice the noise.
+    /// Largest over the values: what transfer errs by and twice the noise.
     double with_transfer = 0.0;
 };
 
@@ -43,7 +43,7 @@ bool has_noisy_phase(const rte::Stack& stack);
 /// P anew, at the angles of directions where twice the noise is above `allowed`, from as many sizes
 /// as that takes; R is linear in P there.
 /// @param w           the wavelength
-/// @param allowed     of each pair of cosines, relative to the largest value at its incidence
+/// @param allowed     of each value, relative to the largest value at its incidence
 /// @param reflection  corrected
 /// @return what is left
 PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,

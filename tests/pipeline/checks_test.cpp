@@ -61,17 +61,13 @@ TEST_CASE("converged is what both estimates together and every step say", "[pipe
     CHECK_FALSE(noisy.converged);
 }
 
-TEST_CASE("points of P get what transfer leaves at each value, four tenths at least",
+TEST_CASE("points of P get most of what transfer leaves at each value, four tenths at least",
           "[pipeline][budget]") {
     const double nan = std::nan("");
     const auto rest = rest_for_phase(1e-3, 1e-4, {0.0, 2e-4, 5e-4, 0.7e-3, 3e-2, nan});
-    const std::vector<double> expected = {9e-4, 7e-4, 4e-4, 4e-4, 4e-4, 4e-4};
+    const std::vector<double> expected = {0.85 * 9e-4, 0.85 * 7e-4, 4e-4, 4e-4, 4e-4, 4e-4};
     REQUIRE(rest.size() == expected.size());
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-        // A millionth is kept for the rounding of the sum.
-        CHECK(std::abs(rest[k] / expected[k] - 1) <= 1.1e-6);
-        CHECK(rest[k] <= expected[k]);
-    }
+    for (std::size_t k = 0; k < rest.size(); ++k) CHECK(rest[k] == Approx(expected[k]));
 }
 
 TEST_CASE("noise adds to what transfer errs by at the same value", "[pipeline][noise]") {
