@@ -18,9 +18,8 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 /// all the same.
 double rest_of_tolerance(double tolerance, double mie_error_estimate);
 
-/// What points of the phase function may err by at each value: their share of the
-/// tolerance, or most of what the estimates of the other steps have left of it there, if that is
-/// more.
+/// What points of the phase function may err by at each value: their share of the tolerance, or
+/// most of what the estimates of the other steps have left of it there, if that is more.
 /// @param transfer_errors  of rte::ReflectionTable
 std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
                                    const std::vector<double>& transfer_errors);

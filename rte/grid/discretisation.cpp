@@ -225,7 +225,8 @@ double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& f
     fine.errors.clear();
     visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
         const double error = gain * last_at(k, scale);
-        fine.errors.push_back(std::max(error, least));
+        fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
+                                                : std::max(error, least));
         if (error <= tolerance) ++within;
         if (is_larger(error, largest)) {
             largest = error;

@@ -40,7 +40,7 @@ struct Attempt {
     /// Of each value, the part that the nodes do not resolve and that is known but roughly; empty:
     /// none.
     std::vector<double> unresolved = {};
-    /// Of each value, the estimated error relative to the largest of its block.
+    /// Of each value, the estimated error relative to the largest of its block; never NaN.
     std::vector<double> errors = {};
     SolverReport report;
     bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
@@ -103,6 +103,10 @@ class AzimuthProbes {
     const Directions& directions() const { return directions_; }
     /// Of values at directions(), those that were asked for.
     std::vector<double> without(std::vector<double> values) const;
+    /// Of estimated errors at directions(), those of the values asked for. Two solutions may agree
+    /// by accident at single values: none is believed to be better than its probes or those at the
+    /// azimuths beside it, nor than half of all at its incidence.
+    std::vector<double> believed(const std::vector<double>& errors) const;
     /// Where in those the value at `index` of directions() is, or the one that it is a probe of.
     std::size_t asked_for(std::size_t index) const;
 

@@ -1,5 +1,7 @@
 // Directions beside those asked for, by which solutions of few values are judged.
+#include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "rte/grid/discretisation.h"
 
@@ -37,6 +39,29 @@ std::vector<double> AzimuthProbes::without(std::vector<double> values) const {
         for (std::size_t a = 0; a < azimuths_; ++a) asked.push_back(values[first + a]);
     }
     return asked;
+}
+
+std::vector<double> AzimuthProbes::believed(const std::vector<double>& errors) const {
+    const std::size_t azimuths = directions_.azimuth_deg.size();
+    const std::size_t block = directions_.mu_out.size() * azimuths;
+    const std::size_t reach = azimuths > azimuths_ ? azimuths : 1;
+    if (block == 0) return errors;
+    std::vector<double> all, sorted;
+    all.reserve(errors.size());
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        if (k % block == 0) {
+            const auto first = errors.begin() + std::ptrdiff_t(k);
+            sorted.assign(first, first + std::ptrdiff_t(block));
+            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(block / 2),
+                             sorted.end());
+        }
+        const std::size_t a = k % azimuths;
+        const auto here = errors.begin() + std::ptrdiff_t(k);
+        const auto first = here - std::ptrdiff_t(std::min(a, reach));
+        const auto end = here + 1 + std::ptrdiff_t(std::min(azimuths - 1 - a, reach));
+        all.push_back(std::max(*std::max_element(first, end), sorted[block / 2]));
+    }
+    return without(std::move(all));
 }
 
 std::size_t AzimuthProbes::asked_for(std::size_t index) const {

@@ -208,32 +208,6 @@ void name_worst_direction(const Directions& directions, SolverReport& report) {
     report.worst_mu_in = directions.mu_in[pair / outgoing];
 }
 
-/// Two solutions may agree by accident at single values: none is believed to be better than those
-/// at the azimuths beside it, nor than half of all at its incidence.
-/// @param reach   azimuths to each side
-/// @param errors  of values at `directions`
-void distrust_accidents(const Directions& directions, std::size_t reach,
-                        std::vector<double>& errors) {
-    const std::size_t azimuths = directions.azimuth_deg.size();
-    const std::size_t block = directions.mu_out.size() * azimuths;
-    if (block == 0) return;
-    const std::vector<double> own = errors;
-    std::vector<double> sorted;
-    for (std::size_t k = 0; k < own.size(); ++k) {
-        if (k % block == 0) {
-            const auto first = own.begin() + std::ptrdiff_t(k);
-            sorted.assign(first, first + std::ptrdiff_t(block));
-            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(block / 2),
-                             sorted.end());
-        }
-        const std::size_t a = k % azimuths;
-        const auto here = own.begin() + std::ptrdiff_t(k);
-        const auto first = here - std::ptrdiff_t(std::min(a, reach));
-        const auto end = here + 1 + std::ptrdiff_t(std::min(azimuths - 1 - a, reach));
-        errors[k] = std::max(*std::max_element(first, end), sorted[block / 2]);
-    }
-}
-
 }  // namespace
 
 SolutionMemory::SolutionMemory() : parts_(std::make_unique<Parts>()) {}
@@ -294,8 +268,6 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                          first_order, one);
         },
         attempts, watch, near_retro_reflection(judged));
-    const bool has_probes = judged.azimuth_deg.size() > directions.azimuth_deg.size();
-    distrust_accidents(judged, has_probes ? judged.azimuth_deg.size() : 1, attempt.errors);
     attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
     name_worst_direction(directions, attempt.report);
     if (!attempt.physical) {
@@ -305,7 +277,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
     ReflectionTable table{probes.without(std::move(attempt.values)),
                           std::move(attempt.plane_albedo),
                           {},
-                          probes.without(std::move(attempt.errors)),
+                          probes.believed(attempt.errors),
                           attempt.steps_converged,
                           std::move(attempt.report)};
     ScaledStack exact;
