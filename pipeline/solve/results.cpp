@@ -66,6 +66,16 @@ std::vector<std::string> ResultReport::shortfalls() const {
                 noise.mu_in, noise.mu_out, noise.azimuth_deg);
             continue;
         }
+        if (solver.converged) {  // nothing alone is too much
+            line += fmt::format(
+                ": radiative transfer up to {:.1e} (mu_in {}, mu_out {}, azimuth {}), points of "
+                "the phase function up to {:.1e} (mu_in {}, mu_out {}, azimuth {}), size averages "
+                "{:.1e}",
+                solver.error_estimate, solver.worst_mu_in, solver.worst_mu_out,
+                solver.worst_azimuth_deg, 2.0 * noise.largest, noise.mu_in, noise.mu_out,
+                noise.azimuth_deg, report.mie_error_estimate);
+            continue;
+        }
         line += fmt::format(
             " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within the tolerance",
             solver.worst_mu_in, solver.worst_mu_out, solver.worst_azimuth_deg,

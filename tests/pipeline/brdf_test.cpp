@@ -245,6 +245,15 @@ TEST_CASE("a result says which wavelength is worst, where, and what it missed",
     values.wavelengths[0].converged = true;
     CHECK_FALSE(values.converged());
     CHECK(values.shortfalls().size() == 1);
+    // Neither of two is too much, but both together are.
+    WavelengthReport& second = values.wavelengths[1];
+    second.solver.error_estimate = 6e-4;
+    second.solver.converged = true;
+    second.phase_noise = {.largest = 2.5e-4, .mu_in = 0.5, .mu_out = 0.9, .azimuth_deg = 90};
+    second.error_estimate = 1.1e-3;
+    CHECK_THAT(values.shortfalls()[0],
+               Catch::Contains("radiative transfer up to 6.0e-04") &&
+                   Catch::Contains("phase function up to 5.0e-04 (mu_in 0.5"));
     values.wavelengths[0].error_estimate = 7;
     CHECK(values.worst().wavelength_nm == 500);
     CHECK(values.error_estimate() == 7);
