@@ -113,8 +113,8 @@ std::vector<std::string> ResultReport::polarisation() const {
 
 std::string ResultReport::summary() const {
     const WavelengthReport& least = worst();
-    const std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",
-                                             least.error_estimate, tolerance);
+    std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",
+                                       least.error_estimate, tolerance);
     if (converged()) return estimate;
     double share = 0.0;
     for (const WavelengthReport& report : wavelengths)
