@@ -49,12 +49,16 @@ constexpr double kRayDeviations = 2;
 constexpr double kRayShare = 0.5;       // of what is allowed, for their bias
 constexpr double kRayFloor = 0.5;       // the bias is relative to max(P, this)
 constexpr double kRayPartShare = 0.25;  // of what is allowed, for one part of several
+// Three nodes may all agree by chance: no part is believed to be good before the second level.
+constexpr double kFirstPartShare = 0.1;
 
 struct SingleAngle {
     std::size_t index = 0;  // in the list of angles
     double theta_deg = 0;
     std::vector<FamilyIntensity> parts = {};
     std::vector<double> part_noise = {};
+    std::vector<int> part_levels = {};
+    int level = -1;             // calls of add_level(), from 0
     FamilyIntensity sums = {};  // over parts
     double noise = 0;           // rms
     double differed = 0;        // half of what the families differ by, rms
@@ -62,14 +66,17 @@ struct SingleAngle {
     double value() const { return sums.intensity.row(kMiddle).sum() / scattered(); }
     double scattered() const { return sums.scattered[0] + sums.scattered[1]; }
 
-    void add_level(int level, const std::vector<FamilyIntensity>& added, const SizeFamilies& sizes,
-                   double scattering_efficiency) {
+    void add_level(const std::vector<FamilyIntensity>& added, const std::vector<int>& levels,
+                   const SizeFamilies& sizes, double scattering_efficiency) {
         const std::vector<FamilyIntensity> before = parts;
-        if (level == 0) {
+        if (++level == 0) {
             parts = added;
+            part_levels.assign(parts.size(), 0);
         } else {
             for (std::size_t i = 0; i < added.size(); ++i) {
-                if (added[i].intensity.size() > 0) parts[i] = sizes.with_level(parts[i], added[i]);
+                if (added[i].intensity.size() == 0) continue;
+                parts[i] = sizes.with_level(parts[i], added[i]);
+                part_levels[i] = levels[i];
             }
         }
         sums = parts.front();
@@ -82,8 +89,12 @@ struct SingleAngle {
         if (by_rays && scattering_efficiency > 0)
             sums.scattered[0] = sums.scattered[1] = scattering_efficiency / 2;
         const bool is_nested = sizes.rippled() && level > 0;
+        const double theta = theta_deg * std::numbers::pi / 180;
         const auto noise_of_part = [&](std::size_t i) {
-            if (!is_nested) return difference(parts[i]);
+            if (by_rays && part_levels[i] <= 1)
+                return sizes.believed_of_few(i, part_levels[i], theta, theta, difference(parts[i]),
+                                             parts[i].intensity.row(kMiddle).sum() / scattered());
+            if (!is_nested || added[i].share == 1) return difference(parts[i]);
             const Shares& shares = by_rays ? kSharesByRays : kSharesBySizes;
             return std::max({difference(parts[i]), shares.of_change * change(before[i], parts[i]),
                              shares.of_added * difference(added[i])});
@@ -91,13 +102,17 @@ struct SingleAngle {
         double doubt = is_nested ? kSlowestGain : 0.0;
         double differs = 0;
         part_noise.resize(parts.size(), 0.0);
+        bool starts_anew = false;
         if (by_rays) {
             doubt *= kRayGain;
             // Parts err independently of each other; that of their sum may be small by chance.
             double squares = 0;
             for (std::size_t i = 0; i < parts.size(); ++i) {
-                if (added[i].intensity.size() > 0)
-                    part_noise[i] = std::max(noise_of_part(i), doubt * part_noise[i]);
+                if (added[i].intensity.size() > 0) {
+                    const double believed = added[i].share == 1 ? 0.0 : doubt * part_noise[i];
+                    part_noise[i] = std::max(noise_of_part(i), believed);
+                    starts_anew = starts_anew || added[i].share == 1;
+                }
                 squares += part_noise[i] * part_noise[i];
             }
             differs = std::max(difference(sums), std::sqrt(squares));
@@ -108,7 +123,7 @@ struct SingleAngle {
         double missed = 0;
         if (!by_rays && scattering_efficiency > 0)
             missed = std::abs(scattered() / scattering_efficiency - 1) * value();
-        noise = std::max({differs, doubt * differed, missed});
+        noise = std::max({differs, starts_anew ? 0.0 : doubt * differed, missed});
         differed = differs;
     }
 
@@ -167,21 +182,26 @@ class AngleSeries {
           // A quarter of a period of the fastest wave in P.
           aside_deg_(
               std::min(kWidest, 0.25 * std::numbers::pi / (wave_number_per_um * range.largest_um)) *
-              (180 / std::numbers::pi)) {}
+              (180 / std::numbers::pi)) {
+        if (options.by_rays) sizes_.keep_waves();
+    }
 
     /// Returns the angles that rays do not settle: for sizes.
     std::vector<SingleAngle> compute(std::vector<SingleAngle> active, const Executor& run) {
         std::vector<SingleAngle> unsettled;
-        for (int level = 0; !active.empty(); ++level) {
-            const std::vector<FamilyIntensity> all = intensities(active, level, run);
-            std::vector<SingleAngle> left;
-            for (std::size_t a = 0; a < active.size(); ++a) {
-                SingleAngle& angle = active[a];
-                angle.add_level(level, at_some_angles(all, Eigen::Index(a) * kNodes, kNodes),
+        while (!active.empty()) {
+            std::vector<SingleAngle> others;
+            std::vector<SingleAngle> next = those_next(std::move(active), others);
+            const std::vector<int> levels = wanted_by(next.front());
+            const std::vector<FamilyIntensity> all = intensities(next, levels, run);
+            active = std::move(others);
+            for (std::size_t a = 0; a < next.size(); ++a) {
+                SingleAngle& angle = next[a];
+                angle.add_level(at_some_angles(all, Eigen::Index(a) * kNodes, kNodes), levels,
                                 sizes_, options_.scattering_efficiency);
-                switch (judge(angle, level)) {
+                switch (judge(angle)) {
                     case Verdict::more:
-                        left.push_back(std::move(angle));
+                        active.push_back(std::move(angle));
                         break;
                     case Verdict::not_by_rays:
                         unsettled.push_back(std::move(angle));
@@ -190,9 +210,11 @@ class AngleSeries {
                         break;
                 }
             }
-            active = std::move(left);
+            if (active.empty()) break;
             const double work = (double(active.size()) * kNodes + kSpheresAsAngles) * terms_;
-            if (!options_.by_rays && work * sizes_.sizes_at(level + 1) > options_.most_work) break;
+            if (!options_.by_rays &&
+                work * sizes_.sizes_at(active.front().level + 1) > options_.most_work)
+                break;
         }
         return unsettled;
     }
@@ -205,7 +227,8 @@ class AngleSeries {
                                 : allowed_[angle.index];
     }
 
-    Verdict judge(const SingleAngle& angle, int level) {
+    Verdict judge(const SingleAngle& angle) {
+        const int level = angle.level;
         double error = kDeviations * angle.noise;
         bool too_biased = false;
         if (options_.by_rays) {
@@ -228,38 +251,50 @@ class AngleSeries {
         return Verdict::done;
     }
 
-    // The parts of P whose families differ too much, at all nodes.
-    std::vector<FamilyIntensity> intensities(const std::vector<SingleAngle>& active, int level,
-                                             const Executor& run) {
+    // The angles that want the same levels of sizes next, and the rest of them.
+    std::vector<SingleAngle> those_next(std::vector<SingleAngle> active,
+                                        std::vector<SingleAngle>& others) const {
+        const auto order = [this](const SingleAngle& angle) {
+            return std::pair(angle.level, wanted_by(angle));
+        };
+        auto first = order(active.front());
+        for (const SingleAngle& angle : active) first = std::min(first, order(angle));
+        std::vector<SingleAngle> next;
+        for (SingleAngle& angle : active)
+            (order(angle) == first ? next : others).push_back(std::move(angle));
+        return next;
+    }
+
+    // Of the parts of P whose families differ too much.
+    std::vector<int> wanted_by(const SingleAngle& angle) const {
+        if (angle.level < 0) return std::vector<int>(sizes_.part_count(), 0);
+        std::vector<int> wanted(sizes_.part_count(), -1);
+        const double share = angle.level == 0 ? kFirstPartShare : kRayPartShare;
+        const auto& noise = angle.part_noise;
+        const double largest = *std::max_element(noise.begin(), noise.end());
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            if (kDeviations * noise[i] > share * enough(angle) || noise[i] == largest)
+                wanted[i] = angle.part_levels[i] + 1;
+        }
+        return wanted;
+    }
+
+    // At all nodes.
+    std::vector<FamilyIntensity> intensities(const std::vector<SingleAngle>& angles,
+                                             const std::vector<int>& levels, const Executor& run) {
         std::vector<double> nodes_deg;
-        for (const SingleAngle& angle : active) {
+        for (const SingleAngle& angle : angles) {
             for (const int node : kAside) {
                 const double theta_deg = std::abs(angle.theta_deg + node * aside_deg_);
                 nodes_deg.push_back(theta_deg > 180 ? 360 - theta_deg : theta_deg);
             }
         }
-        if (!options_.by_rays) {
-            if (options_.size_tolerance >= kLeastSingleTolerance && sizes_.count() == 2) {
-                return {
-                    sizes_.level(level, AngularFunctionsOf<float>(nodes_deg, terms_, run), run)};
-            }
-            return {sizes_.level(level, AngularFunctions(nodes_deg, terms_, run), run)};
-        }
-        // Three nodes see much the same: that two families agree says little before the next level.
-        std::vector<int> wanted(sizes_.part_count(), level <= 1 ? level : -1);
-        part_levels_.resize(wanted.size(), 0);
-        for (const SingleAngle& angle : active) {
-            if (level <= 1) break;
-            const auto& noise = angle.part_noise;
-            const double largest = *std::max_element(noise.begin(), noise.end());
-            for (std::size_t i = 0; i < wanted.size(); ++i) {
-                if (kDeviations * noise[i] > kRayPartShare * enough(angle) || noise[i] == largest)
-                    wanted[i] = part_levels_[i] + 1;
-            }
-        }
-        for (std::size_t i = 0; i < wanted.size(); ++i)
-            part_levels_[i] = std::max(part_levels_[i], wanted[i]);
-        return sizes_.levels(wanted, AngularFunctionsOf<float>(nodes_deg, terms_, run), run);
+        if (options_.by_rays)
+            return sizes_.levels(levels, AngularFunctionsOf<float>(nodes_deg, terms_, run), run);
+        const int level = angles.front().level + 1;
+        if (options_.size_tolerance >= kLeastSingleTolerance && sizes_.count() == 2)
+            return {sizes_.level(level, AngularFunctionsOf<float>(nodes_deg, terms_, run), run)};
+        return {sizes_.level(level, AngularFunctions(nodes_deg, terms_, run), run)};
     }
 
     SizeFamilies sizes_;
@@ -268,7 +303,6 @@ class AngleSeries {
     PhaseValues& result_;
     int terms_;
     double aside_deg_;
-    std::vector<int> part_levels_;
 };
 
 }  // namespace
@@ -297,6 +331,7 @@ PhaseValues phase_at_angles(std::complex<double> relative_index,
     };
     if (options.by_rays) angles = compute(options, std::move(angles));
     const PhaseValues of_rays = result;
+    for (SingleAngle& angle : angles) angle = {angle.index, angle.theta_deg};
     const std::vector<SingleAngle> unsettled = angles;
     PhaseTabulationOptions by_sizes = options;
     by_sizes.by_rays = false;

@@ -79,10 +79,10 @@ class PanelSeries {
     }
 
   private:
-    // Those that share the next level of sizes.
+    // Those that want the same levels of sizes next.
     std::vector<Place> take_next() {
-        const auto order = [](const Place& place) {
-            return std::tuple(place.panel.generation(), place.panel.level());
+        const auto order = [this](const Place& place) {
+            return std::tuple(place.panel.generation(), place.panel.level(), wanted_by(place));
         };
         auto first = order(active_.front());
         for (const Place& place : active_) first = std::min(first, order(place));
@@ -93,23 +93,23 @@ class PanelSeries {
         return next;
     }
 
+    std::vector<int> wanted_by(const Place& place) const {
+        return place.panel.next_levels(sizes_, kPartShare * relative_tolerance(place));
+    }
+
     void add_level(std::vector<Place> places, const Executor& run) {
         std::vector<double> angles_deg;
-        std::vector<int> levels(sizes_.part_count(), -1);
+        const std::vector<int> levels = wanted_by(places.front());
         for (const Place& place : places) {
             for (const double theta : panel_nodes(place.panel.lower(), place.panel.upper()))
                 angles_deg.push_back(std::clamp(theta * 180 / std::numbers::pi, 0.0, 180.0));
-            const std::vector<int> wanted =
-                place.panel.next_levels(sizes_, kPartShare * relative_tolerance(place));
-            for (std::size_t i = 0; i < levels.size(); ++i)
-                levels[i] = std::max(levels[i], wanted[i]);
         }
         const std::vector<FamilyIntensity> sums =
             sizes_.levels(levels, AngularFunctionsOf<float>(angles_deg, terms_, run), run);
         Eigen::Index first = 0;
         for (Place& place : places) {
-            place.panel.add_level(at_some_angles(sums, first, PhaseTable::kPanelNodes), sizes_,
-                                  options_);
+            place.panel.add_level(at_some_angles(sums, first, PhaseTable::kPanelNodes), levels,
+                                  sizes_, options_);
             first += PhaseTable::kPanelNodes;
             place.coefficients = panel_coefficients(place.panel.values());
             sort_in(std::move(place), double(angles_deg.size()));
@@ -199,8 +199,8 @@ std::vector<std::size_t> phase_on_panels(std::complex<double> relative_index,
                                          PhaseValues& result) {
     std::vector<std::size_t> left;
     std::vector<Place> places;
-    for (PhasePanel& panel :
-         graded_panels(std::numbers::pi / (wave_number_per_um * range.largest_um)))
+    const double narrowest = std::numbers::pi / (wave_number_per_um * range.largest_um);
+    for (PhasePanel& panel : graded_panels(narrowest, narrowest))
         places.push_back({std::move(panel), {}});
     for (std::size_t i = 0; i < angles_deg.size(); ++i) {
         const double theta = angles_deg[i] * std::numbers::pi / 180;

@@ -41,26 +41,38 @@ std::vector<double> graded_half(double narrowest) {
     return edges;
 }
 
-double last_two(const Eigen::VectorXd& values) {
+// The last two coefficients. They may be small by chance, which noise hides where P is not by rays:
+// no less than those before them fall short of the ones before these.
+double last_two(const Eigen::VectorXd& values, bool by_rays) {
     const Eigen::VectorXd c = panel_coefficients(values);
-    return std::abs(c[PhaseTable::kPanelNodes - 1]) + std::abs(c[PhaseTable::kPanelNodes - 2]);
+    const auto pair = [&](int from_end) {
+        const Eigen::Index last = PhaseTable::kPanelNodes - 1 - from_end;
+        return std::abs(c[last]) + std::abs(c[last - 1]);
+    };
+    const double before = pair(2), start = pair(4);
+    const double expected = start > before ? before * before / start : before;
+    return by_rays ? std::max(pair(0), expected) : pair(0);
 }
 
 }  // namespace
 
-std::vector<PhasePanel> graded_panels(double narrowest) {
-    const std::vector<double> half = graded_half(narrowest);
+std::vector<PhasePanel> graded_panels(double narrowest, double narrowest_backward) {
+    const std::vector<double> forward = graded_half(narrowest);
+    const std::vector<double> backward = graded_half(narrowest_backward);
     std::vector<PhasePanel> panels;
-    for (std::size_t i = 0; i + 1 < half.size(); ++i) panels.emplace_back(half[i], half[i + 1], 0);
-    for (std::size_t i = half.size() - 1; i > 0; --i) {
-        panels.emplace_back(std::numbers::pi - half[i], std::numbers::pi - half[i - 1], 0);
-    }
+    for (std::size_t i = 0; i + 1 < forward.size(); ++i)
+        panels.emplace_back(forward[i], forward[i + 1], 0);
+    for (std::size_t i = backward.size() - 1; i > 0; --i)
+        panels.emplace_back(std::numbers::pi - backward[i], std::numbers::pi - backward[i - 1], 0);
     return panels;
 }
 
-void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
+void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts,
+                           const std::vector<int>& levels, const SizeFamilies& sizes,
                            const PhaseTabulationOptions& options) {
     const Eigen::VectorXd before = level_ < 0 ? Eigen::VectorXd() : values();
+    starts_anew_ = std::any_of(parts.begin(), parts.end(),
+                               [](const FamilyIntensity& part) { return part.share == 1; });
     if (++level_ == 0) {
         parts_ = parts;
         part_levels_.assign(parts.size(), 0);
@@ -68,7 +80,7 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts, const Size
         for (std::size_t i = 0; i < parts.size(); ++i) {
             if (parts[i].intensity.size() == 0) continue;
             parts_[i] = sizes.with_level(parts_[i], parts[i]);
-            ++part_levels_[i];
+            part_levels_[i] = levels[i];
         }
     }
     sums_ = parts_.front();
@@ -89,9 +101,8 @@ std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double toler
     std::vector<int> levels(part_levels_.size(), -1);
     const auto noisiest = std::max_element(part_noise_.begin(), part_noise_.end());
     for (std::size_t i = 0; i < levels.size(); ++i) {
-        if (part_noise_[i] > tolerance || part_noise_[i] == *noisiest) {
+        if (part_noise_[i] > tolerance || part_noise_[i] == *noisiest)
             levels[i] = part_levels_[i] + 1;
-        }
     }
     return levels;
 }
@@ -113,6 +124,7 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
     const double largest = P.maxCoeff();
     const double worst_before = worst_, relative_before = relative_;
     worst_ = relative_ = 0;
+    const bool by_rays = parts_.size() > 1;
     double rms = 0;
     if (sums_.scattered[1] > 0) {
         // The mean of two families errs by half their difference.
@@ -124,16 +136,25 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
         relative_ = relative.norm() / root;
         rms = 0.5 * (values_of(0) - values_of(1)).norm() / root;
         part_noise_.clear();
-        for (const FamilyIntensity& part : parts_) {
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            const Eigen::MatrixXd& intensity = parts_[i].intensity;
             const Eigen::VectorXd of_part =
-                0.5 * (part.intensity.col(0) / whole_[0] - part.intensity.col(1) / whole_[1]);
-            part_noise_.push_back(of_part.cwiseQuotient(P.cwiseMax(floor)).norm() / root);
+                (0.5 * (intensity.col(0) / whole_[0] - intensity.col(1) / whole_[1]))
+                    .cwiseQuotient(P.cwiseMax(floor));
+            part_noise_.push_back(of_part.norm() / root);
+            if (!by_rays) continue;
+            const Eigen::VectorXd value = part_values(parts_[i]).cwiseQuotient(P.cwiseMax(floor));
+            const auto believed = [&](double difference, double of) {
+                return sizes.believed_of_few(i, part_levels_[i], lower_, upper_, difference, of);
+            };
+            part_noise_[i] = believed(part_noise_[i], value.norm() / root);
+            worst_ = std::max(worst_, believed(of_part.cwiseAbs().maxCoeff(), value.maxCoeff()));
+            relative_ = std::max(relative_, part_noise_[i]);
         }
     } else {
         part_noise_.assign(parts_.size(), 0.0);
     }
-    const double doubt = sizes.rippled() && level_ > 0 ? kSlowestGain : 0.0;
-    const bool by_rays = parts_.size() > 1;
+    const double doubt = sizes.rippled() && level_ > 0 && !starts_anew_ ? kSlowestGain : 0.0;
     // By rays P is relative to the efficiency itself.
     double missed = 0;
     if (!by_rays && scattering_efficiency > 0) {
@@ -164,7 +185,10 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
     rms_ = std::max(rms, missed * largest);
     largest_ = largest;
     tail_of_noise_ = rms / largest;
-    tail_ = last_two(P) / largest;
+    const double left_out = last_two(P, by_rays);
+    tail_ = left_out / largest;
+    // Where rays have little noise, what is too fine for the polynomial is more than that.
+    stated_noise_ = by_rays ? std::max(noise_, left_out / P.cwiseMax(floor).mean()) : noise_;
 }
 
 // Share of the sphere, times |P_l| there.

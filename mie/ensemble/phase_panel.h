@@ -27,10 +27,11 @@ class PhasePanel {
     /// more than half.
     /// @param options  of these: scattering_efficiency (sizes that miss it have missed resonances
     ///                 too narrow for two families to tell), floor, ray_bias
-    void add_level(const std::vector<FamilyIntensity>& parts, const SizeFamilies& sizes,
-                   const PhaseTabulationOptions& options);
+    /// @param levels  of the parts
+    void add_level(const std::vector<FamilyIntensity>& parts, const std::vector<int>& levels,
+                   const SizeFamilies& sizes, const PhaseTabulationOptions& options);
     /// Levels of each part to ask for next: all at first, then those whose noise is above
-    /// `tolerance`, at least the noisiest; -1: not that part.
+    /// `tolerance`, at least the noisiest.
     std::vector<int> next_levels(const SizeFamilies& sizes, double tolerance) const;
 
     Eigen::VectorXd values() const;
@@ -39,6 +40,8 @@ class PhasePanel {
     /// them.
     double noise() const { return noise_; }
     double worst_noise() const { return worst_noise_; }
+    /// The first with what the polynomial leaves out: what a table states.
+    double stated_noise() const { return stated_noise_; }
     /// Interpolation error relative to P: last two Chebyshev coefficients. Noise shows in it too.
     double tail() const { return tail_; }
     double tail_of_noise() const { return tail_of_noise_; }
@@ -59,17 +62,19 @@ class PhasePanel {
     double lower_, upper_;
     int generation_;
     int level_ = -1;
+    bool starts_anew_ = false;  // the last level, for some part
     std::vector<FamilyIntensity> parts_;
     std::vector<int> part_levels_;
     std::vector<double> part_noise_;
     FamilyIntensity sums_;             // over parts
     double whole_[2] = {0, 0};         // what each family scatters: P is relative to it
     double worst_ = 0, relative_ = 0;  // half of what the families differ: at one node, rms
-    double noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
+    double noise_ = 0, stated_noise_ = 0, worst_noise_ = 0, tail_ = 0, tail_of_noise_ = 0;
     double rms_ = 0, largest_ = 0;  // noise, and P
 };
 
-/// Panels that are `narrowest` wide at both ends and grow with the distance from them.
-std::vector<PhasePanel> graded_panels(double narrowest);
+/// Panels that are `narrowest` wide at 0, `narrowest_backward` at 180 degrees, and grow with the
+/// distance from there.
+std::vector<PhasePanel> graded_panels(double narrowest, double narrowest_backward);
 
 }  // namespace miebrdf::mie

@@ -66,6 +66,8 @@ class PhaseTabulation {
   private:
     PhaseTable table_of(int family) const;
     std::vector<PhasePanel> take_next();
+    std::vector<int> wanted_by(const PhasePanel& panel) const;
+    /// @param panels  that want the same
     void add_level(std::vector<PhasePanel> panels);
     /// @param noise  of the panel and those beside it
     bool needs_more_sizes(const PhasePanel& panel, double noise) const;
@@ -91,19 +93,17 @@ PhaseTabulation::PhaseTabulation(std::complex<double> relative_index,
       // P is a trigonometric polynomial of degree 2 x: nothing is finer than pi / x.
       narrowest_(std::numbers::pi / (wave_number_per_um * range.largest_um)) {
     sizes_.keep_waves();
-    active_ = graded_panels(narrowest_);
+    // Straight back all degrees of P add up, and what a polynomial has beyond the highest moment is
+    // missing: with rays, that would be more than their noise.
+    active_ = graded_panels(narrowest_, options.by_rays ? 0.5 * narrowest_ : narrowest_);
     while (!active_.empty()) add_level(take_next());
 }
 
-// Panels that share the next level of sizes: halves wait until all of their generation are there,
+// Panels that want the same levels next: halves wait until all of their generation are there,
 // because waves that are not kept are computed anew for each call.
 std::vector<PhasePanel> PhaseTabulation::take_next() {
-    // By rays, forward other parts of P are noisy than backward; one of the edges is 90 degrees.
-    constexpr double backward_from = 0.499 * std::numbers::pi;
     const auto order = [&](const PhasePanel& panel) {
-        const bool backward =
-            options_.by_rays && panel.level() >= 0 && panel.lower() > backward_from;
-        return std::tuple(panel.generation(), panel.level(), backward);
+        return std::tuple(panel.generation(), panel.level(), wanted_by(panel));
     };
     auto first = order(active_.front());
     for (const PhasePanel& panel : active_) first = std::min(first, order(panel));
@@ -113,6 +113,10 @@ std::vector<PhasePanel> PhaseTabulation::take_next() {
     }
     active_ = std::move(others);
     return next;
+}
+
+std::vector<int> PhaseTabulation::wanted_by(const PhasePanel& panel) const {
+    return panel.next_levels(sizes_, kPartShare * options_.size_tolerance);
 }
 
 void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
@@ -128,23 +132,17 @@ void PhaseTabulation::add_level(std::vector<PhasePanel> panels) {
         for (std::size_t i = shares ? 1 : 0; i < nodes.size(); ++i)
             angles_deg.push_back(std::clamp(nodes[i] * 180 / std::numbers::pi, 0.0, 180.0));
     }
-    // The same parts for all: they have had the same before.
-    std::vector<int> levels(sizes_.part_count(), -1);
-    for (const PhasePanel& panel : panels) {
-        const std::vector<int> wanted =
-            panel.next_levels(sizes_, kPartShare * options_.size_tolerance);
-        for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = std::max(levels[i], wanted[i]);
-    }
     const AngularFunctionsOf<float> angular(angles_deg, terms_, run_);
+    const std::vector<int> levels = wanted_by(panels.front());
     const std::vector<FamilyIntensity> sums = sizes_.levels(levels, angular, run_);
     for (std::size_t p = 0; p < panels.size(); ++p) {
-        panels[p].add_level(at_some_angles(sums, first[p], PhaseTable::kPanelNodes), sizes_,
+        panels[p].add_level(at_some_angles(sums, first[p], PhaseTable::kPanelNodes), levels, sizes_,
                             options_);
     }
     const std::vector<double> noise = noise_around(ascending(panels));
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const int level = panels[p].level();
-        const bool tells = level > 0 && sizes_.resolves(level);
+        const bool tells = level > (options_.by_rays ? 1 : 0) && sizes_.resolves(level);
         const double judged = tells ? panels[p].noise() : noise[p];
         sort_in(std::move(panels[p]), judged);
     }
@@ -162,8 +160,8 @@ void PhaseTabulation::sort_in(PhasePanel panel, double noise) {
     // Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
     const bool narrow = panel.upper() - panel.lower() <= 0.501 * narrowest_;
     // Noise alone shows as a tail of 0.8 of itself.
-    if (panel.tail() > std::max(options_.interpolation_tolerance, 2 * panel.tail_of_noise()) &&
-        !narrow) {
+    const double of_noise = (options_.by_rays ? 1.3 : 2.0) * panel.tail_of_noise();
+    if (panel.tail() > std::max(options_.interpolation_tolerance, of_noise) && !narrow) {
         const double middle = 0.5 * (panel.lower() + panel.upper());
         active_.emplace_back(panel.lower(), middle, panel.generation() + 1);
         active_.emplace_back(middle, panel.upper(), panel.generation() + 1);
@@ -213,10 +211,11 @@ PhaseTable PhaseTabulation::table_of(int family) const {
         }
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
-        noise.push_back(panels[p]->level() == 0 && !options_.by_rays
-                            ? around[p]
-                            : std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
-                                        panels[std::min(p + 1, panels.size() - 1)]->noise()}));
+        noise.push_back(
+            panels[p]->level() == 0 && !options_.by_rays
+                ? around[p]
+                : std::max({panels[p > 0 ? p - 1 : p]->stated_noise(), panels[p]->stated_noise(),
+                            panels[std::min(p + 1, panels.size() - 1)]->stated_noise()}));
     }
     return make_phase_table({.edges = std::move(edges),
                              .coefficients = {},

@@ -2,30 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
 #include "mie/ensemble/size_sums.h"
+#include "mie/sphere/lane_math.h"
 
 namespace miebrdf::mie {
 
-std::vector<RayGroup> ray_groups(double index, bool has_ends, bool exact) {
-    // The even rule of n + 1 sizes has n: the one at the end has no weight. Below n = 2 the rays of
-    // two ways have a rainbow.
-    const RayGroup two_ways =
-        index < 2 ? RayGroup{2, 2, {41, 49}, false} : RayGroup{2, 2, {25, 33}, false};
+RaySizeRule RayGroup::sizes_at(int level) const {
+    if (level == 0) return {{kLaneCount, kLaneCount}, -1};
+    // The even rule of n + 1 sizes has n: the one at the end has no weight.
+    if (is_closed()) return {{17, 25}, level - 1};
+    return {{25, 33}, level - 1};
+}
+
+std::vector<RayGroup> ray_groups(bool exact) {
+    std::vector<RayGroup> groups = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}};
     if (exact) {
-        return {{0, 0, {33, 41}, false}, {1, 1, {17, 25}, false},  two_ways,
-                {3, 4, {33, 41}, false}, {5, 16, {17, 25}, false}, {17, 0, {17, 25}, false}};
+        groups.insert(groups.end(), {{5, 6}, {7, 16}, {17, 0}});
+    } else {
+        groups.insert(groups.end(), {{5, 6}, {7, 0, 4}});
     }
-    // Of laws without ends, whose range is wide, eight sizes of both families miss the same 1e-3 to
-    // 7e-2 of what is left behind a damped way (16: 5e-5).
-    const int smooth = has_ends ? 8 : 16;
-    return {{0, 0, {33, 41}, false},
-            {1, 1, {smooth, smooth}, true},
-            two_ways,
-            {3, 4, {33, 41}, false},
-            {5, 0, {smooth, smooth}, true, 6}};
+    return groups;
 }
 
 RayWindow::RayWindow(double index, double smallest_x, double largest_x)
@@ -43,24 +43,60 @@ double RayWindow::at(double x) const {
     return rise(x - smallest_) * rise(largest_ - x);
 }
 
-WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um, int family, int level,
-                        const RayWindow* window) {
-    const int count = group.sizes[family];
-    SizeNodes nodes =
-        group.is_smooth
-            ? smooth_size_nodes(distribution, range, count << level,
-                                family == 0 ? SmoothRule::gauss : SmoothRule::fejer)
-            : nested_size_nodes(distribution, range, count, level, SizeSpacing::geometric);
-    if (window == nullptr && !group.is_smooth) {
-        const double sampled =
-            std::accumulate(nodes.area_share.begin(), nodes.area_share.end(), 0.0);
-        const double exact = area_share_within(distribution, range);
-        for (double& share : nodes.area_share) share *= exact / sampled;
+RaySizes::RaySizes(const SizeDistribution& distribution, const RadiusRange& range,
+                   double wave_number_per_um, const std::optional<RayWindow>& window)
+    : distribution_(distribution),
+      range_(range),
+      wave_number_per_um_(wave_number_per_um),
+      window_(window),
+      density_(area_density(distribution)) {
+    // Pieces over each of which the density and the window are smooth.
+    static const math::Quadrature piece = math::gauss_legendre(64, 0, 1);
+    const double width_um = window ? window->width() / wave_number_per_um : 0;
+    const double lower = range.smallest_um + width_um, upper = range.largest_um - width_um;
+    std::vector<double> edges = {std::log(lower), 0.5 * std::log(lower * upper), std::log(upper)};
+    if (window) {
+        edges.insert(edges.begin(), std::log(range.smallest_um));
+        edges.push_back(std::log(range.largest_um));
     }
-    WeightedSizes sizes(nodes, wave_number_per_um);
-    for (std::size_t i = 0; window != nullptr && i < sizes.weights.size(); ++i)
-        sizes.weights[i] *= window->at(sizes.parameters[i]);
+    for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
+        const double length = edges[e + 1] - edges[e];
+        for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
+            const double log_radius = edges[e] + length * piece.nodes[i];
+            const double radius = std::exp(log_radius);
+            area_.nodes.push_back(log_radius);
+            area_.weights.push_back(length * piece.weights[i] * wave_number_per_um * radius *
+                                    area_at(wave_number_per_um * radius));
+        }
+    }
+    whole_area_ = std::accumulate(area_.weights.begin(), area_.weights.end(), 0.0);
+}
+
+double RaySizes::area_at(double x) const {
+    const double per_x = density_->at(x / wave_number_per_um_) / wave_number_per_um_;
+    return window_ ? per_x * window_->at(x) : per_x;
+}
+
+WeightedSizes RaySizes::of(const RaySizeRule& rule, int family) const {
+    const int count = rule.counts[family];
+    if (rule.is_smooth()) {
+        const math::Quadrature gauss = math::gauss_rule(
+            area_, count, family == 0 ? math::GaussRule::gauss : math::GaussRule::radau);
+        SizeNodes nodes;
+        nodes.area_share = gauss.weights;
+        for (const double log_radius : gauss.nodes) nodes.radius_um.push_back(std::exp(log_radius));
+        return WeightedSizes(nodes, wave_number_per_um_);
+    }
+    WeightedSizes sizes(
+        nested_size_nodes(distribution_, range_, count, rule.nested_level, SizeSpacing::geometric),
+        wave_number_per_um_);
+    double sampled = 0;
+    for (std::size_t i = 0; i < sizes.weights.size(); ++i) {
+        double& weight = sizes.weights[i];
+        if (window_) weight *= window_->at(sizes.parameters[i]);
+        sampled += weight * sizes.parameters[i] * sizes.parameters[i];
+    }
+    for (double& weight : sizes.weights) weight *= whole_area_ / sampled;
     return sizes;
 }
 

@@ -1,29 +1,36 @@
 // The phase function of broad distributions by rays of the Debye series.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "mie/ensemble/size_sums.h"
 #include "mie/sizes/size_law.h"
+#include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 
-struct WeightedSizes;
+/// The sizes of one level of a group, in each of two families: Gauss and Radau rules for the area
+/// of the distribution, or a nested series in equal ratios.
+struct RaySizeRule {
+    int counts[2];
+    int nested_level;  ///< of the series; -1: Gauss and Radau
 
-/// Rays that leave after first_way ... last_way ways through the sphere, and how many sizes they
-/// take at level 0, in each of two families.
+    bool is_smooth() const { return nested_level < 0; }
+    bool operator==(const RaySizeRule&) const = default;
+};
+
+/// Rays that leave after first_way ... last_way ways through the sphere.
 struct RayGroup {
     int first_way, last_way;  ///< last_way 0: all further ones, summed with `phases` phases; 0
                               ///< phases: in closed form (far_rays.h)
-    int sizes[2];
-    bool is_smooth;  ///< few rays come to one angle: sizes by Gauss and Fejer rules in ln r
     int phases = 0;
 
-    /// Both in columns: waves of both can be computed together.
-    bool has_sizes_of(const RayGroup& other) const {
-        return !is_closed() && !other.is_closed() && sizes[0] == other.sizes[0] &&
-               sizes[1] == other.sizes[1] && is_smooth == other.is_smooth;
-    }
+    RaySizeRule sizes_at(int level) const;
     bool is_closed() const { return last_way == 0 && first_way > 0 && phases == 0; }
+    /// Whether each column has rays of one number of ways.
+    bool is_way_by_way() const { return phases == 0 && !is_closed(); }
     int columns() const { return phases > 0 ? phases : is_closed() ? 1 : last_way - first_way + 1; }
 };
 
@@ -31,13 +38,14 @@ struct RayGroup {
 ///     P(theta) = sum_p <|S_p(theta)|^2>.
 /// Rays of many ways are summed as T R^(p-1) e^(i phi) / (1 - R e^(i phi)) with equally spaced
 /// phases phi, which leaves the products of rays `phases` ways apart; the phases of the next size
-/// are shifted, so that these average out, too. Counts: half a per cent of max(P, 1/2), rms over
-/// the angles, for each group (docs/internals/mie-log.md).
-/// @param has_ends  whether the law of sizes ends sharply
-/// @param exact     far rays in closed form, and no rules for smooth integrands: sizes may be
-/// weighted
-///                  by a RayWindow
-std::vector<RayGroup> ray_groups(double index, bool has_ends, bool exact = false);
+/// are shifted, so that these average out, too.
+///
+/// Where one ray of a number of ways comes to an angle, its intensity is smooth in size, and eight
+/// sizes of a Gauss rule give it to 1e-5 or better: that is so at most angles for most groups
+/// (docs/internals/mie-log.md). Where several come and interfere, more sizes in equal ratios are
+/// weighted angle by angle (ray_weights.h).
+/// @param exact  far rays in closed form
+std::vector<RayGroup> ray_groups(bool exact = false);
 
 /// A weight of sizes that falls from 1 to 0 at both ends of a range, with its first three
 /// derivatives: the product of two rays whose phases differ by 2 (n - 1) x or more averages out to
@@ -53,11 +61,28 @@ class RayWindow {
     double smallest_, largest_, width_;
 };
 
-/// Sizes of one family of a group at a level (SizeFamilies).
-/// @param window  null: none; few sizes (but for smooth rules) miss some of the area at the ends,
-///                which all then make up for, since what a ray scatters goes with the area
-WeightedSizes ray_sizes(const RayGroup& group, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um, int family, int level,
-                        const RayWindow* window);
+/// The sizes that rays are averaged over (SizeFamilies).
+class RaySizes {
+  public:
+    RaySizes(const SizeDistribution& distribution, const RadiusRange& range,
+             double wave_number_per_um, const std::optional<RayWindow>& window);
+
+    /// Few sizes of a nested series miss some of the area at the ends, which all then make up for,
+    /// since what a ray scatters goes with the area.
+    WeightedSizes of(const RaySizeRule& rule, int family) const;
+    double smallest_x() const { return wave_number_per_um_ * range_.smallest_um; }
+    double largest_x() const { return wave_number_per_um_ * range_.largest_um; }
+    /// The area of the sizes about x, per x, under the window.
+    double area_at(double x) const;
+
+  private:
+    const SizeDistribution& distribution_;
+    RadiusRange range_;
+    double wave_number_per_um_;
+    std::optional<RayWindow> window_;
+    std::unique_ptr<const AreaDensity> density_;
+    math::Quadrature area_;  // of all sizes, under the window, over ln r
+    double whole_area_ = 0;
+};
 
 }  // namespace miebrdf::mie

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <list>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -21,16 +22,21 @@ constexpr int kLeastFamilyChunk = 16;
 constexpr double kFamilyShare[2] = {1.21, 1.29};
 constexpr int kLeastUnit = 32;  // without ripple: of each
 
+// Of the sizes of levels 0 and 1, what a part may err by where rays interfere: times what the
+// families differ by, and of its value.
+constexpr double kFewDifference[] = {3, 2}, kFewShare[] = {0.05, 0.003};
+constexpr double kGlories = 165 * std::numbers::pi / 180;
+
 constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
 
-constexpr int kLastRayLevel = 6;
+constexpr int kLastNestedLevel = 6;  // by rays
 constexpr double kEndSpacing = 0.5;  // in x, of one family of sizes at sharp ends
 
 constexpr double kFinestSpacing = 0.1;    // in x
 constexpr double kResolvedSpacing = 0.8;  // in x, both families together
 constexpr double kDefaultTolerance = 1e-2;
 
-constexpr double kMostKept = 20e6;                   // bytes
+constexpr double kMostKept = 30e6;                   // bytes
 constexpr double kBytesPerWave = 4 * sizeof(float);  // U and V
 
 struct Chunk {
@@ -83,6 +89,13 @@ Intensity intensity_of(std::complex<double> relative_index, const WeightedSizes&
     return sum;
 }
 
+// Of a mean over a level and those before it. Under weights of their own, twice as many sizes err
+// by a third: the newest counts for most.
+double share_of_level(const RayGroup& group, const RaySizeRule& rule) {
+    if (rule.nested_level <= 0) return 1;
+    return group.is_way_by_way() && rule.nested_level > 1 ? 0.75 : 0.5;
+}
+
 }  // namespace
 
 std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& parts,
@@ -91,7 +104,8 @@ std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& 
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (parts[i].intensity.size() == 0) continue;
         some[i] = {parts[i].intensity.middleRows(first, count),
-                   {parts[i].scattered[0], parts[i].scattered[1]}};
+                   {parts[i].scattered[0], parts[i].scattered[1]},
+                   parts[i].share};
     }
     return some;
 }
@@ -125,13 +139,14 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
     const double most = std::clamp(width / (kFinestSpacing * finer), 4096.0, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
     if (method == Method::sizes) return;
-    last_level_ = kLastRayLevel;
-    groups_ = ray_groups(relative_index.real(), distribution.kind.law().has_ends,
-                         method == Method::exact_rays);
+    groups_ = ray_groups(method == Method::exact_rays);
+    last_level_ = kLastNestedLevel + 1;
     if (method == Method::exact_rays && distribution.kind.law().has_ends) {
         window_.emplace(relative_index.real(), wave_number_per_um * range.smallest_um,
                         wave_number_per_um * range.largest_um);
     }
+    ray_sizes_.emplace(distribution, range, wave_number_per_um, window_);
+    interference_.emplace(relative_index.real(), *ray_sizes_);
 }
 
 WeightedSizes SizeFamilies::sizes_of(int family, int level) const {
@@ -197,6 +212,21 @@ int SizeFamilies::part_count() const {
     return static_cast<int>(groups_.size()) + (window_ ? 1 : 0);
 }
 
+double SizeFamilies::believed_of_few(std::size_t i, int level, double lower_theta,
+                                     double upper_theta, double difference, double value) const {
+    // Elsewhere the nodes of a panel, or of a single angle, are far enough apart.
+    if (i >= groups_.size() || groups_[i].is_closed() || level > 1 || upper_theta < kGlories)
+        return difference;
+    const RayGroup& group = groups_[i];
+    bool interferes = !group.is_way_by_way();
+    for (int way = group.first_way; way <= group.last_way && !interferes; ++way) {
+        for (const double theta : {lower_theta, upper_theta})
+            interferes = interferes || interference_->is_seen(way, theta);
+    }
+    if (!interferes) return difference;
+    return std::max(kFewDifference[level] * difference, kFewShare[level] * value);
+}
+
 std::vector<FamilyIntensity> SizeFamilies::levels(const std::vector<int>& levels,
                                                   const AngularFunctionsOf<float>& angular,
                                                   const Executor& run) {
@@ -209,17 +239,16 @@ struct SizeFamilies::RayPiece {
     int family, first, count;
     std::vector<std::size_t> groups;
     const WeightedSizes* sizes;
-    std::vector<KeptWaves*> places;  // of each group
-    std::vector<RayIntensity> sums;  // of each group
+    std::vector<const Factors*> factors;  // of each group, over all sizes; null: none
+    std::vector<KeptWaves*> places;       // of each group
+    std::vector<RayIntensity> sums;       // of each group
 };
 
-// Of how many sizes the waves of one group, or of any other with the same sizes, stay near the
-// cache.
-int SizeFamilies::sizes_of_piece(const RayGroup& group) const {
+// Of how many sizes the waves of any group stay near the cache: the same for all of them, whichever
+// are wanted together, as waves are kept by piece.
+int SizeFamilies::sizes_of_piece() const {
     int columns = 1;
-    for (const RayGroup& other : groups_) {
-        if (other.has_sizes_of(group)) columns = std::max(columns, other.columns());
-    }
+    for (const RayGroup& group : groups_) columns = std::max(columns, group.columns());
     return std::max(1, kMostRayColumns / (kLaneCount * columns)) * kLaneCount;
 }
 
@@ -252,8 +281,50 @@ void SizeFamilies::sum(RayPiece& piece, const AngularFunctionsOf<float>& angular
             place->is_there = true;
         }
         piece.sums.push_back({Eigen::VectorXd::Zero(angular.angle_count()), columns.scattered});
-        angular.add_intensity(*columns.block, piece.sums.back().at_angles);
+        Eigen::VectorXd& to = piece.sums.back().at_angles;
+        if (columns.block->size == 0) continue;
+        if (piece.factors[i] == nullptr) {
+            angular.add_intensity(*columns.block, to);
+        } else {
+            const int first = piece.first * groups_[piece.groups[i]].columns();
+            angular.add_intensity(*columns.block,
+                                  piece.factors[i]->middleCols(first, columns.block->size), to);
+        }
     }
+}
+
+// Of both families, for the columns of one group: those of eight sizes way by way.
+std::array<SizeFamilies::Factors, 2> SizeFamilies::factors_of(
+    const RayGroup& group, const WeightedSizes* const (&sizes)[2],
+    const AngularFunctionsOf<float>& angular, const Executor& run) const {
+    std::array<Factors, 2> factors;
+    const int ways = group.columns();
+    for (const int family : {0, 1}) {
+        const auto count = static_cast<int>(sizes[family]->parameters.size());
+        const int eights = (count + kLaneCount - 1) / kLaneCount;
+        factors[family] = Factors::Zero(angular.angle_count(), eights * kLaneCount * ways);
+    }
+    constexpr int kAnglesPerJob = 8;
+    const int jobs = (angular.angle_count() + kAnglesPerJob - 1) / kAnglesPerJob;
+    run(jobs, [&](int job) {
+        const int end = std::min(angular.angle_count(), (job + 1) * kAnglesPerJob);
+        for (int angle = job * kAnglesPerJob; angle < end; ++angle) {
+            const double theta = std::acos(angular.cosine(angle));
+            for (int way = 0; way < ways; ++way) {
+                const RayInterference::Terms terms =
+                    interference_->terms(group.first_way + way, theta);
+                for (const int family : {0, 1}) {
+                    const Eigen::VectorXd own = interference_->factors(terms, *sizes[family]);
+                    for (Eigen::Index i = 0; i < own.size(); ++i) {
+                        const Eigen::Index eight = i / kLaneCount, lane = i % kLaneCount;
+                        factors[family](angle, (eight * ways + way) * kLaneCount + lane) =
+                            static_cast<float>(own[i]);
+                    }
+                }
+            }
+        }
+    });
+    return factors;
 }
 
 std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
@@ -262,31 +333,44 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
     std::vector<RayPiece> pieces;
     std::vector<char> is_done(groups_.size(), 0);
     std::list<WeightedSizes> sizes;  // at places that stay
+    std::list<std::array<Factors, 2>> factors;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         if (levels[g] < 0 || is_done[g]) continue;
         const RayGroup& group = groups_[g];
-        std::vector<std::size_t> together;
-        for (std::size_t other = g; other < groups_.size(); ++other) {
-            if (other == g || (levels[other] == levels[g] && groups_[other].has_sizes_of(group)))
+        const RaySizeRule rule = group.sizes_at(levels[g]);
+        std::vector<std::size_t> together = {g};
+        for (std::size_t other = g + 1; other < groups_.size(); ++other) {
+            if (levels[other] >= 0 && !group.is_closed() && !groups_[other].is_closed() &&
+                groups_[other].sizes_at(levels[other]) == rule)
                 together.push_back(other);
         }
         for (const std::size_t other : together) is_done[other] = 1;
-        const int most = sizes_of_piece(group);
+        const int most = sizes_of_piece();
+        const WeightedSizes* of_both[2];
+        for (const int family : {0, 1})
+            of_both[family] = &sizes.emplace_back(ray_sizes_->of(rule, family));
+        std::vector<const std::array<Factors, 2>*> own_factors;
+        for (const std::size_t other : together) {
+            const bool weighted = !rule.is_smooth() && groups_[other].is_way_by_way();
+            own_factors.push_back(
+                weighted ? &factors.emplace_back(factors_of(groups_[other], of_both, angular, run))
+                         : nullptr);
+        }
         for (const int family : {0, 1}) {
-            const WeightedSizes& own =
-                sizes.emplace_back(ray_sizes(group, distribution_, range_, wave_number_per_um_,
-                                             family, levels[g], window_ ? &*window_ : nullptr));
+            const WeightedSizes& own = *of_both[family];
             const int count = static_cast<int>(own.parameters.size());
             for (int first = 0; first < count; first += most) {
                 const int here = std::min(most, count - first);
-                RayPiece piece{family, first, here, together, &own, {}, {}};
+                RayPiece piece{family, first, here, together, &own, {}, {}, {}};
+                for (const auto* both : own_factors)
+                    piece.factors.push_back(both == nullptr ? nullptr : &(*both)[family]);
                 for (const std::size_t other : together) {
                     const double waves =
                         here * groups_[other].columns() * double(terms_of(own, {first, here}));
-                    piece.places.push_back(group.is_closed()
-                                               ? nullptr
-                                               : place_of(static_cast<int>(other), family,
-                                                          levels[g], first, kBytesPerWave * waves));
+                    piece.places.push_back(
+                        group.is_closed() ? nullptr
+                                          : place_of(static_cast<int>(other), family, levels[other],
+                                                     first, kBytesPerWave * waves));
                 }
                 pieces.push_back(std::move(piece));
             }
@@ -295,7 +379,10 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
     run(static_cast<int>(pieces.size()), [&](int job) { sum(pieces[job], angular); });
     std::vector<FamilyIntensity> parts(levels.size());
     for (std::size_t g = 0; g < parts.size(); ++g) {
-        if (levels[g] >= 0) parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
+        if (levels[g] < 0) continue;
+        parts[g].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
+        if (g < groups_.size())
+            parts[g].share = share_of_level(groups_[g], groups_[g].sizes_at(levels[g]));
     }
     for (const RayPiece& piece : pieces) {
         for (std::size_t i = 0; i < piece.groups.size(); ++i) {
@@ -309,34 +396,43 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
 }
 
 void SizeFamilies::add_ends(int level, const AngularFunctionsOf<float>& angular,
-                            const Executor& run, FamilyIntensity& to) const {
+                            const Executor& run, FamilyIntensity& to) {
     struct Piece {
         int family;
         WeightedSizes sizes;
         std::vector<SizeChunks::Block> blocks;
+        std::vector<KeptWaves*> places;
     };
+    const int part = static_cast<int>(groups_.size());
     std::vector<Piece> pieces;
     const double width_um = window_->width() / wave_number_per_um_;
     for (const int family : {0, 1}) {
         const int count = std::max(
             kLeastFamilyChunk,
             static_cast<int>(std::lround(kFamilyShare[family] * window_->width() / kEndSpacing)));
-        for (const RadiusRange& end :
-             {RadiusRange{range_.smallest_um, range_.smallest_um + width_um},
-              RadiusRange{range_.largest_um - width_um, range_.largest_um}}) {
-            WeightedSizes sizes(nested_size_nodes(distribution_, end, count, level),
+        const RadiusRange ends[] = {{range_.smallest_um, range_.smallest_um + width_um},
+                                    {range_.largest_um - width_um, range_.largest_um}};
+        for (const int end : {0, 1}) {
+            WeightedSizes sizes(nested_size_nodes(distribution_, ends[end], count, level),
                                 wave_number_per_um_);
             for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
                 sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
             const SizeChunks chunks(static_cast<int>(sizes.parameters.size()), kMostChunksOfFamily,
                                     kLeastFamilyChunk);
-            for (int i = 0; i < chunks.count(); ++i)
-                pieces.push_back({family, sizes, chunks.blocks(i)});
+            for (int i = 0; i < chunks.count(); ++i) {
+                Piece piece{family, sizes, chunks.blocks(i), {}};
+                for (const SizeChunks::Block& of : piece.blocks)
+                    piece.places.push_back(
+                        place_of(part + end, family, level, of.first,
+                                 kBytesPerWave * of.count * terms_of(sizes, of)));
+                pieces.push_back(std::move(piece));
+            }
         }
     }
     std::vector<Intensity> sums(pieces.size());
     run(static_cast<int>(pieces.size()), [&](int job) {
-        sums[job] = intensity_of(relative_index_, pieces[job].sizes, pieces[job].blocks, angular);
+        const Piece& piece = pieces[job];
+        sums[job] = intensity_of(relative_index_, piece.sizes, piece.blocks, angular, piece.places);
     });
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         to.intensity.col(pieces[i].family) += sums[i].at_angles / 2;
@@ -363,12 +459,15 @@ FamilyIntensity SizeFamilies::with_level(const FamilyIntensity& before,
                                          const FamilyIntensity& level) const {
     FamilyIntensity all = level;
     if (rippled_) {
-        all.intensity += before.intensity;
-        for (int family : {0, 1}) all.scattered[family] += before.scattered[family];
-    } else {
-        all.intensity.col(0) = before.intensity.rowwise().sum();
-        all.scattered[0] = before.scattered[0] + before.scattered[1];
+        const double rest = 1 - level.share;
+        all.intensity = level.share * level.intensity + rest * before.intensity;
+        for (int family : {0, 1})
+            all.scattered[family] =
+                level.share * level.scattered[family] + rest * before.scattered[family];
+        return all;
     }
+    all.intensity.col(0) = before.intensity.rowwise().sum();
+    all.scattered[0] = before.scattered[0] + before.scattered[1];
     all.intensity *= 0.5;
     for (double& scattered : all.scattered) scattered *= 0.5;
     return all;

@@ -10,6 +10,7 @@
 
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/ray_columns.h"
+#include "mie/ensemble/ray_weights.h"
 
 namespace miebrdf::mie {
 
@@ -18,6 +19,8 @@ namespace miebrdf::mie {
 struct FamilyIntensity {
     Eigen::MatrixXd intensity;
     double scattered[2] = {0, 0};
+    /// Of the mean over this level and those before it: 1 where those are no longer needed.
+    double share = 0.5;
 };
 
 /// Of sums over parts at many angles (an empty intensity: not that part) those at `count` of them.
@@ -80,6 +83,11 @@ class SizeFamilies {
     bool is_one_ray(std::size_t part) const {
         return part < groups_.size() && groups_[part].first_way == groups_[part].last_way;
     }
+    /// What part `i` may err by at some angles, by rays: its families of few sizes, which differ by
+    /// so much there (in P), may agree by chance where rays interfere, and at all angles that are
+    /// close together.
+    double believed_of_few(std::size_t i, int level, double lower_theta, double upper_theta,
+                           double difference, double value) const;
     /// One level's spheres alone, part by part.
     /// @param levels  one for each part; -1: not wanted
     std::vector<FamilyIntensity> levels(const std::vector<int>& levels,
@@ -105,12 +113,16 @@ class SizeFamilies {
                                                 const AngularFunctionsOf<float>& angular,
                                                 const Executor& run);
 
+    using Factors = AngularFunctionsOf<float>::Factors;
+    std::array<Factors, 2> factors_of(const RayGroup& group, const WeightedSizes* const (&sizes)[2],
+                                      const AngularFunctionsOf<float>& angular,
+                                      const Executor& run) const;
     struct RayPiece;
-    int sizes_of_piece(const RayGroup& group) const;
+    int sizes_of_piece() const;
     void sum(RayPiece& piece, const AngularFunctionsOf<float>& angular) const;
 
     void add_ends(int level, const AngularFunctionsOf<float>& angular, const Executor& run,
-                  FamilyIntensity& to) const;
+                  FamilyIntensity& to);
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;
@@ -119,6 +131,8 @@ class SizeFamilies {
     bool rippled_;
     std::vector<RayGroup> groups_;          // none: not by rays
     std::optional<RayWindow> window_ = {};  // of rays without ends
+    std::optional<RaySizes> ray_sizes_ = {};
+    std::optional<RayInterference> interference_ = {};
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;

@@ -154,6 +154,7 @@ const Scalar* AngularFunctionsOf<Scalar>::of_tile(const Matrix& functions, int t
 
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& run) {
+    cosines_ = mu;
     const int jobs = (tile_count() + kTilesPerJob - 1) / kTilesPerJob;
     run(jobs, [&](int job) {
         const int end = std::min(tile_count(), (job + 1) * kTilesPerJob);
@@ -234,6 +235,24 @@ void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& bloc
             square += sums[1] * sums[1];
         double whole = 0;
         for (int i = 0; i < kRegisterSize<Scalar>; ++i) whole += square[i];
+        intensity[angle] += whole;
+    };
+    visit_amplitudes(plus_, block, block.U, add);
+    visit_amplitudes(minus_, block, block.V, add);
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_intensity(const SphereBlockOf<Scalar>& block,
+                                               const Eigen::Ref<const Factors>& factors,
+                                               Eigen::VectorXd& intensity) const {
+    const auto add = [&](int angle, int column, const auto& sums) {
+        constexpr bool is_half = std::extent_v<std::remove_reference_t<decltype(sums)>> == 1;
+        auto square = sums[0] * sums[0];
+        if constexpr (!is_half) square += sums[1] * sums[1];
+        constexpr int columns = is_half ? kRegisterSize<Scalar> / 2 : kRegisterSize<Scalar>;
+        const Scalar* factor = factors.data() + angle * factors.outerStride() + column;
+        double whole = 0;
+        for (int i = 0; i < kRegisterSize<Scalar>; ++i) whole += square[i] * factor[i % columns];
         intensity[angle] += whole;
     };
     visit_amplitudes(plus_, block, block.U, add);

@@ -51,10 +51,16 @@ class AngularFunctionsOf {
     AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms, const Executor& run);
 
     int angle_count() const { return angle_count_; }
+    double cosine(int angle) const { return cosines_[angle]; }
 
     /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
     /// weights of SphereSums this is P times 2 * scattered.
     void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::VectorXd& intensity) const;
+    /// The same, each column times a factor of its own at each angle.
+    /// @param factors  row = angle, column = that of the block
+    using Factors = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    void add_intensity(const SphereBlockOf<Scalar>& block, const Eigen::Ref<const Factors>& factors,
+                       Eigen::VectorXd& intensity) const;
 
     /// Adds the same of |S1 + S2|^2, |S1 - S2|^2, Re and Im (S1 + S2)(S1 - S2)*, one column each:
     /// all of the scattering matrix.
@@ -85,6 +91,7 @@ class AngularFunctionsOf {
                      const Waves& waves) const;
 
     int angle_count_ = 0, terms_ = 0;
+    Eigen::ArrayXd cosines_;
     // Tile by tile of kAnglesPerTile angles: row = angle of the tile, column = n (0 unused) of the
     // first tile, of the second, ...
     Matrix plus_, minus_;

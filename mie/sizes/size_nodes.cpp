@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "rte/math/quadrature.h"
 
@@ -30,21 +29,6 @@ Ramp ramp(double tau) {
     return {tau <= 0.5 ? t : 1 - t, slope};
 }
 
-// Fejer's first rule: w_k = 2/n [1 - 2 sum_{j=1}^{n/2} cos(2 j t_k) / (4 j^2 - 1)], t_k = (k + 1/2)
-// pi/n (Davis & Rabinowitz 1984, sect. 2.5.5).
-math::Quadrature fejer(int count, double lower, double upper) {
-    math::Quadrature rule;
-    for (int k = count - 1; k >= 0; --k) {
-        const double t = (k + 0.5) * std::numbers::pi / count;
-        double sum = 0;
-        for (int j = 1; j <= count / 2; ++j) sum += std::cos(2 * j * t) / (4.0 * j * j - 1);
-        const double half = 0.5 * (upper - lower);
-        rule.nodes.push_back(lower + half * (1 + std::cos(t)));
-        rule.weights.push_back(half * 2 / count * (1 - 2 * sum));
-    }
-    return rule;
-}
-
 constexpr int kSmoothStart = 16;       // nodes of the first pass where efficiencies are smooth
 constexpr int kSmoothLimit = 256;      // more than this is for the even rule
 constexpr double kFirstSpacing = 3.4;  // of the even rule, in ripple periods
@@ -55,11 +39,9 @@ constexpr int kMostFirst = 256;
 }  // namespace
 
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
-                            int count, SmoothRule kind) {
-    const double lower = std::log(range.smallest_um), upper = std::log(range.largest_um);
-    const math::Quadrature rule = kind == SmoothRule::gauss
-                                      ? math::gauss_legendre(count, lower, upper)
-                                      : fejer(count, lower, upper);
+                            int count) {
+    const math::Quadrature rule =
+        math::gauss_legendre(count, std::log(range.smallest_um), std::log(range.largest_um));
     const std::unique_ptr<const AreaDensity> density = area_density(distribution);
     SizeNodes nodes;
     for (int i = 0; i < count; ++i) {

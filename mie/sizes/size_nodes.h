@@ -14,11 +14,9 @@ struct SizeNodes {
     std::vector<double> area_share;  ///< sums to 1 up to the error of the rule
 };
 
-/// Gauss-Legendre, or Fejer's first rule (at Chebyshev points), in ln r: for efficiencies that are
-/// smooth in r (absorbing or small spheres).
-enum class SmoothRule { gauss, fejer };
+/// Gauss-Legendre in ln r: for efficiencies that are smooth in r (absorbing or small spheres).
 SizeNodes smooth_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
-                            int count, SmoothRule rule = SmoothRule::gauss);
+                            int count);
 
 /// Equally spaced sizes, as the ripple of transparent spheres wants them, shifted by `offset` of
 /// one spacing, 0 < offset <= 1. Near the ends the spacing shrinks smoothly to zero, so that every

@@ -18,4 +18,17 @@ struct Quadrature {
 /// @throws UsageError  for a count out of range, or an interval that is empty or not finite
 Quadrature gauss_legendre(int count, double lower = -1.0, double upper = 1.0);
 
+/// Gauss: exact to degree 2 count - 1. Radau: one node is the lowest of the points, exact to degree
+/// 2 count - 2.
+enum class GaussRule { gauss, radau };
+
+/// The rule of `count` nodes that gives polynomials the sum over all of `points`, from the
+/// recurrence of the polynomials that are orthogonal there (Lanczos) and the eigenvalues of its
+/// matrix (Golub & Welsch 1969, Math. Comp. 23, 221; Golub 1973, SIAM Rev. 15, 318 for Radau).
+///
+/// @param points  ascending, weights not negative, several times `count` of them with a weight
+/// @param count   2 to 64
+/// @throws UsageError  for another count
+Quadrature gauss_rule(const Quadrature& points, int count, GaussRule kind = GaussRule::gauss);
+
 }  // namespace miebrdf::math

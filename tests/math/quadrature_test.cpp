@@ -49,3 +49,41 @@ TEST_CASE("quadrature refuses nonsense with the value in the message",
     CHECK_THROWS_WITH(math::gauss_legendre(4, 1.0, 1.0), Catch::Contains("(1, 1)"));
     CHECK_THROWS_WITH(math::gauss_legendre(4, 0.0, std::nan("")), Catch::Contains("nan"));
 }
+
+TEST_CASE("a Gauss rule for weighted points gives polynomials the sum over all of them",
+          "[math][quadrature]") {
+    // 300 points with the weights of a crooked density, which no rule by name belongs to.
+    math::Quadrature points;
+    for (int i = 0; i < 300; ++i) {
+        const double x = -1 + 2 * (i + 0.5) / 300;
+        points.nodes.push_back(x);
+        points.weights.push_back(0.01 * std::exp(-3 * x) * (1.2 + std::sin(9 * x)));
+    }
+    const int count = GENERATE(2, 3, 8, 16, 32);
+    const auto kind = GENERATE(math::GaussRule::gauss, math::GaussRule::radau);
+    const auto rule = math::gauss_rule(points, count, kind);
+    const bool is_radau = kind == math::GaussRule::radau;
+    REQUIRE(rule.nodes.size() == static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        CHECK(rule.weights[i] > 0);
+        if (i > 0) CHECK(rule.nodes[i] > rule.nodes[i - 1]);
+    }
+    if (is_radau) CHECK(std::abs(rule.nodes.front() - points.nodes.front()) <= 1e-12);
+    const auto sum_of = [](const math::Quadrature& over, int degree) {
+        double sum = 0;
+        for (std::size_t i = 0; i < over.nodes.size(); ++i)
+            sum += over.weights[i] * std::pow(over.nodes[i], degree);
+        return sum;
+    };
+    const double whole = sum_of(points, 0);
+    const int exact = 2 * count - (is_radau ? 2 : 1);
+    for (int degree = 0; degree <= exact; ++degree) {
+        CAPTURE(count, is_radau, degree);
+        // Rounding of some hundred sums, and of the eigenvalues.
+        CHECK(std::abs(sum_of(rule, degree) - sum_of(points, degree)) <= 1e-13 * whole);
+    }
+    // And no further: the next one is missed, while few nodes leave more than rounding.
+    if (count <= 8)
+        CHECK(std::abs(sum_of(rule, exact + 1) - sum_of(points, exact + 1)) > 1e-9 * whole);
+    CHECK_THROWS_WITH(math::gauss_rule(points, 65), Catch::Contains("65"));
+}

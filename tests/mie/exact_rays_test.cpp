@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
@@ -48,11 +49,12 @@ TEST_CASE("glories by rays are those of whole spheres, however many sizes there 
         return sum / scattered;
     };
     const Eigen::VectorXd whole = phase(mie::SizeFamilies::Method::sizes, 5);
-    for (const int last_level : {4, 6}) {
+    // Some 460 sizes of each group leave what their weights do not know of; then it is single
+    // precision. With orders left out at the edges: 9e-4, more with more sizes.
+    for (const auto& [last_level, bound] : {std::pair(4, 2e-4), std::pair(6, 1e-5)}) {
         const Eigen::VectorXd by_rays = phase(mie::SizeFamilies::Method::exact_rays, last_level);
         CAPTURE(last_level, whole.transpose(), by_rays.transpose());
-        // Single precision. With orders left out at the edges: 9e-4, more with more sizes.
-        CHECK((by_rays - whole).cwiseAbs().cwiseQuotient(whole).maxCoeff() <= 1e-5);
+        CHECK((by_rays - whole).cwiseAbs().cwiseQuotient(whole).maxCoeff() <= bound);
     }
 }
 
@@ -73,7 +75,7 @@ TEST_CASE("far rays in closed form are the sum of the rays one by one", "[mie][r
     Eigen::VectorXd one_by_one = Eigen::VectorXd::Zero(6);
     double scattered = 0;
     for (int way = first; way <= last; ++way) {
-        const mie::RayGroup group{way, way, {0, 0}, false};
+        const mie::RayGroup group{way, way};
         mie::SphereBlockOf<float> block;
         mie::RayColumns columns{&group, &block};
         mie::put_rays(m, sizes, 0, 11, {&columns, 1});

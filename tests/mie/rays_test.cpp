@@ -189,16 +189,18 @@ TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
 TEST_CASE("sizes of rays have all of the area, however few", "[mie][rays]") {
     const Kind kind = GENERATE(Kind::power_law, Kind::log_normal);
     const auto problem = problem_of(kind, 2.6, 420, 0.2);
-    for (const mie::RayGroup& group : mie::ray_groups(2.6, kind == Kind::power_law)) {
-        if (group.is_smooth) continue;  // their rules are exact as they are
-        for (const int level : {0, 1}) {
-            const mie::WeightedSizes sizes = mie::ray_sizes(
-                group, problem.sizes, problem.range, problem.wave_number_per_um, 1, level, nullptr);
-            double area = 0;
-            for (std::size_t i = 0; i < sizes.weights.size(); ++i)
-                area += sizes.weights[i] * std::pow(sizes.parameters[i], 2);
-            CAPTURE(mie::name_of(kind), group.first_way, level);
-            CHECK(std::abs(area / problem.share - 1) <= 1e-12);
+    const double k = problem.wave_number_per_um;
+    const mie::RaySizes all(problem.sizes, problem.range, k, std::nullopt);
+    for (const mie::RayGroup& group : mie::ray_groups(true)) {
+        for (const int level : {0, 1, 2}) {
+            for (const int family : {0, 1}) {
+                const mie::WeightedSizes sizes = all.of(group.sizes_at(level), family);
+                double area = 0;
+                for (std::size_t i = 0; i < sizes.weights.size(); ++i)
+                    area += sizes.weights[i] * std::pow(sizes.parameters[i], 2);
+                CAPTURE(mie::name_of(kind), group.first_way, level, family);
+                CHECK(std::abs(area / problem.share - 1) <= 1e-9);
+            }
         }
     }
 }

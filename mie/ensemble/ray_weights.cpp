@@ -1,0 +1,237 @@
+#include "mie/ensemble/ray_weights.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+namespace miebrdf::mie {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+constexpr int kPowers = 5;       // of ln x, from 0
+constexpr int kRowsPerRate = 4;  // cos and sin, each also times ln x
+constexpr std::size_t kMostRays = 6, kMostRates = 8;
+constexpr double kSamePhase = 0.7;  // radians over all sizes: one ray, or no interference
+// Rays that all but come to the angle: next to a bow on its dark side, and along the edge.
+constexpr double kNearBow = 0.15, kNearEdge = 0.35, kNearEdgeOfDiffraction = 0.5;
+constexpr double kFaintEdge = 1e-3, kBrightEdge = 0.05;  // of the light
+constexpr double kSlowestTurn = 0.05;                    // d deviation / d incidence, next to a bow
+constexpr double kWidestPiece = 4;                       // in x: 8 nodes for rates up to some 2
+constexpr double kGiven = 1e-5;        // by how much conditions may be missed, in squares
+constexpr double kLargestWeights = 8;  // sum of their absolute values
+
+// The share of light that leaves after some ways through the sphere, over both polarisations.
+double share_of(int way, double cos_outside, double inner_path, double index) {
+    const double s = (cos_outside - inner_path) / (cos_outside + inner_path);
+    const double ratio = index * index * cos_outside;
+    const double p = (ratio - inner_path) / (ratio + inner_path);
+    double share = 0;
+    for (const double reflected : {s * s, p * p}) {
+        share +=
+            0.5 * (way == 0 ? reflected
+                            : (1 - reflected) * (1 - reflected) * std::pow(reflected, way - 1));
+    }
+    return share;
+}
+
+// To within half a turn: std::remainder() takes ten times as long.
+double within_half_turn(double angle) {
+    return angle - 2 * kPi * std::nearbyint(angle / (2 * kPi));
+}
+
+}  // namespace
+
+RayInterference::RayInterference(double index, const RaySizes& sizes)
+    : index_(index),
+      smallest_x_(sizes.smallest_x()),
+      largest_x_(sizes.largest_x()),
+      log_centre_(0.5 * std::log(smallest_x_ * largest_x_)),
+      log_half_(0.5 * std::log(largest_x_ / smallest_x_)) {
+    constexpr int count = 128;
+    for (int i = 0; i <= count; ++i) {
+        const double outside = 0.5 * kPi * i / count;
+        incidences_.push_back({outside, std::asin(std::sin(outside) / index)});
+    }
+    static const math::Quadrature rule = math::gauss_legendre(kLaneCount, 0, 1);
+    const double width = largest_x_ - smallest_x_;
+    const int pieces = static_cast<int>(std::ceil(width / kWidestPiece));
+    piece_width_ = width / pieces;
+    for (int lane = 0; lane < kLaneCount; ++lane)
+        first_nodes_[lane] = smallest_x_ + piece_width_ * rule.nodes[lane];
+    double whole = 0;
+    for (int piece = 0; piece < pieces; ++piece) {
+        Lanes share, scaled_share;
+        for (int lane = 0; lane < kLaneCount; ++lane) {
+            const double x = first_nodes_[lane] + piece * piece_width_;
+            share[lane] = piece_width_ * rule.weights[lane] * sizes.area_at(x);
+            scaled_share[lane] = share[lane] * scaled(x);
+        }
+        whole += share.sum();
+        shares_.push_back(share);
+        scaled_shares_.push_back(scaled_share);
+    }
+    means_of_powers_ = Eigen::VectorXd::Zero(kPowers);
+    for (int piece = 0; piece < pieces; ++piece) {
+        shares_[piece] /= whole;
+        scaled_shares_[piece] /= whole;
+        for (int lane = 0; lane < kLaneCount; ++lane) {
+            const double t = scaled(first_nodes_[lane] + piece * piece_width_);
+            double power = shares_[piece][lane];
+            for (int i = 0; i < kPowers; ++i, power *= t) means_of_powers_[i] += power;
+        }
+    }
+}
+
+double RayInterference::scaled(double x) const { return (std::log(x) - log_centre_) / log_half_; }
+
+double RayInterference::deviation(int way, double outside, double inside) const {
+    return 2 * (outside - way * inside) + (way - 1) * kPi;
+}
+
+// One that would come to the angle, were its deviation the target.
+RayInterference::Ray RayInterference::ray(int way, double outside, double target) const {
+    const double b = std::sin(outside), cosine = std::cos(outside);
+    const double inner = std::sqrt(index_ * index_ - b * b);
+    const double aside = target - deviation(way, outside, std::asin(b / index_));
+    const double turn = std::max(std::abs(2 - 2 * way * cosine / inner), kSlowestTurn);
+    return {2 * (way * inner - cosine) + b * aside,
+            share_of(way, cosine, inner, index_) * b * cosine / turn};
+}
+
+std::vector<RayInterference::Ray> RayInterference::rays(int way, double theta) const {
+    std::vector<Ray> all;
+    const double bow =
+        way > index_ ? std::asin(std::sqrt((way * way - index_ * index_) / (way * way - 1))) : 0;
+    const double bow_deviation =
+        bow > 0 ? deviation(way, bow, std::asin(std::sin(bow) / index_)) : 0;
+    for (const double angle : {theta, -theta}) {
+        double before = 0;
+        for (std::size_t i = 0; i < incidences_.size(); ++i) {
+            const auto& [outside, inside] = incidences_[i];
+            const double here = deviation(way, outside, inside);
+            const double aside = within_half_turn(angle - here);
+            if (i > 0 && before * aside <= 0 && std::abs(before - aside) < kPi) {
+                const double step = outside - incidences_[i - 1].outside;
+                const double found =
+                    outside - (before == aside ? 0.0 : step * aside / (aside - before));
+                all.push_back(ray(way, found, here + aside));
+            }
+            before = aside;
+        }
+        if (bow > 0) {
+            const double aside = within_half_turn(angle - bow_deviation);
+            if (aside < 0 && aside > -kNearBow) all.push_back(ray(way, bow, bow_deviation + aside));
+        }
+        const double at_edge = deviation(way, 0.5 * kPi, incidences_.back().inside);
+        const double aside = within_half_turn(angle - at_edge);
+        if (std::abs(aside) < (way == 0 ? kNearEdgeOfDiffraction : kNearEdge)) {
+            Ray edge = ray(way, 0.5 * kPi, at_edge + aside);
+            edge.intensity = way == 0 ? kBrightEdge : kFaintEdge;
+            all.push_back(edge);
+        }
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Ray& a, const Ray& b) { return a.intensity > b.intensity; });
+    return all;
+}
+
+// cos, cos times ln x, sin, sin times ln x
+void RayInterference::put_means(double rate, double* means) const {
+    const auto turns = [](const Lanes& phase) {
+        ComplexLanes turn;
+        for (int lane = 0; lane < kLaneCount; ++lane) {
+            turn.re[lane] = std::cos(phase[lane]);
+            turn.im[lane] = std::sin(phase[lane]);
+        }
+        return turn;
+    };
+    ComplexLanes turn = turns(rate * first_nodes_);
+    const double step_re = std::cos(rate * piece_width_), step_im = std::sin(rate * piece_width_);
+    ComplexLanes sum{Lanes::Zero(), Lanes::Zero()}, scaled_sum{Lanes::Zero(), Lanes::Zero()};
+    for (std::size_t piece = 0; piece < shares_.size(); ++piece) {
+        sum.re += shares_[piece] * turn.re;
+        sum.im += shares_[piece] * turn.im;
+        scaled_sum.re += scaled_shares_[piece] * turn.re;
+        scaled_sum.im += scaled_shares_[piece] * turn.im;
+        const Lanes re = step_re * turn.re - step_im * turn.im;
+        turn.im = step_re * turn.im + step_im * turn.re;
+        turn.re = re;
+    }
+    means[0] = sum.re.sum();
+    means[1] = scaled_sum.re.sum();
+    means[2] = sum.im.sum();
+    means[3] = scaled_sum.im.sum();
+}
+
+std::vector<double> RayInterference::rates(int way, double theta) const {
+    // Straight forward and back both sides of the sphere are one.
+    const double least = 0.5 / largest_x_;
+    std::vector<double> phases;
+    for (const Ray& ray : rays(way, std::clamp(theta, least, kPi - least))) {
+        const bool known = std::any_of(phases.begin(), phases.end(), [&](double phase) {
+            return std::abs(phase - ray.phase) * largest_x_ < kSamePhase;
+        });
+        if (!known) phases.push_back(ray.phase);
+        if (phases.size() == kMostRays) break;
+    }
+    std::vector<double> rates;
+    for (std::size_t i = 0; i < phases.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const double rate = std::abs(phases[i] - phases[j]);
+            const bool known = std::any_of(rates.begin(), rates.end(), [&](double of) {
+                return std::abs(of - rate) * (largest_x_ - smallest_x_) < kSamePhase;
+            });
+            if (!known && rates.size() < kMostRates) rates.push_back(rate);
+        }
+    }
+    return rates;
+}
+
+RayInterference::Terms RayInterference::terms(int way, double theta) const {
+    Terms terms{rates(way, theta), {}};
+    terms.means.resize(kPowers + kRowsPerRate * Eigen::Index(terms.rates.size()));
+    terms.means.head(kPowers) = means_of_powers_;
+    for (std::size_t i = 0; i < terms.rates.size(); ++i)
+        put_means(terms.rates[i], terms.means.data() + kPowers + kRowsPerRate * Eigen::Index(i));
+    return terms;
+}
+
+Eigen::VectorXd RayInterference::factors(const Terms& terms, const WeightedSizes& sizes) const {
+    const auto count = static_cast<Eigen::Index>(sizes.parameters.size());
+    // Conditions times the roots of the shares of the sizes.
+    thread_local Eigen::MatrixXd conditions, products;
+    conditions.resize(terms.means.size(), count);
+    Eigen::VectorXd shares(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const double x = sizes.parameters[i], t = scaled(x);
+        shares[i] = sizes.weights[i] * x * x;
+        double power = 1;
+        double* row = &conditions(0, i);
+        for (int j = 0; j < kPowers; ++j, power *= t) *row++ = power;
+        for (const double rate : terms.rates) {
+            const double cosine = std::cos(rate * x), sine = std::sin(rate * x);
+            *row++ = cosine;
+            *row++ = t * cosine;
+            *row++ = sine;
+            *row++ = t * sine;
+        }
+    }
+    shares /= shares.sum();
+    const Eigen::VectorXd missed = terms.means - conditions * shares;
+    const Eigen::VectorXd roots = shares.cwiseSqrt();
+    conditions *= roots.asDiagonal();
+    products.setZero(conditions.rows(), conditions.rows());
+    products.selfadjointView<Eigen::Lower>().rankUpdate(conditions);
+    products.diagonal().array() += kGiven;
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(products);
+    Eigen::VectorXd factors = conditions.transpose() * solver.solve(missed);
+    factors = 1 + factors.cwiseQuotient(roots).array();
+    if (!(factors.cwiseAbs().dot(shares) <= kLargestWeights)) factors.setOnes();
+    return factors;
+}
+
+}  // namespace miebrdf::mie
