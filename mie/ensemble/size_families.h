@@ -48,9 +48,11 @@ struct KeptWaves {
 /// one family of 64, 128, ... Its two halves are, at level 0, the sizes at even and at odd places,
 /// and then all levels before and the new one.
 ///
-/// By rays (ray_phase.h), P is a sum over parts, one for each group of rays, and the sizes of each
-/// part form two such families: what they differ by is what interference within a group leaves.
-/// Only in single precision. Without rays there is one part.
+/// By rays (ray_phase.h), P is a sum over parts, one for each group of rays. Each part has two
+/// families of its own: at level 0 eight sizes each by rules for smooth integrands, then levels in
+/// equal ratios with weights for what interferes at the angle (ray_weights.h). What they differ by
+/// is what interference within a group leaves. Only in single precision. Without rays there is one
+/// part.
 ///
 /// Where a distribution ends sharply, rays of different ways do not average out there: what they
 /// leave is the error of P by rays. With `exact_rays` each ray is weighted by RayWindow, and what
