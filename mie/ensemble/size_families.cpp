@@ -145,8 +145,8 @@ SizeFamilies::SizeFamilies(std::complex<double> relative_index,
         window_.emplace(relative_index.real(), wave_number_per_um * range.smallest_um,
                         wave_number_per_um * range.largest_um);
     }
-    ray_sizes_.emplace(distribution, range, wave_number_per_um, window_);
-    interference_.emplace(relative_index.real(), *ray_sizes_);
+    ray_sizes_ = std::make_unique<const RaySizes>(distribution, range, wave_number_per_um, window_);
+    interference_ = std::make_unique<const RayInterference>(relative_index.real(), *ray_sizes_);
 }
 
 WeightedSizes SizeFamilies::sizes_of(int family, int level) const {

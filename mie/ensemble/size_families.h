@@ -5,6 +5,7 @@
 #include <array>
 #include <complex>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -133,8 +134,8 @@ class SizeFamilies {
     bool rippled_;
     std::vector<RayGroup> groups_;          // none: not by rays
     std::optional<RayWindow> window_ = {};  // of rays without ends
-    std::optional<RaySizes> ray_sizes_ = {};
-    std::optional<RayInterference> interference_ = {};
+    std::unique_ptr<const RaySizes> ray_sizes_ = {};
+    std::unique_ptr<const RayInterference> interference_ = {};
     int family_count_ = 2;
     int first_counts_[2] = {32, 32};  // sizes of level 0 by family
     int last_level_ = 0, resolved_level_ = 0;
