@@ -3,9 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
-#include <optional>
 
 namespace miebrdf::mie {
 namespace {
@@ -232,6 +230,38 @@ Eigen::VectorXd RayInterference::factors(const Terms& terms, const WeightedSizes
     factors = 1 + factors.cwiseQuotient(roots).array();
     if (!(factors.cwiseAbs().dot(shares) <= kLargestWeights)) factors.setOnes();
     return factors;
+}
+
+std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_columns(
+    const RayGroup& group, const WeightedSizes* const (&sizes)[2],
+    const AngularFunctionsOf<float>& angular, const Executor& run) const {
+    std::array<AngularFunctionsOf<float>::Factors, 2> all;
+    const int ways = group.columns();
+    for (const int family : {0, 1}) {
+        const auto count = static_cast<int>(sizes[family]->parameters.size());
+        const int eights = (count + kLaneCount - 1) / kLaneCount;
+        all[family].setZero(angular.angle_count(), eights * kLaneCount * ways);
+    }
+    constexpr int kAnglesPerJob = 8;
+    const int jobs = (angular.angle_count() + kAnglesPerJob - 1) / kAnglesPerJob;
+    run(jobs, [&](int job) {
+        const int end = std::min(angular.angle_count(), (job + 1) * kAnglesPerJob);
+        for (int angle = job * kAnglesPerJob; angle < end; ++angle) {
+            const double theta = std::acos(angular.cosine(angle));
+            for (int way = 0; way < ways; ++way) {
+                const Terms of_way = terms(group.first_way + way, theta);
+                for (const int family : {0, 1}) {
+                    const Eigen::VectorXd own = factors(of_way, *sizes[family]);
+                    for (Eigen::Index i = 0; i < own.size(); ++i) {
+                        const Eigen::Index eight = i / kLaneCount, lane = i % kLaneCount;
+                        all[family](angle, (eight * ways + way) * kLaneCount + lane) =
+                            static_cast<float>(own[i]);
+                    }
+                }
+            }
+        }
+    });
+    return all;
 }
 
 }  // namespace miebrdf::mie

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
+#include <array>
 #include <vector>
 
 #include "mie/ensemble/ray_phase.h"
@@ -33,6 +33,11 @@ class RayInterference {
     /// New weights over those of the sizes: the least change, in squares. All 1 where these sizes
     /// cannot meet the terms without large weights of both signs.
     Eigen::VectorXd factors(const Terms& terms, const WeightedSizes& sizes) const;
+    /// The same of both families, angle by angle, for the columns of a group that is way by way:
+    /// those of eight sizes, then those of the next eight.
+    std::array<AngularFunctionsOf<float>::Factors, 2> factors_of_columns(
+        const RayGroup& group, const WeightedSizes* const (&sizes)[2],
+        const AngularFunctionsOf<float>& angular, const Executor& run) const;
 
   private:
     struct Incidence {

@@ -293,40 +293,6 @@ void SizeFamilies::sum(RayPiece& piece, const AngularFunctionsOf<float>& angular
     }
 }
 
-// Of both families, for the columns of one group: those of eight sizes way by way.
-std::array<SizeFamilies::Factors, 2> SizeFamilies::factors_of(
-    const RayGroup& group, const WeightedSizes* const (&sizes)[2],
-    const AngularFunctionsOf<float>& angular, const Executor& run) const {
-    std::array<Factors, 2> factors;
-    const int ways = group.columns();
-    for (const int family : {0, 1}) {
-        const auto count = static_cast<int>(sizes[family]->parameters.size());
-        const int eights = (count + kLaneCount - 1) / kLaneCount;
-        factors[family] = Factors::Zero(angular.angle_count(), eights * kLaneCount * ways);
-    }
-    constexpr int kAnglesPerJob = 8;
-    const int jobs = (angular.angle_count() + kAnglesPerJob - 1) / kAnglesPerJob;
-    run(jobs, [&](int job) {
-        const int end = std::min(angular.angle_count(), (job + 1) * kAnglesPerJob);
-        for (int angle = job * kAnglesPerJob; angle < end; ++angle) {
-            const double theta = std::acos(angular.cosine(angle));
-            for (int way = 0; way < ways; ++way) {
-                const RayInterference::Terms terms =
-                    interference_->terms(group.first_way + way, theta);
-                for (const int family : {0, 1}) {
-                    const Eigen::VectorXd own = interference_->factors(terms, *sizes[family]);
-                    for (Eigen::Index i = 0; i < own.size(); ++i) {
-                        const Eigen::Index eight = i / kLaneCount, lane = i % kLaneCount;
-                        factors[family](angle, (eight * ways + way) * kLaneCount + lane) =
-                            static_cast<float>(own[i]);
-                    }
-                }
-            }
-        }
-    });
-    return factors;
-}
-
 std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>& levels,
                                                           const AngularFunctionsOf<float>& angular,
                                                           const Executor& run) {
@@ -352,9 +318,10 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
         std::vector<const std::array<Factors, 2>*> own_factors;
         for (const std::size_t other : together) {
             const bool weighted = !rule.is_smooth() && groups_[other].is_way_by_way();
-            own_factors.push_back(
-                weighted ? &factors.emplace_back(factors_of(groups_[other], of_both, angular, run))
-                         : nullptr);
+            own_factors.push_back(weighted
+                                      ? &factors.emplace_back(interference_->factors_of_columns(
+                                            groups_[other], of_both, angular, run))
+                                      : nullptr);
         }
         for (const int family : {0, 1}) {
             const WeightedSizes& own = *of_both[family];

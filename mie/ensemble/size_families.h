@@ -117,9 +117,6 @@ class SizeFamilies {
                                                 const Executor& run);
 
     using Factors = AngularFunctionsOf<float>::Factors;
-    std::array<Factors, 2> factors_of(const RayGroup& group, const WeightedSizes* const (&sizes)[2],
-                                      const AngularFunctionsOf<float>& angular,
-                                      const Executor& run) const;
     struct RayPiece;
     int sizes_of_piece() const;
     void sum(RayPiece& piece, const AngularFunctionsOf<float>& angular) const;
