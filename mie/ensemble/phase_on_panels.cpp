@@ -26,6 +26,7 @@ constexpr double kStated = 3, kStatedShare = 0.5;
 constexpr double kBackwardDeviations = 3;
 constexpr double kInterpolationShare = 0.25;  // of what is allowed
 constexpr double kPartShare = 0.25;           // of what is allowed, for one part of several
+constexpr double kSmoothShare = 0.1;          // of that of interpolation, for one part of several
 constexpr double kBiasShare = 0.5;            // of what is allowed, for what rays leave out
 constexpr double kFinest = 1e-6;
 constexpr double kFloor = 0.5;  // noise is relative to max(P, this)
@@ -142,7 +143,7 @@ class PanelSeries {
                               panel.tail() > 2 * panel.tail_of_noise() &&
                               tail > kInterpolationShare * strictest;
         if (is_rough) {
-            halve(place);
+            halve(place, kSmoothShare * kInterpolationShare * strictest);
         } else if (is_enough || panel.level() >= sizes_.last_level() ||
                    is_too_much(angle_count, panel.level())) {
             put(place);
@@ -156,13 +157,11 @@ class PanelSeries {
                angle_count * terms_ * sizes_.sizes_at(level + 1) > options_.most_work;
     }
 
-    void halve(const Place& place) {
+    void halve(const Place& place, double smooth) {
         const PhasePanel& panel = place.panel;
-        const double middle = 0.5 * (panel.lower() + panel.upper());
-        Place low{PhasePanel(panel.lower(), middle, panel.generation() + 1), {}};
-        Place high{PhasePanel(middle, panel.upper(), panel.generation() + 1), {}};
+        Place low{panel.lower_half(smooth), {}}, high{panel.upper_half(smooth), {}};
         for (const Point& point : place.points)
-            (point.theta < middle ? low : high).points.push_back(point);
+            (point.theta < panel.middle() ? low : high).points.push_back(point);
         for (Place* half : {&low, &high}) {
             if (!half->points.empty()) active_.push_back(std::move(*half));
         }

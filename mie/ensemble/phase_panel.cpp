@@ -73,15 +73,13 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts,
     const Eigen::VectorXd before = level_ < 0 ? Eigen::VectorXd() : values();
     starts_anew_ = std::any_of(parts.begin(), parts.end(),
                                [](const FamilyIntensity& part) { return part.share == 1; });
-    if (++level_ == 0) {
-        parts_ = parts;
-        part_levels_.assign(parts.size(), 0);
-    } else {
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            if (parts[i].intensity.size() == 0) continue;
-            parts_[i] = sizes.with_level(parts_[i], parts[i]);
-            part_levels_[i] = levels[i];
-        }
+    ++level_;
+    parts_.resize(parts.size());
+    part_levels_.resize(parts.size(), -1);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (parts[i].intensity.size() == 0) continue;
+        parts_[i] = part_levels_[i] < 0 ? parts[i] : sizes.with_level(parts_[i], parts[i]);
+        part_levels_[i] = levels[i];
     }
     sums_ = parts_.front();
     for (std::size_t i = 1; i < parts_.size(); ++i) {
@@ -97,7 +95,13 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts,
 }
 
 std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
-    if (level_ < 0) return std::vector<int>(sizes.part_count(), 0);
+    if (level_ < 0) {
+        std::vector<int> missing(sizes.part_count(), 0);
+        for (std::size_t i = 0; i < part_levels_.size(); ++i) {
+            if (part_levels_[i] >= 0) missing[i] = -1;
+        }
+        return missing;
+    }
     std::vector<int> levels(part_levels_.size(), -1);
     const auto noisiest = std::max_element(part_noise_.begin(), part_noise_.end());
     for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -105,6 +109,28 @@ std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double toler
             levels[i] = part_levels_[i] + 1;
     }
     return levels;
+}
+
+PhasePanel PhasePanel::half(double lower, double upper, double smooth) const {
+    PhasePanel half(lower, upper, generation_ + 1);
+    half.parts_.resize(parts_.size());
+    half.part_levels_.assign(parts_.size(), -1);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (!(last_two(part_values(parts_[i]), true) <= smooth)) continue;
+        half.part_levels_[i] = part_levels_[i];
+        half.parts_[i] = parts_[i];
+        Eigen::MatrixXd& intensity = half.parts_[i].intensity;
+        for (const int family : {0, 1}) {
+            const Eigen::VectorXd coefficients =
+                panel_coefficients(parts_[i].intensity.col(family));
+            Eigen::Index node = 0;
+            for (const double theta : panel_nodes(lower, upper)) {
+                const double t = (2 * theta - lower_ - upper_) / (upper_ - lower_);
+                intensity(node++, family) = panel_value(coefficients.data(), t);
+            }
+        }
+    }
+    return half;
 }
 
 Eigen::VectorXd PhasePanel::values() const { return part_values(sums_); }

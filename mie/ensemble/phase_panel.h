@@ -15,8 +15,14 @@ class PhasePanel {
     PhasePanel(double lower, double upper, int generation)
         : lower_(lower), upper_(upper), generation_(generation) {}
 
+    /// The panel from here to its middle, or from there on. Parts of P whose polynomial is as good
+    /// as `smooth` (absolute) keep the values that it has there; the others begin anew.
+    PhasePanel lower_half(double smooth) const { return half(lower_, middle(), smooth); }
+    PhasePanel upper_half(double smooth) const { return half(middle(), upper_, smooth); }
+
     double lower() const { return lower_; }  ///< radians
     double upper() const { return upper_; }
+    double middle() const { return 0.5 * (lower_ + upper_); }
     bool is_backward() const;                       ///< among glories and the second rainbow
     int generation() const { return generation_; }  ///< times that it was halved
     int level() const { return level_; }            ///< last one added; -1: none
@@ -30,8 +36,8 @@ class PhasePanel {
     /// @param levels  of the parts
     void add_level(const std::vector<FamilyIntensity>& parts, const std::vector<int>& levels,
                    const SizeFamilies& sizes, const PhaseTabulationOptions& options);
-    /// Levels of each part to ask for next: all at first, then those whose noise is above
-    /// `tolerance`, at least the noisiest.
+    /// Levels of each part to ask for next: at first the parts that are not there yet, then those
+    /// whose noise is above `tolerance`, at least the noisiest.
     std::vector<int> next_levels(const SizeFamilies& sizes, double tolerance) const;
 
     Eigen::VectorXd values() const;
@@ -53,6 +59,7 @@ class PhasePanel {
     double moment_tail(int first_moment) const;
 
   private:
+    PhasePanel half(double lower, double upper, double smooth) const;
     Eigen::VectorXd part_values(const FamilyIntensity& part) const;
     double solid_angle_of_moments(int first_moment) const;
     /// @param before  values that the last level has changed; those of now: it tells nothing
@@ -64,7 +71,7 @@ class PhasePanel {
     int level_ = -1;
     bool starts_anew_ = false;  // the last level, for some part
     std::vector<FamilyIntensity> parts_;
-    std::vector<int> part_levels_;
+    std::vector<int> part_levels_;  // -1: not there yet
     std::vector<double> part_noise_;
     FamilyIntensity sums_;             // over parts
     double whole_[2] = {0, 0};         // what each family scatters: P is relative to it

@@ -13,28 +13,34 @@ namespace {
 
 constexpr int kNodes = PhaseTable::kPanelNodes;
 
-// Weighted samples of P over the cosine: sum of weight * P(mu) P_l(mu) is 2 chi_l.
+// Weighted samples over positive cosines mu of P(mu) + P(-mu) and P(mu) - P(-mu): the sum of the
+// first times P_l(mu) is 2 chi_l for even l, that of the second for odd l.
 struct Samples {
-    std::vector<double> mu, weighted;
+    std::vector<double> mu, even, odd;
 };
 
-// sum of weighted P_l(mu) over the samples [first, end), l = 0 ... highest_moment.
+// sum of samples times P_l(mu) over [first, end), l = 0 ... highest_moment.
 std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
                               int highest_moment) {
     std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
     constexpr int kGroup = 4 * kLaneCount;  // hides the latency of the recurrence
     using Group = Eigen::Array<double, kGroup, 1>;
     for (std::size_t first = first_sample; first < end; first += kGroup) {
-        Group mu = Group::Zero(), weighted = Group::Zero();
+        Group mu = Group::Zero(), even = Group::Zero(), odd = Group::Zero();
         for (std::size_t i = first; i < std::min(first + kGroup, end); ++i) {
-            mu[static_cast<Eigen::Index>(i - first)] = samples.mu[i];
-            weighted[static_cast<Eigen::Index>(i - first)] = samples.weighted[i];
+            const auto at = static_cast<Eigen::Index>(i - first);
+            mu[at] = samples.mu[i];
+            even[at] = samples.even[i];
+            odd[at] = samples.odd[i];
         }
-        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}, with the weight carried along.
-        Group before = Group::Zero(), here = weighted;
+        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}
+        Group before = Group::Zero(), here = Group::Ones();
         for (int l = 0; l <= highest_moment; ++l) {
-            sums[l] += (here.segment<8>(0) + here.segment<8>(8)) +
-                       (here.segment<8>(16) + here.segment<8>(24));
+            const Group& weight = l % 2 == 0 ? even : odd;
+            const auto product = [&](int at) {
+                return here.segment<kLaneCount>(at) * weight.segment<kLaneCount>(at);
+            };
+            sums[l] += (product(0) + product(8)) + (product(16) + product(24));
             const double inverse = 1.0 / (l + 1);
             const Group next = ((2 * l + 1) * inverse) * mu * here - (l * inverse) * before;
             before = here;
@@ -45,6 +51,20 @@ std::vector<double> projected(const Samples& samples, std::size_t first_sample, 
     projections.reserve(sums.size());
     for (const Lanes& sum : sums) projections.push_back(sum.sum());
     return projections;
+}
+
+// From 0 to pi/2: edges of panels, and those from pi on as seen from there. Between two of them
+// both P(theta) and P(pi - theta) are polynomials.
+std::vector<double> edges_of_both_sides(const std::vector<double>& edges) {
+    constexpr double end = 0.5 * std::numbers::pi, least = 1e-9;
+    std::vector<double> all = {0, end};
+    for (const double edge : edges) all.push_back(std::min(edge, std::numbers::pi - edge));
+    std::sort(all.begin(), all.end());
+    std::vector<double> apart = {0};
+    for (const double edge : all) {
+        if (edge > apart.back() + least) apart.push_back(edge);
+    }
+    return apart;
 }
 
 }  // namespace
@@ -148,24 +168,27 @@ double PhaseTable::noise(double cos_theta) const {
 }
 
 std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run) const {
-    // Each panel in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up to
-    // 2 rad per node to rounding.
+    // Each polynomial in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up
+    // to 2 rad per node to rounding.
     constexpr int kPieceNodes = 16;
     constexpr double kPieceWaves = 2.0 * kPieceNodes;  // rad
     const math::Quadrature rule = math::gauss_legendre(kPieceNodes);
+    const std::vector<double> edges = edges_of_both_sides(parts_.edges);
     Samples samples;
-    for (std::size_t p = 0; p + 1 < parts_.edges.size(); ++p) {
-        const double width = parts_.edges[p + 1] - parts_.edges[p];
+    for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
+        const double width = edges[p + 1] - edges[p];
         const int pieces = static_cast<int>(std::ceil(width * highest_moment / kPieceWaves + 0.5));
         for (int piece = 0; piece < pieces; ++piece) {
             const double half = 0.5 * width / pieces;
-            const double centre = parts_.edges[p] + half * (2 * piece + 1);
+            const double centre = edges[p] + half * (2 * piece + 1);
             for (int i = 0; i < kPieceNodes; ++i) {
                 const double theta = centre + half * rule.nodes[i];
-                const double t = 2 * (theta - parts_.edges[p]) / width - 1;
+                const double weight = half * rule.weights[i] * std::sin(theta);
+                const double forward = at_angle(theta);
+                const double backward = at_angle(std::numbers::pi - theta);
                 samples.mu.push_back(std::cos(theta));
-                samples.weighted.push_back(half * rule.weights[i] * std::sin(theta) *
-                                           panel_value(&parts_.coefficients[p * kNodes], t));
+                samples.even.push_back(weight * (forward + backward));
+                samples.odd.push_back(weight * (forward - backward));
             }
         }
     }

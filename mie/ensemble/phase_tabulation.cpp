@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kBothFamilies = -1;
 
-constexpr double kPartShare = 0.25;  // of the tolerance, for one part of several
+constexpr double kPartShare = 0.25;   // of the tolerance, for one part of several
+constexpr double kSmoothShare = 0.1;  // of that of interpolation, for one part of several
 // What is asked of glories decides whether directions back to the light converge, and costs little
 // by rays.
 constexpr double kBackwardShare = 0.45;
@@ -162,9 +163,10 @@ void PhaseTabulation::sort_in(PhasePanel panel, double noise) {
     // Noise alone shows as a tail of 0.8 of itself.
     const double of_noise = (options_.by_rays ? 1.3 : 2.0) * panel.tail_of_noise();
     if (panel.tail() > std::max(options_.interpolation_tolerance, of_noise) && !narrow) {
-        const double middle = 0.5 * (panel.lower() + panel.upper());
-        active_.emplace_back(panel.lower(), middle, panel.generation() + 1);
-        active_.emplace_back(middle, panel.upper(), panel.generation() + 1);
+        const double smooth =
+            kSmoothShare * options_.interpolation_tolerance * panel.values().maxCoeff();
+        active_.push_back(panel.lower_half(smooth));
+        active_.push_back(panel.upper_half(smooth));
     } else {
         (needs_more_sizes(panel, noise) ? active_ : done_).push_back(std::move(panel));
     }

@@ -44,8 +44,9 @@ struct TabulatedPhase {
 /// agree within the tolerance: most panels need the first one only, interferences in step with a
 /// family's spacing and some glories two or three. Panels whose polynomial has not converged (its
 /// last two Chebyshev coefficients are above the tolerance and above the noise of the sizes) are
-/// halved, and the halves start anew, together with all others of their generation. Neighbours
-/// share the value at their common edge: that of the panel with more sizes.
+/// halved, and the halves start anew, but for parts of P that the polynomial has, together with all
+/// others of their generation. Neighbours share the value at their common edge: that of the panel
+/// with more sizes.
 ///
 /// Amplitudes are summed in single precision: 1e-5 of P at worst, half the time.
 TabulatedPhase tabulate_phase(std::complex<double> relative_index,

@@ -100,26 +100,40 @@ RayInterference::Ray RayInterference::ray(int way, double outside, double target
             share_of(way, cosine, inner, index_) * b * cosine / turn};
 }
 
+// Of incidences from `first` to `last`, over which the deviation rises or falls.
+void RayInterference::add_rays(int way, double angle, std::size_t first, std::size_t last,
+                               std::vector<Ray>& to) const {
+    const auto deviation_at = [&](std::size_t i) {
+        return deviation(way, incidences_[i].outside, incidences_[i].inside);
+    };
+    const double at_first = deviation_at(first), at_last = deviation_at(last);
+    const double least = std::min(at_first, at_last), most = std::max(at_first, at_last);
+    double target = angle + 2 * kPi * std::ceil((least - angle) / (2 * kPi));
+    for (; target <= most; target += 2 * kPi) {
+        std::size_t below = first, above = last;
+        while (above - below > 1) {
+            const std::size_t middle = (below + above) / 2;
+            ((deviation_at(middle) < target) == (at_first < at_last) ? below : above) = middle;
+        }
+        const double before = deviation_at(below), after = deviation_at(above);
+        const double share = before == after ? 0 : (target - before) / (after - before);
+        const double step = incidences_[above].outside - incidences_[below].outside;
+        to.push_back(ray(way, incidences_[below].outside + share * step, target));
+    }
+}
+
 std::vector<RayInterference::Ray> RayInterference::rays(int way, double theta) const {
     std::vector<Ray> all;
     const double bow =
         way > index_ ? std::asin(std::sqrt((way * way - index_ * index_) / (way * way - 1))) : 0;
     const double bow_deviation =
         bow > 0 ? deviation(way, bow, std::asin(std::sin(bow) / index_)) : 0;
+    // Deviations fall up to the bow and rise from there on.
+    const std::size_t last = incidences_.size() - 1;
+    const auto least = static_cast<std::size_t>(std::lround(bow / (0.5 * kPi) * double(last)));
     for (const double angle : {theta, -theta}) {
-        double before = 0;
-        for (std::size_t i = 0; i < incidences_.size(); ++i) {
-            const auto& [outside, inside] = incidences_[i];
-            const double here = deviation(way, outside, inside);
-            const double aside = within_half_turn(angle - here);
-            if (i > 0 && before * aside <= 0 && std::abs(before - aside) < kPi) {
-                const double step = outside - incidences_[i - 1].outside;
-                const double found =
-                    outside - (before == aside ? 0.0 : step * aside / (aside - before));
-                all.push_back(ray(way, found, here + aside));
-            }
-            before = aside;
-        }
+        if (least > 0) add_rays(way, angle, 0, least, all);
+        if (least < last) add_rays(way, angle, least, last, all);
         if (bow > 0) {
             const double aside = within_half_turn(angle - bow_deviation);
             if (aside < 0 && aside > -kNearBow) all.push_back(ray(way, bow, bow_deviation + aside));
@@ -198,37 +212,50 @@ RayInterference::Terms RayInterference::terms(int way, double theta) const {
     return terms;
 }
 
-Eigen::VectorXd RayInterference::factors(const Terms& terms, const WeightedSizes& sizes) const {
+RayInterference::Sampled RayInterference::sampled(const WeightedSizes& sizes) const {
     const auto count = static_cast<Eigen::Index>(sizes.parameters.size());
-    // Conditions times the roots of the shares of the sizes.
-    thread_local Eigen::MatrixXd conditions, products;
-    conditions.resize(terms.means.size(), count);
-    Eigen::VectorXd shares(count);
+    Sampled at{Eigen::ArrayXd(count), Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
     for (Eigen::Index i = 0; i < count; ++i) {
-        const double x = sizes.parameters[i], t = scaled(x);
-        shares[i] = sizes.weights[i] * x * x;
-        double power = 1;
-        double* row = &conditions(0, i);
-        for (int j = 0; j < kPowers; ++j, power *= t) *row++ = power;
-        for (const double rate : terms.rates) {
-            const double cosine = std::cos(rate * x), sine = std::sin(rate * x);
-            *row++ = cosine;
-            *row++ = t * cosine;
-            *row++ = sine;
-            *row++ = t * sine;
-        }
+        at.x[i] = sizes.parameters[i];
+        at.scaled[i] = scaled(at.x[i]);
+        at.root_shares[i] = at.x[i] * std::sqrt(sizes.weights[i]);
     }
-    shares /= shares.sum();
-    const Eigen::VectorXd missed = terms.means - conditions * shares;
-    const Eigen::VectorXd roots = shares.cwiseSqrt();
-    conditions *= roots.asDiagonal();
-    products.setZero(conditions.rows(), conditions.rows());
-    products.selfadjointView<Eigen::Lower>().rankUpdate(conditions);
+    at.root_shares /= at.root_shares.matrix().norm();
+    return at;
+}
+
+Eigen::VectorXd RayInterference::factors(const Terms& terms, const Sampled& sizes) const {
+    const auto& [x, t, roots] = sizes;
+    // Conditions (columns) at the sizes, times the roots of the shares of these.
+    thread_local Eigen::MatrixXd conditions, products;
+    thread_local Eigen::ArrayXd scaled_roots, turns;
+    thread_local Eigen::ArrayXf phase, turned;
+    conditions.resize(x.size(), terms.means.size());
+    scaled_roots = roots;
+    for (int j = 0; j < kPowers; ++j, scaled_roots *= t) conditions.col(j) = scaled_roots;
+    scaled_roots = roots * t;
+    Eigen::Index condition = kPowers;
+    const auto put = [&] {
+        conditions.col(condition++) = turned.cast<double>() * roots;
+        conditions.col(condition++) = turned.cast<double>() * scaled_roots;
+    };
+    for (const double rate : terms.rates) {
+        // Weights need no more digits than single precision has, which has vectors of sines.
+        turns = rate / (2 * kPi) * x;
+        phase = (2 * kPi * (turns - turns.rint())).cast<float>();
+        turned = phase.cos();
+        put();
+        turned = phase.sin();
+        put();
+    }
+    const Eigen::VectorXd missed = terms.means - conditions.transpose() * roots.matrix();
+    products.setZero(terms.means.size(), terms.means.size());
+    products.selfadjointView<Eigen::Lower>().rankUpdate(conditions.transpose());
     products.diagonal().array() += kGiven;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(products);
-    Eigen::VectorXd factors = conditions.transpose() * solver.solve(missed);
-    factors = 1 + factors.cwiseQuotient(roots).array();
-    if (!(factors.cwiseAbs().dot(shares) <= kLargestWeights)) factors.setOnes();
+    Eigen::VectorXd factors = conditions * solver.solve(missed);
+    factors = 1 + factors.array() / roots;
+    if (!((factors.array().abs() * roots.square()).sum() <= kLargestWeights)) factors.setOnes();
     return factors;
 }
 
@@ -237,6 +264,7 @@ std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_co
     const AngularFunctionsOf<float>& angular, const Executor& run) const {
     std::array<AngularFunctionsOf<float>::Factors, 2> all;
     const int ways = group.columns();
+    const Sampled both[] = {sampled(*sizes[0]), sampled(*sizes[1])};
     for (const int family : {0, 1}) {
         const auto count = static_cast<int>(sizes[family]->parameters.size());
         const int eights = (count + kLaneCount - 1) / kLaneCount;
@@ -251,7 +279,7 @@ std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_co
             for (int way = 0; way < ways; ++way) {
                 const Terms of_way = terms(group.first_way + way, theta);
                 for (const int family : {0, 1}) {
-                    const Eigen::VectorXd own = factors(of_way, *sizes[family]);
+                    const Eigen::VectorXd own = factors(of_way, both[family]);
                     for (Eigen::Index i = 0; i < own.size(); ++i) {
                         const Eigen::Index eight = i / kLaneCount, lane = i % kLaneCount;
                         all[family](angle, (eight * ways + way) * kLaneCount + lane) =

@@ -25,14 +25,21 @@ class RayInterference {
         Eigen::VectorXd means;      ///< over all sizes, in the order of the rows of the conditions
     };
 
+    /// Sizes that are to meet it.
+    struct Sampled {
+        Eigen::ArrayXd x, scaled;    ///< scaled: ln x, from -1 to 1 over all sizes
+        Eigen::ArrayXd root_shares;  ///< of the area
+    };
+
     RayInterference(double index, const RaySizes& sizes);
 
     Terms terms(int way, double theta) const;
     /// Whether there are any: where not, the intensity is smooth in size.
     bool is_seen(int way, double theta) const { return !rates(way, theta).empty(); }
+    Sampled sampled(const WeightedSizes& sizes) const;
     /// New weights over those of the sizes: the least change, in squares. All 1 where these sizes
     /// cannot meet the terms without large weights of both signs.
-    Eigen::VectorXd factors(const Terms& terms, const WeightedSizes& sizes) const;
+    Eigen::VectorXd factors(const Terms& terms, const Sampled& sizes) const;
     /// The same of both families, angle by angle, for the columns of a group that is way by way:
     /// those of eight sizes, then those of the next eight.
     std::array<AngularFunctionsOf<float>::Factors, 2> factors_of_columns(
@@ -46,6 +53,8 @@ class RayInterference {
     struct Ray {
         double phase, intensity;
     };
+    void add_rays(int way, double angle, std::size_t first, std::size_t last,
+                  std::vector<Ray>& to) const;
     std::vector<Ray> rays(int way, double theta) const;
     std::vector<double> rates(int way, double theta) const;
     Ray ray(int way, double outside, double target) const;

@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <vector>
 
+#include "mie/ensemble/phase_panel.h"
+#include "mie/ensemble/phase_table.h"
+#include "mie/sphere/radial_functions.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -67,4 +71,53 @@ TEST_CASE("P at many angles is within what is allowed, as one by one", "[mie][ra
     CAPTURE(c.index, c.radius_um, truth.phase.size());
     CHECK(beyond <= 1);
     CHECK(allowed >= int(truth.phase.size()) - 1);
+}
+
+TEST_CASE("half a panel keeps the parts of P that the whole has smooth", "[mie][rays]") {
+    constexpr double wave_number_per_um = 2 * std::numbers::pi / 0.55;
+    const mie::EnsembleRequest request = request_of({2.6, 0}, Kind::power_law, 50);
+    const mie::RadiusRange range = mie::radius_range(request.sizes);
+    mie::SizeFamilies sizes(request.refractive_index, request.sizes, range, wave_number_per_um,
+                            1e-2, mie::SizeFamilies::Method::rays);
+    const int terms = mie::number_of_terms(wave_number_per_um * range.largest_um);
+    mie::PhaseTabulationOptions options;
+    options.by_rays = true;
+    options.floor = 0.5;
+    const auto add_next = [&](mie::PhasePanel& panel) {
+        std::vector<double> angles_deg;
+        for (const double theta : mie::panel_nodes(panel.lower(), panel.upper()))
+            angles_deg.push_back(theta * 180 / std::numbers::pi);
+        const std::vector<int> levels = panel.next_levels(sizes, 1e-3);
+        panel.add_level(sizes.levels(levels, mie::AngularFunctionsOf<float>(angles_deg, terms),
+                                     mie::run_in_order),
+                        levels, sizes, options);
+    };
+    // A bow of many ways is here, far from those of few.
+    const double lower = 100 * std::numbers::pi / 180, upper = 106 * std::numbers::pi / 180;
+    mie::PhasePanel whole(lower, upper, 0);
+    add_next(whole);
+    constexpr double smooth = 1e-4;
+    int kept = 0, anew = 0;
+    for (const bool is_upper : {false, true}) {
+        mie::PhasePanel half = is_upper ? whole.upper_half(smooth) : whole.lower_half(smooth);
+        CHECK(half.upper() - half.lower() == 0.5 * (upper - lower));
+        CHECK(half.generation() == 1);
+        for (const int level : half.next_levels(sizes, 1e-3)) ++(level < 0 ? kept : anew);
+        mie::PhasePanel direct(half.lower(), half.upper(), 1);
+        add_next(half);
+        add_next(direct);
+        // What the polynomials of all parts leave out, at most three times their last two
+        // coefficients, and single precision.
+        const double bound = 3 * smooth * sizes.part_count() + 1e-5;
+        CHECK((half.values() - direct.values()).cwiseAbs().maxCoeff() <= bound);
+        // All are there: from now on the noisiest part is next, wherever it comes from.
+        int asked = 0;
+        for (const int level : half.next_levels(sizes, 1e9)) asked += level >= 0 ? 1 : 0;
+        CHECK(asked == 1);
+    }
+    CAPTURE(kept, anew);
+    CHECK(kept >= 4);
+    CHECK(anew >= 2);
+    // Nothing is kept where nothing is smooth enough.
+    for (const int level : whole.lower_half(0).next_levels(sizes, 1e-3)) CHECK(level == 0);
 }

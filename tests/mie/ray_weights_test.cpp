@@ -75,7 +75,7 @@ TEST_CASE("weights for rays give interference the mean that it has over all size
     int rates = 0;
     for (double theta_deg = 160; theta_deg <= 180; theta_deg += 2.5) {
         const auto terms = interference.terms(4, theta_deg * std::numbers::pi / 180);
-        const Eigen::VectorXd factors = interference.factors(terms, few);
+        const Eigen::VectorXd factors = interference.factors(terms, interference.sampled(few));
         for (const double rate : terms.rates) {
             // Midpoints, many to a period.
             Complex exact = 0, sampled = 0;
@@ -125,8 +125,9 @@ TEST_CASE("weights for rays give P of few sizes what many sizes give it", "[mie]
             sizes.of(mie::RayGroup{c.way, c.way}.sizes_at(level), family);
         std::vector<Eigen::VectorXd> factors;
         for (const double angle : angles_deg)
-            factors.push_back(interference.factors(
-                interference.terms(c.way, angle * std::numbers::pi / 180), own));
+            factors.push_back(
+                interference.factors(interference.terms(c.way, angle * std::numbers::pi / 180),
+                                     interference.sampled(own)));
         return intensity_of(c.index, c.way, own, angular, weighted ? &factors : nullptr);
     };
     // 24 sizes against 768 without weights.
