@@ -104,7 +104,7 @@ struct Recurrence {
 // sums: [function * kArguments + argument]
 template <int functions>
 void sum_some(const Eigen::MatrixXd& weights, Eigen::Index first,
-              const std::vector<Recurrence>& recurrence, const double* x, double* sums) {
+              std::span<const Recurrence> recurrence, const double* x, double* sums) {
     Arguments argument[2], here[2], before[2] = {}, sum[functions][2] = {};
     for (int i = 0; i < kArguments; ++i)
         argument[i / kArgumentsInRegister][i % kArgumentsInRegister] = x[i];
@@ -127,8 +127,39 @@ void sum_some(const Eigen::MatrixXd& weights, Eigen::Index first,
             *sums++ = sum[j][i / kArgumentsInRegister][i % kArgumentsInRegister];
 }
 
-using SumSome = void (*)(const Eigen::MatrixXd&, Eigen::Index, const std::vector<Recurrence>&,
+using SumSome = void (*)(const Eigen::MatrixXd&, Eigen::Index, std::span<const Recurrence>,
                          const double*, double*);
+
+// Neighbouring functions, and how many degrees they have.
+struct FunctionGroup {
+    Eigen::Index first, count, degrees;
+};
+
+// As many in each as registers hold, but equally many: few take nearly as long as several. Those of
+// far fewer degrees than the ones before them are apart.
+std::vector<FunctionGroup> grouped(const Eigen::MatrixXd& weights) {
+    std::vector<Eigen::Index> degrees(std::size_t(weights.rows()), weights.cols());
+    for (Eigen::Index j = 0; j < weights.rows(); ++j) {
+        Eigen::Index& of_function = degrees[std::size_t(j)];
+        while (of_function > 0 && weights(j, of_function - 1) == 0.0) --of_function;
+    }
+    std::vector<FunctionGroup> groups;
+    for (Eigen::Index first = 0, end; first < weights.rows(); first = end) {
+        Eigen::Index most = degrees[std::size_t(first)], least = most;
+        for (end = first + 1; end < weights.rows(); ++end) {
+            const Eigen::Index here = degrees[std::size_t(end)];
+            if (2 * std::min(least, here) < std::max(most, here)) break;
+            most = std::max(most, here);
+            least = std::min(least, here);
+        }
+        const Eigen::Index count = (end - first + kMostFunctions - 1) / kMostFunctions;
+        for (Eigen::Index group = 0; group < count; ++group) {
+            const Eigen::Index from = group * (end - first) / count;
+            groups.push_back({first + from, (group + 1) * (end - first) / count - from, most});
+        }
+    }
+    return groups;
+}
 
 template <std::size_t... counts>
 constexpr std::array<SumSome, sizeof...(counts)> each_count(std::index_sequence<counts...>) {
@@ -144,20 +175,18 @@ Eigen::MatrixXd legendre_sums(const Eigen::MatrixXd& weights, const Eigen::Vecto
         const double degree = double(l);
         recurrence[l] = {(2.0 * degree + 1.0) / (degree + 1.0), degree / (degree + 1.0)};
     }
-    const Eigen::Index functions = weights.rows();
-    // As many as possible, but equally many: few take nearly as long as several.
-    const Eigen::Index groups = (functions + kMostFunctions - 1) / kMostFunctions;
-    Eigen::MatrixXd result(x.size(), functions);
+    const std::vector<FunctionGroup> groups = grouped(weights);
+    Eigen::MatrixXd result(x.size(), weights.rows());
     std::array<double, kArguments> some_x;
     std::array<double, std::size_t(kArguments) * kMostFunctions> sums;
     for (Eigen::Index begin = 0; begin < x.size(); begin += kArguments) {
         const Eigen::Index count = std::min<Eigen::Index>(kArguments, x.size() - begin);
         some_x.fill(0.0);
         std::copy_n(x.data() + begin, count, some_x.data());
-        for (Eigen::Index group = 0; group < groups; ++group) {
-            const Eigen::Index first = group * functions / groups;
-            const Eigen::Index size = (group + 1) * functions / groups - first;
-            sum_of[std::size_t(size - 1)](weights, first, recurrence, some_x.data(), sums.data());
+        for (const auto& [first, size, degrees] : groups) {
+            sum_of[std::size_t(size - 1)](weights, first,
+                                          std::span(recurrence).first(std::size_t(degrees)),
+                                          some_x.data(), sums.data());
             for (Eigen::Index j = 0; j < size; ++j)
                 std::copy_n(&sums[std::size_t(j) * kArguments], count, &result(begin, first + j));
         }

@@ -26,7 +26,8 @@ void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::Ve
                         ScratchMatrix& table);
 
 /// Sums of Legendre polynomials, sum_l weights(j, l) P_l(x_i), by upward recurrence: several
-/// functions of many arguments, in registers.
+/// functions of many arguments, in registers. Neighbouring functions of few degrees (zeros from
+/// there on) take as much less time.
 /// @param weights  row j = function, column = degree l = 0, 1, ...
 /// @param x        in [-1, 1]
 /// @return row = argument, column = function

@@ -15,6 +15,11 @@ TEST_CASE("sums of several functions of many arguments are series one by one", "
     Eigen::MatrixXd weights(functions, degrees);
     for (int j = 0; j < functions; ++j)
         for (int l = 0; l < degrees; ++l) weights(j, l) = std::cos(1.7 * j + 0.3 * l) / (1.0 + l);
+    // Some have few degrees, one none.
+    if (degrees == 400) {
+        for (int j = 7; j < functions; j += j % 3 + 1) weights.row(j).tail(j % 2 ? 360 : 120) *= 0;
+        if (functions > 8) weights.row(8) *= 0;
+    }
     Eigen::VectorXd x(arguments);
     for (int i = 0; i < arguments; ++i) x[i] = std::cos(3.1415 * i / arguments);
     const Eigen::MatrixXd sums = math::legendre_sums(weights, x);
