@@ -53,6 +53,11 @@ template <typename Values>
 void add_weighted(const Values& values, const Eigen::VectorXd& weights, Eigen::Index first,
                   double* sums) {
     const Eigen::Index stacks = values.size() / weights.size();
+    if (stacks == 1) {
+        const Eigen::Index count = weights.size() - first;
+        *sums += values.reshaped().tail(count).dot(weights.tail(count));
+        return;
+    }
     for (Eigen::Index k = first; k < weights.size(); ++k) {
         for (Eigen::Index stack = 0; stack < stacks; ++stack)
             sums[stack] += weights[k] * values[k * stacks + stack];
