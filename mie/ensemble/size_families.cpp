@@ -30,6 +30,7 @@ constexpr double kGlories = 165 * std::numbers::pi / 180;
 constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
 
 constexpr int kLastNestedLevel = 6;  // by rays
+constexpr int kEnds = 2;             // parts of P by rays, the end of small spheres first
 constexpr double kEndSpacing = 0.5;  // in x, of one family of sizes at sharp ends
 
 constexpr double kFinestSpacing = 0.1;    // in x
@@ -209,7 +210,7 @@ FamilyIntensity SizeFamilies::level(int level, const AngularFunctionsOf<Scalar>&
 
 int SizeFamilies::part_count() const {
     if (groups_.empty()) return 1;
-    return static_cast<int>(groups_.size()) + (window_ ? 1 : 0);
+    return static_cast<int>(groups_.size()) + (window_ ? kEnds : 0);
 }
 
 double SizeFamilies::believed_of_few(std::size_t i, int level, double lower_theta,
@@ -358,42 +359,43 @@ std::vector<FamilyIntensity> SizeFamilies::levels_of_rays(const std::vector<int>
             part.scattered[piece.family] += piece.sums[i].scattered / 2;
         }
     }
-    if (window_ && levels.back() >= 0) add_ends(levels.back(), angular, run, parts.back());
+    for (std::size_t part = groups_.size(); part < parts.size(); ++part) {
+        if (levels[part] >= 0)
+            add_end(static_cast<int>(part), levels[part], angular, run, parts[part]);
+    }
     return parts;
 }
 
-void SizeFamilies::add_ends(int level, const AngularFunctionsOf<float>& angular,
-                            const Executor& run, FamilyIntensity& to) {
+void SizeFamilies::add_end(int part, int level, const AngularFunctionsOf<float>& angular,
+                           const Executor& run, FamilyIntensity& to) {
     struct Piece {
         int family;
         WeightedSizes sizes;
         std::vector<SizeChunks::Block> blocks;
         std::vector<KeptWaves*> places;
     };
-    const int part = static_cast<int>(groups_.size());
     std::vector<Piece> pieces;
     const double width_um = window_->width() / wave_number_per_um_;
+    const bool smallest = part == static_cast<int>(groups_.size());
+    const RadiusRange end = smallest
+                                ? RadiusRange{range_.smallest_um, range_.smallest_um + width_um}
+                                : RadiusRange{range_.largest_um - width_um, range_.largest_um};
     for (const int family : {0, 1}) {
         const int count = std::max(
             kLeastFamilyChunk,
             static_cast<int>(std::lround(kFamilyShare[family] * window_->width() / kEndSpacing)));
-        const RadiusRange ends[] = {{range_.smallest_um, range_.smallest_um + width_um},
-                                    {range_.largest_um - width_um, range_.largest_um}};
-        for (const int end : {0, 1}) {
-            WeightedSizes sizes(nested_size_nodes(distribution_, ends[end], count, level),
-                                wave_number_per_um_);
-            for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
-                sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
-            const SizeChunks chunks(static_cast<int>(sizes.parameters.size()), kMostChunksOfFamily,
-                                    kLeastFamilyChunk);
-            for (int i = 0; i < chunks.count(); ++i) {
-                Piece piece{family, sizes, chunks.blocks(i), {}};
-                for (const SizeChunks::Block& of : piece.blocks)
-                    piece.places.push_back(
-                        place_of(part + end, family, level, of.first,
-                                 kBytesPerWave * of.count * terms_of(sizes, of)));
-                pieces.push_back(std::move(piece));
-            }
+        WeightedSizes sizes(nested_size_nodes(distribution_, end, count, level),
+                            wave_number_per_um_);
+        for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
+            sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
+        const SizeChunks chunks(static_cast<int>(sizes.parameters.size()), kMostChunksOfFamily,
+                                kLeastFamilyChunk);
+        for (int i = 0; i < chunks.count(); ++i) {
+            Piece piece{family, sizes, chunks.blocks(i), {}};
+            for (const SizeChunks::Block& of : piece.blocks)
+                piece.places.push_back(place_of(part, family, level, of.first,
+                                                kBytesPerWave * of.count * terms_of(sizes, of)));
+            pieces.push_back(std::move(piece));
         }
     }
     std::vector<Intensity> sums(pieces.size());

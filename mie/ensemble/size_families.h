@@ -57,7 +57,7 @@ struct KeptWaves {
 ///
 /// Where a distribution ends sharply, rays of different ways do not average out there: what they
 /// leave is the error of P by rays. With `exact_rays` each ray is weighted by RayWindow, and what
-/// the window leaves of the sizes at both ends is one more part, of whole spheres; far rays are
+/// the window leaves of the sizes at either end is one more part, of whole spheres; far rays are
 /// summed in closed form (far_rays.h). That takes longer for many angles.
 class SizeFamilies {
   public:
@@ -121,8 +121,8 @@ class SizeFamilies {
     int sizes_of_piece() const;
     void sum(RayPiece& piece, const AngularFunctionsOf<float>& angular) const;
 
-    void add_ends(int level, const AngularFunctionsOf<float>& angular, const Executor& run,
-                  FamilyIntensity& to);
+    void add_end(int part, int level, const AngularFunctionsOf<float>& angular, const Executor& run,
+                 FamilyIntensity& to);
 
     std::complex<double> relative_index_;
     const SizeDistribution& distribution_;

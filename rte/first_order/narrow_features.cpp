@@ -1,5 +1,6 @@
 #include "rte/first_order/narrow_features.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,8 +12,8 @@
 namespace miebrdf::rte {
 namespace {
 
-// Of interpolation in log q.
-constexpr int kMostPoints = 48;
+// Of interpolation in log q. A coat of tau = 0.1 takes 9 at a tolerance of 1e-3.
+constexpr int kFewPoints = 9, kMostPoints = 48;
 
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j.
 Eigen::MatrixXd sum_degrees(const Eigen::MatrixXd& strengths, const Eigen::VectorXd& angles) {
@@ -64,6 +65,24 @@ void add_weighted(const Values& values, const Eigen::VectorXd& weights, Eigen::I
     }
 }
 
+// Ascending: orthonormal, and complete, whatever the Gram matrix has lost in rounding.
+Eigen::MatrixXd left_singular_vectors(const Eigen::MatrixXd& of) {
+    math::SymmetricEigen gram;
+    if (of.rows() <= of.cols()) {
+        gram.compute(of * of.transpose());
+        return gram.vectors();
+    }
+    // The fewer columns of a tall matrix span as many dimensions.
+    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(of);
+    const Eigen::MatrixXd triangle =
+        factors.matrixQR().topRows(of.cols()).triangularView<Eigen::Upper>();
+    gram.compute(triangle * triangle.transpose());
+    Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(of.rows(), of.cols());
+    vectors.topRows(of.cols()) = gram.vectors();
+    vectors.applyOnTheLeft(factors.householderQ());
+    return vectors;
+}
+
 struct Reduced {
     Eigen::MatrixXd at_nodes;   // functions (columns) at the nodes (rows)
     Eigen::MatrixXd strengths;  // row = function * stacks + stack, column = degree
@@ -72,15 +91,12 @@ struct Reduced {
 // As few functions as the tolerance allows in place of one for each node.
 // of_node: column = degree * stacks + stack
 Reduced reduce_rank(const Eigen::MatrixXd& of_node, Eigen::Index stacks, double tolerance) {
-    const Eigen::Index nodes = of_node.rows(), others = of_node.cols();
-    // The left singular vectors, ascending: complete whatever the Gram matrix has lost in rounding.
-    math::SymmetricEigen gram;
-    gram.compute(of_node * of_node.transpose());
-    const auto vectors = gram.vectors();
+    const Eigen::Index others = of_node.cols();
+    const Eigen::MatrixXd vectors = left_singular_vectors(of_node);
     Eigen::MatrixXd rest = of_node;
     Eigen::Index rank = 0;
-    for (double left = tolerance; rank < nodes && !(left <= 0.1 * tolerance); ++rank) {
-        const auto basis = vectors.col(nodes - 1 - rank);
+    for (double left = tolerance; rank < vectors.cols() && !(left <= 0.1 * tolerance); ++rank) {
+        const auto basis = vectors.col(vectors.cols() - 1 - rank);
         rest.noalias() -= basis * (basis.transpose() * of_node);
         left = 0.0;  // the largest sum over degrees, |P_l| <= 1
         for (Eigen::Index stack = 0; stack < stacks; ++stack) {
@@ -145,7 +161,7 @@ NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
     const auto log_q = [&](double t) { return log_q_middle_ + log_q_half_ * t; };
     SlantFunctions functions;
     Eigen::MatrixXd& strengths = functions.strengths;
-    for (int count = one_q ? 1 : 6;; count += count / 2) {
+    for (int count = one_q ? 1 : kFewPoints;; count += count / 2) {
         functions.nodes = math::ChebyshevPoints(count);
         functions.at_nodes = Eigen::MatrixXd::Identity(count, count);
         Eigen::VectorXd at_nodes(count);

@@ -132,10 +132,14 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cut
 
     // The window at l: near the end it shrinks on both sides.
     const auto reach_at = [&](int l) { return std::min({kHalfWindow, l, count - 1 - l}); };
+    std::vector<int> not_positive = {0};  // moments before each degree
+    for (const double log : logarithm)
+        not_positive.push_back(not_positive.back() + std::isnan(log));
     int not_geometric = moments;  // the first degree whose window is not positive throughout
     while (not_geometric < count) {
-        const int reach = reach_at(not_geometric);
-        if (logarithm.segment(not_geometric - reach, 2 * reach + 1).array().isNaN().any()) break;
+        const int first = not_geometric - reach_at(not_geometric);
+        const int end = not_geometric + reach_at(not_geometric) + 1;
+        if (not_positive[std::size_t(end)] > not_positive[std::size_t(first)]) break;
         ++not_geometric;
     }
 
@@ -148,12 +152,13 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cut
     for (int l = std::max(moments, cutoff) + 1; l < count; ++l)
         highest[std::size_t(l)] = highest[std::size_t(std::max(moments, cutoff))];
 
+    const double whole_weight = kernel.sum();
     double largest = 0.0;
     for (int l = moments; l < count; ++l) {
         // Near the end the window shrinks on both sides, so that a slope does not become a bias.
         const int reach = reach_at(l);
         const auto weights = kernel.segment(kHalfWindow - reach, 2 * reach + 1);
-        const double weight = weights.sum();
+        const double weight = reach == kHalfWindow ? whole_weight : weights.sum();
         double smooth = weights.dot(moment.segment(l - reach, weights.size())) / weight;
         // From the geometric to the arithmetic mean over as many degrees as a window has: a step
         // at one degree would be a term of the sum over N_l that flips with its parity.
