@@ -92,8 +92,9 @@ struct SingleAngle {
         const double theta = theta_deg * std::numbers::pi / 180;
         const auto noise_of_part = [&](std::size_t i) {
             if (by_rays && part_levels[i] <= 1)
-                return sizes.believed_of_few(i, part_levels[i], theta, theta, difference(parts[i]),
-                                             parts[i].intensity.row(kMiddle).sum() / scattered());
+                return sizes.rays()->believed_of_few(
+                    i, part_levels[i], theta, theta, difference(parts[i]),
+                    parts[i].intensity.row(kMiddle).sum() / scattered());
             if (!is_nested || added[i].share == 1) return difference(parts[i]);
             const Shares& shares = by_rays ? kSharesByRays : kSharesBySizes;
             return std::max({difference(parts[i]), shares.of_change * change(before[i], parts[i]),

@@ -171,7 +171,8 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
             if (!by_rays) continue;
             const Eigen::VectorXd value = part_values(parts_[i]).cwiseQuotient(P.cwiseMax(floor));
             const auto believed = [&](double difference, double of) {
-                return sizes.believed_of_few(i, part_levels_[i], lower_, upper_, difference, of);
+                return sizes.rays()->believed_of_few(i, part_levels_[i], lower_, upper_, difference,
+                                                     of);
             };
             part_noise_[i] = believed(part_noise_[i], value.norm() / root);
             worst_ = std::max(worst_, believed(of_part.cwiseAbs().maxCoeff(), value.maxCoeff()));
@@ -192,7 +193,8 @@ void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& 
     // Rays of one number of ways interfere as the sizes have it.
     Eigen::VectorXd mixed = P.cwiseAbs2();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-        if (sizes.is_one_ray(i)) mixed -= part_values(parts_[i]).cwiseAbs2();
+        if (sizes.rays() != nullptr && sizes.rays()->is_one_ray(i))
+            mixed -= part_values(parts_[i]).cwiseAbs2();
     }
     const Eigen::VectorXd bias =
         (options.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(P.cwiseMax(floor)))

@@ -29,7 +29,7 @@ struct PhaseTabulationOptions {
     int last_moment = -1;  ///< highest one; -1: none
     /// Scattering efficiency of the average times the area share of the range, when known. 0: not.
     double scattering_efficiency = 0;
-    bool by_rays = false;        ///< see SizeFamilies
+    bool by_rays = false;        ///< see RayFamilies
     PhaseRayBias ray_bias = {};  ///< part of the noise by rays, relative to max(P, floor)
     double most_work = std::numeric_limits<double>::infinity();  ///< EnsembleRequest::phase_work
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment

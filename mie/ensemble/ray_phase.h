@@ -61,7 +61,7 @@ class RayWindow {
     double smallest_, largest_, width_;
 };
 
-/// The sizes that rays are averaged over (SizeFamilies).
+/// The sizes that rays are averaged over (RayFamilies).
 class RaySizes {
   public:
     RaySizes(const SizeDistribution& distribution, const RadiusRange& range,
