@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <complex>
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "mie/ensemble/size_sums.h"
@@ -38,7 +38,10 @@ class WaveStore {
     /// Which block it is.
     struct Key {
         int part, family, level, first_size;
-        auto operator<=>(const Key&) const = default;
+        bool operator<(const Key& other) const {
+            return std::tie(part, family, level, first_size) <
+                   std::tie(other.part, other.family, other.level, other.first_size);
+        }
     };
 
     void open() { is_open_ = true; }

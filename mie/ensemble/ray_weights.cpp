@@ -108,8 +108,10 @@ void RayInterference::add_rays(int way, double angle, std::size_t first, std::si
     };
     const double at_first = deviation_at(first), at_last = deviation_at(last);
     const double least = std::min(at_first, at_last), most = std::max(at_first, at_last);
-    double target = angle + 2 * kPi * std::ceil((least - angle) / (2 * kPi));
-    for (; target <= most; target += 2 * kPi) {
+    const auto first_turn = static_cast<int>(std::ceil((least - angle) / (2 * kPi)));
+    const auto last_turn = static_cast<int>(std::floor((most - angle) / (2 * kPi)));
+    for (int turn = first_turn; turn <= last_turn; ++turn) {
+        const double target = angle + 2 * kPi * turn;
         std::size_t below = first, above = last;
         while (above - below > 1) {
             const std::size_t middle = (below + above) / 2;
@@ -225,7 +227,7 @@ RayInterference::Sampled RayInterference::sampled(const WeightedSizes& sizes) co
 }
 
 Eigen::VectorXd RayInterference::factors(const Terms& terms, const Sampled& sizes) const {
-    const auto& [x, t, roots] = sizes;
+    const Eigen::ArrayXd &x = sizes.x, &t = sizes.scaled, &roots = sizes.root_shares;
     // Conditions (columns) at the sizes, times the roots of the shares of these.
     thread_local Eigen::MatrixXd conditions, products;
     thread_local Eigen::ArrayXd scaled_roots, turns;
