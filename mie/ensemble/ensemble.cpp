@@ -295,10 +295,7 @@ void EnsembleAverage::put_phase_table() {
     const auto table = std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
     if (request_.with_phase_table) optics_.phase_table = table;
     if (!moments_from_table_) return;
-    // Each panel is relative to all scattered light: what noise makes the wide angles miss must not
-    // make the forward peak brighter.
-    std::vector<double> chi = table->moments(options.last_moment, run_);
-    for (double& value : chi) value *= table->mean();
+    const std::vector<double> chi = table->moments(options.last_moment, run_);
     optics_.chi.insert(optics_.chi.end(), chi.begin() + kSafeBandWidth + 1, chi.end());
     optics_.chi.resize(request_.highest_moment + 1, 0.0);
     optics_.error_estimate = std::max(optics_.error_estimate, tabulated.moment_error);

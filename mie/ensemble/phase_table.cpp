@@ -114,7 +114,6 @@ PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& valu
         parts.coefficients.insert(parts.coefficients.end(), coefficients.begin(),
                                   coefficients.end());
     }
-    // Normalised by its own integral, so that it conserves energy with chi_0 = 1.
     const math::Quadrature rule = math::gauss_legendre(kNodes);
     double integral = 0;
     for (std::size_t p = 0; p + 1 < parts.edges.size(); ++p) {
@@ -126,7 +125,6 @@ PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& valu
         }
     }
     parts.mean = 0.5 * integral;
-    for (double& coefficient : parts.coefficients) coefficient /= parts.mean;
     return PhaseTable(std::move(parts));
 }
 
@@ -202,10 +200,8 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
     });
     std::vector<double> chi(highest_moment + 1, 0.0);
     for (const auto& part : parts) {
-        for (int l = 0; l <= highest_moment; ++l) chi[l] += part[l];
+        for (int l = 0; l <= highest_moment; ++l) chi[l] += 0.5 * part[l];
     }
-    const double whole = chi[0];
-    for (double& value : chi) value /= whole;
     return chi;
 }
 

@@ -18,7 +18,7 @@ Eigen::VectorXd panel_coefficients(const Eigen::VectorXd& values);
 /// The polynomial with these coefficients (PhaseTable::kPanelNodes) at t, -1 to 1 over the panel.
 double panel_value(const double* coefficients, double t);
 
-/// A table from P at the nodes of its panels, normalised by its own integral.
+/// A table from P at the nodes of its panels.
 /// @param values  one column per panel, at panel_nodes
 /// @param parts  all but coefficients and mean, which follow from the values
 PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values);

@@ -181,12 +181,10 @@ double PhaseTabulation::moment_error() const {
     double noise = 0;
     if (sizes_.count() == 2) {
         const int last = std::min(options_.last_moment, options_.first_moment + kMomentsToJudge);
-        const PhaseTable tables[] = {table_of(0), table_of(1)};
-        const std::vector<double> a = tables[0].moments(last, run_);
-        const std::vector<double> b = tables[1].moments(last, run_);
+        const std::vector<double> a = table_of(0).moments(last, run_);
+        const std::vector<double> b = table_of(1).moments(last, run_);
         for (int l = options_.first_moment; l <= last; ++l) {
-            const double differ = tables[0].mean() * a[l] - tables[1].mean() * b[l];
-            noise = std::max(noise, 0.5 * std::abs(differ));
+            noise = std::max(noise, 0.5 * std::abs(a[l] - b[l]));
         }
     }
     return noise + std::sqrt(squares);

@@ -61,7 +61,7 @@ class PhaseTable {
     struct Parts {
         std::vector<double> edges;         ///< radians, ascending from 0 to pi
         std::vector<double> coefficients;  ///< Chebyshev, kPanelNodes of each panel, panel by panel
-        double mean = 1;                   ///< of P over the sphere before it was normalised
+        double mean = 1;                   ///< of P over the sphere; 1 but for the errors of P
         /// Relative to the largest P of the panel, the worst panel.
         double interpolation_error = 0;
         /// Relative to P, from its finite number of sizes, the worst node.
@@ -83,16 +83,18 @@ class PhaseTable {
     /// (rms, absolute).
     double noise(double cos_theta) const;
 
-    /// P averaged over the sphere before it was normalised; 1 but for the errors of the table.
+    /// P averaged over the sphere: 1 but for the errors of the table. P is relative to all
+    /// scattered light and not to its own integral: noise at wide angles, where half of the light
+    /// is, would else change the forward peak.
     double mean() const { return parts_.mean; }
     double interpolation_error() const { return parts_.interpolation_error; }
     double size_error() const { return parts_.size_error; }
     int angle_count() const { return kPanelNodes * (static_cast<int>(parts_.edges.size()) - 1); }
     const Parts& parts() const { return parts_; }
 
-    /// chi_0 = 1 ... chi_highest: integrals of the polynomials against P_l by Gauss rules dense
-    /// enough for order l. Absolute error about that of the table times the share of the light that
-    /// it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
+    /// chi_0 = mean() ... chi_highest: integrals of the polynomials against P_l by Gauss rules
+    /// dense enough for order l. Absolute error about that of the table times the share of the
+    /// light that it concerns; cost: highest_moment^2 steps of a recurrence, 8 at once.
     /// @param highest_moment  >= 0
     std::vector<double> moments(int highest_moment, const Executor& run = run_in_order) const;
 
