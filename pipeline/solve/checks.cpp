@@ -51,13 +51,11 @@ double rest_of_tolerance(double tolerance, double mie_error_estimate) {
 
 std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
                                    const std::vector<double>& transfer_errors) {
-    // Twice an rms: of many values that may all err by so much, some are beyond it.
-    constexpr double share = 0.85;
     std::vector<double> rest;
     rest.reserve(transfer_errors.size());
     for (const double error : transfer_errors) {
-        rest.push_back(
-            std::max(kPhaseShare * tolerance, share * (tolerance - (mie_error_estimate + error))));
+        rest.push_back(std::max(kPhaseShare * tolerance,
+                                kShareOfPoints * (tolerance - (mie_error_estimate + error))));
     }
     return rest;
 }

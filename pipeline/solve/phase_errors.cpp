@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "pipeline/solve/checks.h"
 #include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
 #include "rte/grid/refraction_grid.h"
@@ -225,6 +226,14 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
 }
 
+/// What a point may err by where the doubt about the peak takes a part of what is left of the
+/// tolerance there: the part that points do not have in any case, then theirs, but for half of it.
+double beside_doubt(double allowed, double doubt) {
+    const double left = allowed / kShareOfPoints;
+    const double rest = std::sqrt(std::max(left * left - doubt * doubt, 0.0));
+    return std::clamp(rest, 0.5 * allowed, allowed);
+}
+
 // NaN, too, and for good.
 void raise(double& largest, double value) {
     if (value > largest || std::isnan(value)) largest = value;
@@ -309,11 +318,14 @@ PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const Optics
             for (std::size_t i = 0; i < layers.size(); ++i) {
                 for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
                     const PhasePart& part = layers[i].parts[p];
-                    const double weight = weights[i].value(cos_theta) * part.factor(cos_theta);
+                    const double factor = part.factor(cos_theta);
+                    const double weight = weights[i].value(cos_theta) * factor;
                     if (!(weight > 0.0)) continue;
-                    const double enough = largest / weight;
                     const double noise = part.table->noise(cos_theta);
-                    if (noise <= enough) continue;
+                    if (noise <= largest / weight) continue;
+                    // The table's noise is what P will change by, as far as is known before.
+                    const double doubt = weights[i].doubt(cos_theta) * factor * noise;
+                    const double enough = beside_doubt(largest, doubt) / weight;
                     Point& point = points[i][p][angle_of(cos_theta)];
                     point.allowed = std::min(point.allowed, enough);
                 }
