@@ -34,6 +34,20 @@ std::vector<double> cosines_of(const std::vector<double>& angles_deg) {
     return cosines;
 }
 
+int most_moments(const std::vector<ScaledMedium>& media) {
+    Eigen::Index most = 0;
+    for (const ScaledMedium& medium : media) most = std::max(most, medium.scaled.chi.size());
+    return int(most);
+}
+
+ForwardPeak from_degree(const ForwardPeak& whole, int degree) {
+    const auto tail = [&](const std::vector<double>& list) {
+        const int before = std::clamp(degree - whole.first_degree, 0, int(list.size()));
+        return std::vector<double>(list.begin() + before, list.end());
+    };
+    return {degree, tail(whole.peak), tail(whole.rest)};
+}
+
 }  // namespace
 
 double cos_scattering_angle(double mu_in, double mu_out, double cos_azimuth) {
@@ -95,15 +109,17 @@ std::vector<bool> near_retro_reflection(const Directions& directions) {
 }
 
 FirstOrderSum::FirstOrderSum(const Directions& directions, const SolverOptions& options)
-    : directions_(directions),
-      options_(options),
-      cos_azimuth_(cosines_of(directions.azimuth_deg)) {}
+    : directions_(directions), options_(options), cos_azimuth_(cosines_of(directions.azimuth_deg)) {
+    for (const double mu : directions_.mu_in) mu_least_ = std::min(mu_least_, mu);
+    for (const double mu : directions_.mu_out) mu_least_ = std::min(mu_least_, mu);
+}
 
 void FirstOrderSum::add_to(std::vector<double>& reflection, const std::vector<ScaledMedium>& media,
                            std::vector<double>* unresolved) {
     const bool exact = options_.single_scattering_correction;
+    if (exact && !has_kept(media)) keep(media);
     if (exact) add_narrow_features(reflection, media, unresolved);
-    if (exact && phase_.empty()) evaluate_phase(media);
+    for (std::size_t k = 0; k < narrow_.size(); ++k) reflection[k] += narrow_[k];
     const std::size_t directions = reflection.size();
     std::vector<double> weights(media.size());
     std::size_t first = 0;
@@ -131,19 +147,28 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const std::vector<Sc
 void FirstOrderSum::add_narrow_features(std::vector<double>& reflection,
                                         const std::vector<ScaledMedium>& media,
                                         std::vector<double>* unresolved) const {
-    constexpr std::size_t many_directions = 2000;  // from here on a table pays
-    double mu_least = 1.0;
-    for (const double mu : directions_.mu_in) mu_least = std::min(mu_least, mu);
-    for (const double mu : directions_.mu_out) mu_least = std::min(mu_least, mu);
-    NarrowFeatures narrow({&media, 1}, mu_least, kNarrowFeaturesShare * options_.tolerance);
-    if (reflection.size() > many_directions) narrow.tabulate();
+    NarrowFeatures narrow({&media, 1}, mu_least_, kNarrowFeaturesShare * options_.tolerance,
+                          {.end = first_kept_});
+    if (worth_a_table(reflection.size())) narrow.tabulate();
     const bool wanted = unresolved != nullptr && narrow.has_unresolved();
     if (wanted) unresolved->assign(reflection.size(), 0.0);
     narrow.add_to(reflection.data(), directions_.mu_in, directions_.mu_out, cos_azimuth_,
                   wanted ? unresolved->data() : nullptr);
 }
 
-void FirstOrderSum::evaluate_phase(const std::vector<ScaledMedium>& media) {
+bool FirstOrderSum::has_kept(const std::vector<ScaledMedium>& media) const {
+    if (phase_.empty()) return false;
+    if (narrow_.empty()) return true;
+    if (most_moments(media) > first_kept_) return false;
+    for (std::size_t i = 0; i < media.size(); ++i) {
+        const ForwardPeak here = from_degree(media[i].narrow, first_kept_);
+        if (here.peak != kept_[i].peak || here.rest != kept_[i].rest) return false;
+    }
+    return true;
+}
+
+void FirstOrderSum::keep(const std::vector<ScaledMedium>& media) {
+    phase_.clear();
     phase_.reserve(media.size() * directions_.mu_in.size() * directions_.mu_out.size() *
                    cos_azimuth_.size());
     for (const ScaledMedium& medium : media) {
@@ -155,6 +180,45 @@ void FirstOrderSum::evaluate_phase(const std::vector<ScaledMedium>& media) {
             }
         }
     }
+    keep_narrow_features(media);
+}
+
+void FirstOrderSum::keep_narrow_features(const std::vector<ScaledMedium>& media) {
+    narrow_.clear();
+    kept_.clear();
+    // The first numbers of nodes have fewer moments; where others double there is a new first
+    // degree.
+    constexpr int least = 128;
+    first_kept_ = std::max(least, 2 * most_moments(media));
+    int degrees = 0;
+    for (const ScaledMedium& medium : media) {
+        const auto& [first, peak, rest] = medium.narrow;
+        if (!rest.empty()) degrees = std::max(degrees, first + int(rest.size()));
+    }
+    constexpr int worth = 2;  // times as many
+    if (degrees < worth * first_kept_) {
+        first_kept_ = std::numeric_limits<int>::max();
+        return;
+    }
+    const double tolerance = kNarrowFeaturesShare * options_.tolerance;
+    narrow_.assign(phase_.size() / media.size(), 0.0);
+    NarrowFeatures features({&media, 1}, mu_least_, tolerance, {.first = first_kept_},
+                            NarrowSum::features);
+    if (worth_a_table(narrow_.size())) features.tabulate();
+    features.add_to(narrow_.data(), directions_.mu_in, directions_.mu_out, cos_azimuth_);
+    Eigen::VectorXd angles(Eigen::Index(narrow_.size()));
+    Eigen::Index k = 0;
+    for (const double mu_in : directions_.mu_in) {
+        for (const double mu_out : directions_.mu_out) {
+            const ScatteringAngles between(mu_in, mu_out);
+            for (const double cosine : cos_azimuth_)
+                angles[k++] = std::acos(between.cosine(cosine));
+        }
+    }
+    Eigen::Map<Eigen::MatrixXd>(phase_.data(), angles.size(), Eigen::Index(media.size())) -=
+        narrow_phase(media, first_kept_, angles, tolerance);
+    for (const ScaledMedium& medium : media)
+        kept_.push_back(from_degree(medium.narrow, first_kept_));
 }
 
 }  // namespace miebrdf::rte

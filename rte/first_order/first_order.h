@@ -2,6 +2,7 @@
 // summed at all directions of a request.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -40,8 +41,9 @@ std::vector<bool> near_retro_reflection(const Directions& directions);
 /// Adds what is scattered once to reflection functions: exactly (TMS), or as the discrete equations
 /// see it, by SolverOptions::single_scattering_correction.
 ///
-/// Exact phase functions do not depend on the number of nodes: they are evaluated once, at the
-/// first call, and kept (8 bytes for each medium and direction).
+/// Exact phase functions do not depend on the number of nodes, nor does what their narrow features
+/// scatter from degrees on that delta-M cuts off: both are evaluated once, at the first call, and
+/// kept (8 bytes for each direction, and as many for each medium).
 class FirstOrderSum {
   public:
     /// @param directions  must outlive this
@@ -56,15 +58,24 @@ class FirstOrderSum {
                 std::vector<double>* unresolved = nullptr);
 
   private:
+    /// Of degrees that depend on the nodes.
     void add_narrow_features(std::vector<double>& reflection,
                              const std::vector<ScaledMedium>& media,
                              std::vector<double>* unresolved) const;
-    /// Exact P of each medium at each direction: phase_[medium * directions + direction].
-    void evaluate_phase(const std::vector<ScaledMedium>& media);
+    /// Whether these media, too, have what is kept.
+    bool has_kept(const std::vector<ScaledMedium>& media) const;
+    void keep(const std::vector<ScaledMedium>& media);
+    void keep_narrow_features(const std::vector<ScaledMedium>& media);
 
     const Directions& directions_;
     SolverOptions options_;
     std::vector<double> cos_azimuth_;
+    double mu_least_ = 1.0;
+    /// Narrow features from this degree on are kept.
+    int first_kept_ = std::numeric_limits<int>::max();
+    std::vector<ForwardPeak> kept_;  ///< of each medium, from that degree on
+    std::vector<double> narrow_;     ///< what they scatter, at each direction; none: empty
+    /// Exact P of each medium but for them: phase_[medium * directions + direction].
     std::vector<double> phase_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 #include "rte/first_order/first_order.h"
 #include "rte/math/legendre.h"
@@ -18,6 +19,12 @@ constexpr int kFewPoints = 9, kMostPoints = 48;
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j.
 Eigen::MatrixXd sum_degrees(const Eigen::MatrixXd& strengths, const Eigen::VectorXd& angles) {
     return math::legendre_sums(strengths, angles.array().cos());
+}
+
+math::AngleTable table_of(const Eigen::MatrixXd& strengths, double tolerance) {
+    const double shortest_wave = 2.0 * std::numbers::pi / double(strengths.cols());
+    return {[&](const Eigen::VectorXd& angles) { return sum_degrees(strengths, angles); },
+            0.5 * shortest_wave, math::AngleTolerance{.absolute = tolerance}};
 }
 
 double log_q_of(double mu_in, double mu_out) { return std::log(1.0 / mu_in + 1.0 / mu_out); }
@@ -128,25 +135,47 @@ void drop_tail(Eigen::MatrixXd& strengths, double tolerance) {
 
 }  // namespace
 
+bool worth_a_table(std::size_t directions) { return directions > 2000; }
+
+Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_degree,
+                             const Eigen::VectorXd& angles, double tolerance) {
+    Eigen::Index degrees = 1;
+    for (const auto& [first, peak, rest] : std::views::transform(media, &ScaledMedium::narrow))
+        degrees = std::max(degrees, first + Eigen::Index(rest.size()));
+    Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(media.size()), degrees);
+    for (std::size_t i = 0; i < media.size(); ++i) {
+        const auto& [first, peak, rest] = media[i].narrow;
+        for (int l = std::max(first, first_degree); l < first + int(rest.size()); ++l)
+            strengths(Eigen::Index(i), l) = (2.0 * l + 1.0) * rest[std::size_t(l - first)];
+    }
+    if (!worth_a_table(std::size_t(angles.size()))) return sum_degrees(strengths, angles);
+    const math::AngleTable table = table_of(strengths, tolerance);
+    Eigen::MatrixXd values(angles.size(), strengths.rows());
+    Eigen::VectorXd at_angle(strengths.rows());
+    for (Eigen::Index a = 0; a < angles.size(); ++a) {
+        table.evaluate(angles[a], at_angle);
+        values.row(a) = at_angle.transpose();
+    }
+    return values;
+}
+
 NarrowFeatures::NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
-                               double tolerance)
+                               double tolerance, const DegreeRange& degrees, NarrowSum sum)
     : stacks_(stacks.size()), tolerance_(tolerance) {
     const double lowest = log_q_of(1.0, 1.0);
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    const std::vector<NarrowStrengths> all(stacks.begin(), stacks.end());
+    std::vector<NarrowStrengths> all;
+    for (const auto& media : stacks) all.emplace_back(media, degrees, sum);
     const bool one_q = !depends_on_q(stacks);
     known_ = slant_functions(all, one_q, std::mem_fn(&NarrowStrengths::of_all), tolerance_);
     strengths_ = known_.strengths;
-    add_unresolved(all, one_q);
+    if (sum == NarrowSum::correction) add_unresolved(all, one_q);
 }
 
 void NarrowFeatures::tabulate() {
-    if (none()) return;
-    const double shortest_wave = 2.0 * std::numbers::pi / double(strengths_.cols());
-    table_.emplace([&](const Eigen::VectorXd& angles) { return sum_degrees(strengths_, angles); },
-                   0.5 * shortest_wave, math::AngleTolerance{.absolute = tolerance_});
+    if (!none()) table_.emplace(table_of(strengths_, tolerance_));
 }
 
 Eigen::VectorXd NarrowFeatures::SlantFunctions::at(double t) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,12 +19,35 @@ namespace miebrdf::rte {
 /// @param resolved_waves  by the nodes, at these angles; empty: everything is resolved
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees);
 
+/// Those below `end`.
+struct DegreeRange {
+    int first = 0;
+    int end = std::numeric_limits<int>::max();
+};
+
+/// Which sum over the degrees of narrow features.
+enum class NarrowSum {
+    correction,  ///< C of NarrowFeatures
+    features     ///< sum over media, sum_l (2l+1) N_l P_l G(F_l): no nodes and no delta-M in it
+};
+
+/// sum_l (2l+1) N_l P_l of each medium (column) at the angles (row), from the given degree on.
+/// @param tolerance  absolute; of a table in angle, which pays from some thousand of them on
+Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_degree,
+                             const Eigen::VectorXd& angles, double tolerance);
+
+/// Whether so many directions or angles are worth a table.
+bool worth_a_table(std::size_t directions);
+
 /// What the media of one stack change in C of NarrowFeatures (below), degree by degree: all that
 /// does not depend on q = 1/mu_in + 1/mu_out is computed once.
 class NarrowStrengths {
   public:
-    /// @param media  from the bottom up, as for single_scattering
-    explicit NarrowStrengths(const std::vector<ScaledMedium>& media);
+    /// @param media    from the bottom up, as for single_scattering
+    /// @param degrees  that are summed; none of others
+    explicit NarrowStrengths(const std::vector<ScaledMedium>& media,
+                             const DegreeRange& degrees = {},
+                             NarrowSum sum = NarrowSum::correction);
 
     /// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C at one q; empty if there are none.
     Eigen::VectorXd of_all(double q) const;
@@ -47,10 +71,12 @@ class NarrowStrengths {
         Eigen::Index kept = 0;        ///< of these degrees below the medium's own cutoff
         std::vector<double> unresolved_shares;
     };
-    /// Calls visit(medium, G(F_l) - G(f) of so many degrees, G(F'_l) - G(f)) from the top down.
+    /// Calls visit(medium, G(F_l) - G(f) of so many degrees, G(F'_l) - G(f), G(f)) from the top
+    /// down.
     template <typename Visit>
     void for_each_medium(double q, Eigen::Index degrees, const Visit& visit) const;
 
+    NarrowSum sum_;
     int first_ = 0;
     Eigen::Index count_ = 0, kept_ = 0;  ///< degrees; of these below the cutoff of any medium
     std::vector<Medium> media_;          ///< from the top down
@@ -81,14 +107,16 @@ class NarrowFeatures {
     /// @param stacks     of each the media from the bottom up, as for single_scattering
     /// @param mu_least   smallest cosine that will be asked for, in (0, 1]
     /// @param tolerance  of C, absolute
+    /// @param degrees    that are summed; none of others
     NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
-                   double tolerance);
+                   double tolerance, const DegreeRange& degrees = {},
+                   NarrowSum sum = NarrowSum::correction);
 
     bool none() const { return strengths_.size() == 0; }
     bool has_unresolved() const { return at_pairs_.cols() > 0; }
     std::size_t stacks() const { return stacks_; }
 
-    /// Makes a table in Theta, which pays from some thousand directions on.
+    /// Makes a table in Theta (worth_a_table).
     void tabulate();
 
     /// What to add to R at all combinations of cosines, none below mu_least, and azimuths:

@@ -33,18 +33,17 @@ DegreeOfMedium degree_of(const ScaledMedium& medium, int l) {
     return degree;
 }
 
-struct DegreeRange {
-    int first = 0, end = 0;
-};
-
-DegreeRange degrees_of(const std::vector<ScaledMedium>& media) {
-    DegreeRange range;
+// Of these, those that the media have.
+DegreeRange degrees_of(const std::vector<ScaledMedium>& media, const DegreeRange& wanted) {
+    DegreeRange range = {0, 0};
     for (const ScaledMedium& medium : media) {
         if (medium.narrow.rest.empty()) continue;
         const int first = medium.narrow.first_degree;
         range.first = range.end == 0 ? first : std::min(range.first, first);
         range.end = std::max(range.end, first + int(medium.narrow.rest.size()));
     }
+    range.first = std::max(range.first, wanted.first);
+    range.end = std::clamp(range.end, range.first, std::max(range.first, wanted.end));
     return range;
 }
 
@@ -84,14 +83,18 @@ std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves,
     return shares;
 }
 
-NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media) {
-    const DegreeRange range = degrees_of(media);
+NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media, const DegreeRange& degrees,
+                                 NarrowSum sum)
+    : sum_(sum) {
+    const DegreeRange range = degrees_of(media, degrees);
     first_ = range.first;
     count_ = range.end - range.first;
     if (count_ == 0) return;
-    for (const ScaledMedium& medium : media)
+    for (const ScaledMedium& medium : media) {
+        if (sum_ == NarrowSum::features) break;
         kept_ =
             std::max(kept_, std::clamp(medium.scaled.chi.size() - first_, Eigen::Index(0), count_));
+    }
     for (auto from = media.rbegin(); from != media.rend(); ++from) {
         const double alpha = from->exact.single_scattering_albedo;
         const auto loss_with = [&](double not_scattered) {
@@ -134,27 +137,32 @@ void NarrowStrengths::for_each_medium(double q, Eigen::Index degrees, const Visi
         const Eigen::ArrayXd of_kept = absorbed_of(above_kept, slant, medium.loss_of_kept);
         above_kept -= of_kept;
         visit(medium, (of_true / medium.loss.head(degrees) - without) / factor,
-              (of_kept / medium.loss_of_kept - without) / factor);
+              (of_kept / medium.loss_of_kept - without) / factor, without / factor);
     }
 }
 
 Eigen::VectorXd NarrowStrengths::of_all(double q) const {
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
     auto sums = strengths.tail(count_).array();
-    for_each_medium(
-        q, count_,
-        [&](const Medium& medium, const Eigen::ArrayXd& of_true, const Eigen::ArrayXd& of_kept) {
-            sums += medium.strength * of_true;
-            sums.head(kept_) -=
-                medium.strength.head(kept_) * medium.share_kept.head(kept_) * of_kept;
-        });
+    for_each_medium(q, count_,
+                    [&](const Medium& medium, const Eigen::ArrayXd& of_true,
+                        const Eigen::ArrayXd& of_kept, double without) {
+                        if (sum_ == NarrowSum::features) {
+                            sums += medium.strength * (of_true + without);
+                            return;
+                        }
+                        sums += medium.strength * of_true;
+                        sums.head(kept_) -=
+                            medium.strength.head(kept_) * medium.share_kept.head(kept_) * of_kept;
+                    });
     return strengths;
 }
 
 Eigen::VectorXd NarrowStrengths::of_kept(double q) const {
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
     for_each_medium(
-        q, 0, [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept) {
+        q, 0,
+        [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept, double) {
             const Eigen::Index own = medium.kept;
             strengths.segment(first_, own).array() +=
                 (medium.strength.head(own) * medium.share_kept.head(own) * of_kept.head(own)).abs();
@@ -170,7 +178,8 @@ Eigen::VectorXd NarrowStrengths::of_unresolved(double q) const {
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(degrees * kResolvedAngles);
     if (degrees <= first_) return strengths;
     for_each_medium(
-        q, 0, [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept) {
+        q, 0,
+        [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept, double) {
             const auto own = Eigen::Index(medium.unresolved_shares.size()) / kResolvedAngles;
             for (Eigen::Index l = first_; l < std::min(degrees, own); ++l) {
                 const Eigen::Index i = l - first_;

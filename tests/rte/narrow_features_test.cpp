@@ -4,6 +4,7 @@
 
 #include "rte/first_order/first_order.h"
 #include "rte/first_order/narrow_features.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
@@ -198,6 +199,50 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     // Interpolation in q, panels in angle, the dropped tail: each within the tolerance, and the sum
     // over the nodes' weights (below 3) multiplies the panels' part.
     CHECK(largest_error <= 6.0 * tolerance);
+}
+
+TEST_CASE("what is kept of narrow features does not depend on the moments of the first call",
+          "[rte][narrow]") {
+    const auto optics = [](double albedo, double middle) {
+        rte::Optics glory = rte::isotropic_optics(albedo);
+        glory.chi.resize(700);
+        for (int l = 1; l < 700; ++l)
+            glory.chi[std::size_t(l)] =
+                0.5 * std::pow(0.3, l) + 0.5 * std::exp(-std::pow(l / 200.0, 2)) +
+                (l % 2 ? -1 : 1) * 0.003 * std::exp(-std::pow((l - middle) / 60.0, 2));
+        return glory;
+    };
+    const rte::Stack stack{.base = optics(0.95, 150.0), .coats = {{optics(0.9, 300.0), 0.5}}};
+    const rte::Directions directions{{0.1, 0.7, 1.0}, {0.1, 0.6, 1.0}, {0.0, 100.0, 178.0, 180.0}};
+    const rte::SolverOptions options{.tolerance = 1e-5};
+    rte::FirstOrderSum kept(directions, options);
+    double largest = 0.0;
+    // More than 128 moments are too many for what the first call has kept.
+    for (const int moments : {24, 96, 200, 48}) {
+        const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, moments, true).media;
+        const rte::NarrowFeatures whole({&media, 1}, 0.1, 1e-9);
+        std::vector<double> values(3 * 3 * 4, 0.0);
+        kept.add_to(values, media);
+        auto value = values.begin();
+        for (const double mu_in : directions.mu_in) {
+            for (const double mu_out : directions.mu_out) {
+                for (const double azimuth : directions.azimuth_deg) {
+                    const double cosine = std::cos(azimuth * (std::numbers::pi / 180.0));
+                    double narrow = 0.0;
+                    whole.add_to(&narrow, {&mu_in, 1}, {&mu_out, 1}, {&cosine, 1});
+                    const double truth =
+                        rte::single_scattering(media, true, mu_in, mu_out, cosine) + narrow;
+                    CAPTURE(moments, mu_in, mu_out, azimuth, narrow);
+                    // Interpolation in q and dropped degrees: a share of the tolerance of C each,
+                    // for what is kept and for the rest.
+                    CHECK(std::abs(*value++ - truth) * 4.0 * (mu_in + mu_out) <=
+                          4.0 * kNarrowFeaturesShare * options.tolerance);
+                    largest = std::max(largest, std::abs(narrow / truth));
+                }
+            }
+        }
+    }
+    CHECK(largest >= 0.05);
 }
 
 TEST_CASE("the soft cutoff fades moments without moving energy", "[rte][delta_m]") {
