@@ -24,10 +24,10 @@ struct WavePair {
 };
 
 // G of a_n, times m.
+// @param slope  m - 1 / m
 template <typename Number>
-MIEBRDF_VECTOR ComplexVector electric(Number m, const WavePair& x, const WavePair& z,
+MIEBRDF_VECTOR ComplexVector electric(Number m, Number slope, const WavePair& x, const WavePair& z,
                                       const Vector& n_over_x) {
-    const Number slope = m - 1.0 / m;
     return (m * z.here) * x.before - (z.before + n_over_x * (slope * z.here)) * x.here;
 }
 
@@ -73,7 +73,7 @@ void silence(const Lanes& last_order, int order, RayResponse& response) {
 }  // namespace
 
 template <typename Number>
-RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), outside_(x) {
+RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), slope_(m - 1.0 / m), outside_(x) {
     const auto z = inside_of(m, x);
     inverse_z_ = inverse_of(z);
     // zeta_0 = -i exp(iz), zeta_{-1} = exp(iz), here without the factor.
@@ -127,16 +127,16 @@ void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
 
     const Vector n_over_x = static_cast<double>(order_) * inverse_x;
     const ComplexVector round = load(round_, first);
-    const ComplexVector inner_a = electric(m_, x, out, n_over_x);
+    const ComplexVector inner_a = electric(m_, slope_, x, out, n_over_x);
     const ComplexVector inner_b = magnetic(m_, x, out);
-    const ComplexVector N_a = electric(m_, x, in, n_over_x);
+    const ComplexVector N_a = electric(m_, slope_, x, in, n_over_x);
     const ComplexVector N_b = magnetic(m_, x, in);
     if constexpr (is_real) {
         respond(m_, N_a, inner_a, conjugate(inner_a), round, a, first);
         respond(m_, N_b, inner_b, conjugate(inner_b), round, b, first);
     } else {
         const WavePair x_in = conjugate(x);
-        respond(m_, N_a, inner_a, electric(m_, x_in, in, n_over_x), round, a, first);
+        respond(m_, N_a, inner_a, electric(m_, slope_, x_in, in, n_over_x), round, a, first);
         respond(m_, N_b, inner_b, magnetic(m_, x_in, in), round, b, first);
     }
 }

@@ -41,7 +41,7 @@ class RayWaves {
     };
     void advance_some(int first, RayResponse& a, RayResponse& b);
 
-    Number m_;
+    Number m_, slope_;  ///< index; m - 1 / m
     int order_ = 0;
     OutsideWaves outside_;
     LanesOf<Number> inverse_z_;

@@ -1,8 +1,12 @@
 #include "pipeline/io/table.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -27,7 +31,8 @@ void append_text(fmt::memory_buffer& line, const std::string& text) {
 
 void append_cell(fmt::memory_buffer& line, const Cell& cell) {
     if (const auto* number = std::get_if<double>(&cell)) {
-        if (!std::isnan(*number)) fmt::format_to(std::back_inserter(line), "{}", *number);
+        if (!std::isnan(*number))
+            fmt::format_to(std::back_inserter(line), FMT_COMPILE("{}"), *number);
     } else if (const auto* text = std::get_if<std::string>(&cell)) {
         append_text(line, *text);
     }
@@ -67,18 +72,58 @@ void for_each_row(const Table& table, const Visit& visit) {
     }
 }
 
-template <typename Fields, typename Append>
-void append_line(Pieces& pieces, std::string_view prefix, const Fields& fields,
-                 const Append& append_field) {
+void write_names(Pieces& pieces, std::string_view prefix, const std::vector<std::string>& names) {
     fmt::memory_buffer& text = pieces.text();
     text.append(prefix);
-    for (std::size_t i = 0; i < fields.size(); ++i) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
         if (i > 0) text.push_back(',');
-        append_field(text, fields[i]);
+        append_text(text, names[i]);
     }
     text.push_back('\n');
-    pieces.write_if_many();
 }
+
+/// Writes rows. Numbers take time, and most are those of the row before: their text is kept.
+class RowWriter {
+  public:
+    explicit RowWriter(Pieces& pieces, std::string_view prefix = "")
+        : pieces_(pieces), prefix_(prefix) {}
+
+    void write(const std::vector<Cell>& row) {
+        fmt::memory_buffer& text = pieces_.text();
+        text.append(prefix_);
+        before_.resize(std::max(before_.size(), row.size()));
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            if (i > 0) text.push_back(',');
+            const auto* number = std::get_if<double>(&row[i]);
+            if (number == nullptr) {
+                append_cell(text, row[i]);
+            } else {
+                text.append(text_of(*number, before_[i]));
+            }
+        }
+        text.push_back('\n');
+        pieces_.write_if_many();
+    }
+
+  private:
+    struct NumberText {
+        std::uint64_t bits = 0;
+        fmt::memory_buffer text;  ///< empty: no number yet
+    };
+    static std::string_view text_of(double number, NumberText& before) {
+        const auto bits = std::bit_cast<std::uint64_t>(number);
+        if (before.text.size() == 0 || before.bits != bits) {
+            before.bits = bits;
+            before.text.clear();
+            append_cell(before.text, number);
+        }
+        return {before.text.data(), before.text.size()};
+    }
+
+    Pieces& pieces_;
+    std::string_view prefix_;
+    std::vector<NumberText> before_;
+};
 
 nlohmann::ordered_json json_of(const Cell& cell) {
     if (const auto* number = std::get_if<double>(&cell)) {
@@ -112,12 +157,14 @@ void write_csv(const Table& table, std::ostream& out) {
     }
     Pieces pieces(out);
     if (!table.report_columns.empty()) {
-        append_line(pieces, "# report: ", table.report_columns, append_text);
-        for (const auto& row : table.report) append_line(pieces, "# report: ", row, append_cell);
+        write_names(pieces, "# report: ", table.report_columns);
+        RowWriter lines(pieces, "# report: ");
+        for (const auto& row : table.report) lines.write(row);
     }
     if (table.columns.empty()) return;
-    append_line(pieces, "", table.columns, append_text);
-    for_each_row(table, [&](const auto& row) { append_line(pieces, "", row, append_cell); });
+    write_names(pieces, "", table.columns);
+    RowWriter lines(pieces);
+    for_each_row(table, [&](const auto& row) { lines.write(row); });
 }
 
 // The rows are put between what comes before and after them, as one document would be written with
