@@ -50,16 +50,13 @@ struct Transfer {
 
 enum class Way { kUp, kDown };
 
+/// The two solutions in some of the segments.
 template <typename Number, Way way, bool summed>
-[[gnu::noinline]] Transfer<Number> transfer(const Segments& segments,
-                                            const Factor<Number>& factor) {
+struct SolutionPair {
     using V = VectorOf<Number>;
-    constexpr bool up = way == Way::kUp;
-    // From step to step a solution grows by (2n + 1)/|z| and 1 at most.
-    const int rescaling = 2 * segments.end() * factor.bound() < 3 ? 32 : 8;
-    Transfer<Number> result;
-    for (int lane = 0; lane < kLaneCount; lane += kVectorSize) {
-        V u_here{}, u_before{}, v_here{}, v_before{};
+    static constexpr bool up = way == Way::kUp;
+
+    MIEBRDF_VECTOR void start(const Segments& segments, int first_lane) {
         if constexpr (kReal<Number>) {
             u_here += 1;
             v_before += 1;
@@ -67,52 +64,103 @@ template <typename Number, Way way, bool summed>
             u_here.re += 1;
             v_before.re += 1;
         }
-        Vector uu{}, vv{}, uv_re{}, uv_im{}, scale = Vector{} + 1;
-        Vector odd = 2 * segments.bottoms(lane) + (up ? 1 : 2 * segments.length - 1);  // 2n - 1
-        const auto add = [&](const V& u, const V& v) __attribute__((always_inline)) {
-            if constexpr (summed) {
-                uu += odd * norm(u);
-                vv += odd * norm(v);
-                uv_re += odd * (u.re * v.re + u.im * v.im);
-                uv_im += odd * (u.im * v.re - u.re * v.im);
-            }
-        };
-        for (int left = segments.length; left > 0; --left) {
-            const V f = factor.of(odd);
-            if constexpr (up) {
-                add(u_here, v_here);
-                const V u = multiply_subtract(f, u_here, u_before);
-                const V v = multiply_subtract(f, v_here, v_before);
-                u_before = u_here, v_before = v_here;
-                u_here = u, v_here = v;
-                odd += 2;
-            } else {
-                add(u_before, v_before);
-                const V u = multiply_subtract(f, u_before, u_here);
-                const V v = multiply_subtract(f, v_before, v_here);
-                u_here = u_before, v_here = v_before;
-                u_before = u, v_before = v;
-                odd -= 2;
-                if (left % rescaling != 1) continue;
-                const Vector g = 1 / (bound_of(u_here) + bound_of(u_before) + bound_of(v_here) +
-                                      bound_of(v_before));
-                u_here = g * u_here, u_before = g * u_before;
-                v_here = g * v_here, v_before = g * v_before;
-                if constexpr (summed) {
-                    scale *= g;
-                    uu *= g * g, vv *= g * g, uv_re *= g * g, uv_im *= g * g;
-                }
-            }
+        odd = 2 * segments.bottoms(first_lane) + (up ? 1 : 2 * segments.length - 1);
+    }
+
+    /// Two orders: nothing changes places, which takes registers.
+    MIEBRDF_VECTOR void step_twice(const Factor<Number>& factor) {
+        if constexpr (up) {
+            step(factor, u_here, v_here, u_before, v_before);
+            step(factor, u_before, v_before, u_here, v_here);
+        } else {
+            step(factor, u_before, v_before, u_here, v_here);
+            step(factor, u_here, v_here, u_before, v_before);
         }
-        store(u_here, result.u_here, lane);
-        store(u_before, result.u_before, lane);
-        store(v_here, result.v_here, lane);
-        store(v_before, result.v_before, lane);
-        store(uu, result.uu, lane);
-        store(vv, result.vv, lane);
-        store(uv_re, result.uv_re, lane);
-        store(uv_im, result.uv_im, lane);
-        store(scale, result.scale, lane);
+    }
+    MIEBRDF_VECTOR void step_once(const Factor<Number>& factor) {
+        if constexpr (up) {
+            step(factor, u_here, v_here, u_before, v_before);
+        } else {
+            step(factor, u_before, v_before, u_here, v_here);
+        }
+        std::swap(u_here, u_before);
+        std::swap(v_here, v_before);
+    }
+
+    MIEBRDF_VECTOR void rescale() {
+        const Vector g =
+            1 / (bound_of(u_here) + bound_of(u_before) + bound_of(v_here) + bound_of(v_before));
+        u_here = g * u_here, u_before = g * u_before;
+        v_here = g * v_here, v_before = g * v_before;
+        if constexpr (summed) {
+            scale *= g;
+            uu *= g * g, vv *= g * g, uv_re *= g * g, uv_im *= g * g;
+        }
+    }
+
+    MIEBRDF_VECTOR void put(Transfer<Number>& to, int lane) const {
+        store(u_here, to.u_here, lane);
+        store(u_before, to.u_before, lane);
+        store(v_here, to.v_here, lane);
+        store(v_before, to.v_before, lane);
+        store(uu, to.uu, lane);
+        store(vv, to.vv, lane);
+        store(uv_re, to.uv_re, lane);
+        store(uv_im, to.uv_im, lane);
+        store(scale, to.scale, lane);
+    }
+
+    /// From the last order to the next one, in place of that behind.
+    MIEBRDF_VECTOR void step(const Factor<Number>& factor, const V& u, const V& v, V& u_behind,
+                             V& v_behind) {
+        const V f = factor.of(odd);
+        add(u, v);
+        u_behind = multiply_subtract(f, u, u_behind);
+        v_behind = multiply_subtract(f, v, v_behind);
+        odd += up ? 2.0 : -2.0;
+    }
+
+    MIEBRDF_VECTOR void add(const V& u, const V& v) {
+        if constexpr (summed) {
+            uu += odd * norm(u);
+            vv += odd * norm(v);
+            uv_re += odd * (u.re * v.re + u.im * v.im);
+            uv_im += odd * (u.im * v.re - u.re * v.im);
+        }
+    }
+
+    V u_here{}, u_before{}, v_here{}, v_before{};
+    Vector odd;  // 2n - 1
+    Vector uu{}, vv{}, uv_re{}, uv_im{}, scale = Vector{} + 1;
+};
+
+template <typename Number, Way way, bool summed>
+[[gnu::noinline]] Transfer<Number> transfer(const Segments& segments,
+                                            const Factor<Number>& factor) {
+    // Each step waits for the one before: two lots of segments at once where registers hold them.
+    constexpr int together = kReal<Number> && kVectorSize < kLaneCount ? 2 : 1;
+    // From step to step a solution grows by (2n + 1)/|z| and 1 at most.
+    const int rescaling = 2 * segments.end() * factor.bound() < 3 ? 32 : 8;
+    Transfer<Number> result;
+    for (int lane = 0; lane < kLaneCount; lane += together * kVectorSize) {
+        SolutionPair<Number, way, summed> one, other;  // not in a list, which would be in memory
+        one.start(segments, lane);
+        if constexpr (together == 2) other.start(segments, lane + kVectorSize);
+        int left = segments.length;
+        if (left % 2 == 1) {
+            one.step_once(factor);
+            if constexpr (together == 2) other.step_once(factor);
+            --left;
+        }
+        for (; left > 0; left -= 2) {
+            one.step_twice(factor);
+            if constexpr (together == 2) other.step_twice(factor);
+            if (way == Way::kUp || left % rescaling != 2) continue;
+            one.rescale();
+            if constexpr (together == 2) other.rescale();
+        }
+        one.put(result, lane);
+        if constexpr (together == 2) other.put(result, lane + kVectorSize);
     }
     return result;
 }
@@ -157,12 +205,13 @@ std::optional<Wave<Complex>> damped_wave(Complex z, int order) {
 std::optional<Wave<double>> damped_wave(double, int) { return std::nullopt; }
 
 // Each end by itself takes as long as this many steps of all segments.
-constexpr int kLeastDampedLength = 300;
+constexpr int kLeastDampedLength = 60;
 
 template <typename Number>
 bool all_damped(const Segments& segments, Number z, EndWaves<Number>& ends) {
     if (segments.length < kLeastDampedLength) return false;
-    for (int lane = 0; lane < kLaneCount; ++lane) {
+    // The highest one is damped least.
+    for (int lane = kLaneCount - 1; lane >= 0; --lane) {
         const auto wave = damped_wave(z, segments.first + (lane + 1) * segments.length);
         if (!wave) return false;
         ends[lane] = *wave;

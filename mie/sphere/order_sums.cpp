@@ -53,13 +53,11 @@ class OutsideFromMemory {
         const RealFactor factor({x, 0});
         double* const psi_rows = memory_.data() + kLaneCount;
         double* const eta_rows = psi_rows + kLaneCount * (length_ + 1);
-        int n = segments.end() + static_cast<int>(2 * std::cbrt(x)) + 15;
-        double above = 0, here = 1;  // psi_{n+1}, psi_n
-        for (; n > segments.end(); --n) {
-            const double below = factor.of(2.0 * n + 1) * here - above;
-            above = here;
-            here = below;
-        }
+        // psi_{n+1} and psi_n at the last order, as if (2n + 1)/x were the same from there on. An
+        // error of some per cent there is below rounding in a_n and b_n, and falls from order to
+        // order as these rise.
+        const double half = 0.5 * factor.of(2.0 * segments.end() + 1);
+        double above = half - std::sqrt(half * half - 1), here = 1;
         double eta_before = eta.before, eta_here = eta.here;
         double odd_up = 2.0 * segments.first + 1, odd_down = 2.0 * segments.end() + 1;
         for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -281,37 +279,49 @@ template <typename Number, bool in_range, typename Outside>
         auto outside = outside_ends.from(lane);
         auto inside = inside_from<Number>(inside_ends, lane, m);
         Vector n = segments.bottoms(lane) + segments.length;
-        Vector odd = 2 * n - 1, two;  // 2 (-1)^n
-        for (int i = 0; i < kVectorSize; ++i) two[i] = static_cast<int>(n[i]) % 2 ? -2 : 2;
-        Vector alternating = two * (n + 0.5);  // (-1)^n (2n + 1)
         Vector extinguished{}, absorbed{}, asymmetric{}, back_re{}, back_im{};
         Responses above{};
         Vector Y_above{};
-        for (int left = segments.length; left > 0; --left) {
+        const auto add_order = [&](int left, bool is_even) __attribute__((always_inline)) {
             const Responses here = boundary.scatter(n, inside, outside);
-            const Vector weight = odd + 2, next = n + 1;
+            const Vector weight = 2 * n + 1, next = n + 1;
             const Vector X = dot(here.a, above.a) + dot(here.b, above.b);
             const Vector Y = dot(here.a, here.b);
             asymmetric += next * X + (Y + Y_above - X) / next;
             extinguished += weight * (here.a.re + here.b.re);
             if constexpr (!kReal<Number>) absorbed += weight * here.absorbed;
-            back_re += alternating * (here.a.re - here.b.re);
-            back_im += alternating * (here.a.im - here.b.im);
+            if (is_even) {
+                back_re += weight * (here.a.re - here.b.re);
+                back_im += weight * (here.a.im - here.b.im);
+            } else {
+                back_re -= weight * (here.a.re - here.b.re);
+                back_im -= weight * (here.a.im - here.b.im);
+            }
             if (left == segments.length) put_edges(here, lane, edges.highest);
             above = here;
             Y_above = Y;
-            alternating = two - alternating;
-            two = -two;
+            const Vector odd = weight - 2;
             outside.descend(odd);
             inside.template descend<in_range>(factor, odd, left, slope);
             n -= 1;
-            odd -= 2;
+        };
+        // Two orders at a time: nothing changes places, which takes registers.
+        int left = segments.length;
+        const double first_sign = left % 2 == 0 ? 1.0 : -1.0;
+        if (left % 2 == 1) add_order(left--, false);
+        for (; left > 0; left -= 2) {
+            add_order(left, true);
+            add_order(left - 1, false);
         }
         put_edges(above, lane, edges.lowest);
         sums.scattered += sum_of(extinguished - absorbed);
         sums.absorbed += sum_of(absorbed);
         sums.asymmetric += sum_of(asymmetric);
-        sums.back += Complex(sum_of(back_re), sum_of(back_im));
+        Vector parity;  // (-1)^n of the first order
+        for (int i = 0; i < kVectorSize; ++i)
+            parity[i] = (segments.first + (lane + i + 1) * segments.length) % 2 == 0 ? 1 : -1;
+        parity *= first_sign;
+        sums.back += Complex(sum_of(parity * back_re), sum_of(parity * back_im));
     }
     return edges;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mie/sphere/lane_math.h"
 
@@ -66,6 +67,16 @@ double reciprocal(double z) { return 1 / z; }
 Complex reciprocal(Complex z) {
     const double inverse_norm = 1 / std::norm(z);
     return {z.real() * inverse_norm, -z.imag() * inverse_norm};
+}
+
+Complex product(Complex a, Complex b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+// The root of z with Re z > 0, neither large nor small.
+Complex root_on_the_right(Complex z) {
+    const double real = std::sqrt(0.5 * (std::sqrt(std::norm(z)) + z.real()));
+    return {real, z.imag() / (2 * real)};
 }
 
 template <typename Number>
@@ -162,27 +173,40 @@ int safe_start(double modulus, int highest_order) {
 }
 
 // WKB solution of the Riccati equation D' = p - 1 - D^2, p = n (n + 1) / z^2, that belongs to the
-// wave exp(-i z): D = S_0 + S_1 + S_2 + S_3, S_0 = -i sqrt(1 - p),
-// S_{j+1} = -(S_j' + sum S_i S_{j+1-i}) / (2 S_0) with i = 1 ... j. Empty where the next term would
-// show.
+// wave exp(-i z): D = S_0 + S_1 + ..., S_0 = -i sqrt(1 - p), S_{j+1} = -(S_j' + sum S_i S_{j+1-i})
+// / (2 S_0) with i = 1 ... j. With w = 1 - p and e = -i / (z w^(3/2)) the terms are S_0 times a
+// polynomial in p times e^j. Empty where the next term would show.
 std::optional<Complex> damped_logarithmic_derivative(Complex z, int order) {
-    // exp(-2 * 20): the wave from the far side is below rounding.
-    if (!(z.imag() > 20 && std::abs(z) > far_above(order))) return std::nullopt;
-    const Complex p = static_cast<double>(order) * (order + 1.0) / (z * z);
-    const Complex w = 1.0 - p;
-    const Complex root = std::sqrt(w);
-    const Complex numerator = 1.5 * p - 0.25 * p * p;
-    const Complex w_five_halves = w * w * root;
-    const Complex h = numerator / w_five_halves;
-    const Complex h_slope = (1.5 - 0.5 * p) / w_five_halves + 2.5 * numerator / (w_five_halves * w);
-
-    const Complex s0 = Complex(0, -1) * root;
-    const Complex s1 = -p / (2.0 * w * z);
-    const Complex s2 = Complex(0, -0.5) * h / (z * z);
-    const Complex s3 = (h + p * h_slope + 0.5 * p * h / w) / (2.0 * root * z * z * z);
-    const double next = 10 * std::abs(s3) / std::abs(z * w);  // each term gains about 1/(z w)
-    if (!(next <= 1e-16)) return std::nullopt;
-    return s0 + s1 + s2 + s3;
+    constexpr double deep = 18;  // exp(-2 * 18) = 2e-16
+    if (!(z.imag() > deep && std::abs(z) > far_above(order))) return std::nullopt;
+    const Complex inverse_z = reciprocal(z);
+    const Complex p = (static_cast<double>(order) * (order + 1.0)) * product(inverse_z, inverse_z);
+    const Complex w = 1.0 - p, root = root_on_the_right(w);
+    // The wave from the far side has to be below rounding. It turns before the centre, and passes
+    // less than Im z: the derivative of its phase is the root.
+    if (!(root.real() * z.imag() > deep)) return std::nullopt;
+    const Complex step = product(inverse_z, reciprocal(product(w, root)));
+    const Complex e(step.imag(), -step.real());
+    constexpr double k1[] = {0.5}, k2[] = {-3.0 / 4, 1.0 / 8}, k3[] = {3.0 / 2, 3.0 / 8},
+                     k4[] = {-15.0 / 4, -147.0 / 32, -9.0 / 32, -1.0 / 128},
+                     k5[] = {45.0 / 4, 123.0 / 4, 171.0 / 16, 9.0 / 32};
+    // sum of k_i p^(i + 1)
+    const auto polynomial = [&](const auto& k) {
+        Complex sum = 0;
+        for (auto i = std::size(k); i-- > 0;) sum = product(sum + k[i], p);
+        return sum;
+    };
+    const Complex last = polynomial(k5);
+    const Complex e_squared = product(e, e), e_cubed = product(e_squared, e);
+    // Each term gains 3 to 4 times e, more where p is not small.
+    constexpr double gain = 10;
+    const double next = gain * gain * std::norm(last) * std::norm(product(e_cubed, e_cubed));
+    if (!(next <= 1e-32)) return std::nullopt;
+    Complex sum = last;
+    for (const Complex& term : {polynomial(k4), polynomial(k3), polynomial(k2), polynomial(k1)})
+        sum = product(sum, e) + term;
+    sum = product(root, 1.0 + product(sum, e));
+    return Complex(sum.imag(), -sum.real());
 }
 
 bool upward_is_stable(Complex z, int highest_order) {

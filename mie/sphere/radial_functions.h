@@ -45,7 +45,8 @@ std::vector<std::complex<double>> logarithmic_derivatives(std::complex<double> z
 std::vector<double> logarithmic_derivatives(double z, int highest_order);
 
 /// D_n(z) at one order by the WKB expansion of its Riccati equation, to rounding; empty where the
-/// expansion is not that good (Im z < 20, or the order within 30 % of |z| or above it).
+/// expansion is not that good (the order within 30 % of |z| or above it) or the wave from the far
+/// side counts (damped by less than exp(-36) on its way there and back).
 std::optional<std::complex<double>> damped_logarithmic_derivative(std::complex<double> z,
                                                                   int order);
 

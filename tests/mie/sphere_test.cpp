@@ -1,9 +1,12 @@
 #include <miebrdf/sphere.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
+#include "mie/sphere/radial_functions.h"
 #include "mie/sphere/sphere_block.h"
 #include "tests/support/catch.h"
 #include "tests/support/reference_table.h"
@@ -78,6 +81,45 @@ TEST_CASE("orders summed in segments are those that mie_coefficients forms one b
     CHECK(std::abs(sphere.q_back - std::norm(back / x)) <=
           (1e-12 + 10 * phase) * x * sphere.q_back);
     CHECK(sphere.terms == static_cast<int>(waves.a.size()));
+}
+
+TEST_CASE("the wave inside a damped sphere has all its digits wherever it is known in closed form",
+          "[mie][sphere]") {
+    using Exact = std::complex<long double>;
+    // The recurrence downward from far above, where any start is forgotten.
+    const auto exact = [](Complex z, int order) {
+        const Exact inverse = Exact(1) / Exact(z.real(), z.imag());
+        Exact D = 0;
+        for (int n = mie::safe_start(std::abs(z), order) + 60; n > order; --n) {
+            const Exact step = static_cast<long double>(n) * inverse;
+            D = step - Exact(1) / (D + step);
+        }
+        return Complex(D);
+    };
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> share(0, 1);
+    int known = 0;
+    const auto check = [&](Complex z, int order) {
+        const auto D = mie::damped_logarithmic_derivative(z, order);
+        if (!D) return;
+        ++known;
+        CAPTURE(z, order);
+        // Rounding of its terms, and the wave from the far side: exp(-36).
+        CHECK(std::abs(*D / exact(z, order) - 1.0) <= 1e-15);
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const double modulus = 50 * std::pow(200.0, share(random));
+        const double damping = std::min(modulus, 15 + 30 * share(random) / share(random));
+        const Complex z(std::sqrt(modulus * modulus - damping * damping), damping);
+        check(z, static_cast<int>(share(random) * modulus / 1.3));
+    }
+    CHECK(known >= 300);
+    // Where the order is near |z|, less of the damping counts than Im z says.
+    check({1e6, 20.5}, 750000);
+    // x = 1000, k = 0.02.
+    known = 0;
+    check({2600, 20}, 1092);
+    CHECK(known == 1);
 }
 
 TEST_CASE("small spheres follow Rayleigh's law with its first correction", "[mie][sphere]") {
