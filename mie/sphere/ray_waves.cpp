@@ -23,21 +23,45 @@ struct WavePair {
     ComplexVector here, before;
 };
 
-// G of a_n, times m.
+// What the waves inside are multiplied by: first X_{n-1} - second X_n.
+struct InsidePair {
+    ComplexVector first, second;
+
+    MIEBRDF_VECTOR ComplexVector with(const WavePair& x) const {
+        return first * x.before - second * x.here;
+    }
+};
+
+// Of a_n, times m.
 // @param slope  m - 1 / m
 template <typename Number>
-MIEBRDF_VECTOR ComplexVector electric(Number m, Number slope, const WavePair& x, const WavePair& z,
-                                      const Vector& n_over_x) {
-    return (m * z.here) * x.before - (z.before + n_over_x * (slope * z.here)) * x.here;
+MIEBRDF_VECTOR InsidePair electric(Number m, Number slope, const WavePair& z,
+                                   const Vector& n_over_x) {
+    return {m * z.here, z.before + n_over_x * (slope * z.here)};
 }
 
 template <typename Number>
-MIEBRDF_VECTOR ComplexVector magnetic(Number m, const WavePair& x, const WavePair& z) {
-    return z.here * x.before - (m * z.before) * x.here;
+MIEBRDF_VECTOR InsidePair magnetic(Number m, const WavePair& z) {
+    return {z.here, m * z.before};
 }
 
-MIEBRDF_VECTOR WavePair conjugate(const WavePair& wave) {
-    return {conjugate(wave.here), conjugate(wave.before)};
+// u + iv and u - iv
+struct BothSigns {
+    MIEBRDF_VECTOR BothSigns(const ComplexVector& u, const ComplexVector& v)
+        : plus{u.re - v.im, u.im + v.re}, minus{u.re + v.im, u.im - v.re} {}
+    ComplexVector plus, minus;
+};
+
+// G with the wave inside, and with its conjugate.
+MIEBRDF_VECTOR BothSigns with_conjugate_inside(const InsidePair& z, const WavePair& x) {
+    return {z.first.re * x.before - z.second.re * x.here,
+            z.first.im * x.before - z.second.im * x.here};
+}
+
+// G with the wave outside, and with its conjugate.
+MIEBRDF_VECTOR BothSigns with_conjugate_outside(const InsidePair& z, const WavePair& x) {
+    return {x.before.re * z.first - x.here.re * z.second,
+            x.before.im * z.first - x.here.im * z.second};
 }
 
 // -1 / N, times what the waves that come back are.
@@ -101,20 +125,15 @@ void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
     constexpr bool is_real = std::is_same_v<Number, double>;
     const double odd = 2 * order_ - 1;
     const auto inverse_z = load(inverse_z_, first);
-    const auto step = [&](Wave & wave) __attribute__((always_inline)) {
-        const ComplexVector here = load(wave.here, first);
-        const WavePair next{odd * (inverse_z * here) - load(wave.before, first), here};
+    // Filled, not returned: returned waves would go through memory in halves.
+    const auto step = [&](Wave & wave, WavePair & next) __attribute__((always_inline)) {
+        next.before = load(wave.here, first);
+        next.here = odd * (inverse_z * next.before) - load(wave.before, first);
         store(next.here, wave.here, first);
         store(next.before, wave.before, first);
-        return next;
     };
-    const WavePair out = step(out_);
-    WavePair in;
-    if constexpr (is_real) {
-        in = conjugate(out);
-    } else {
-        in = step(in_);
-    }
+    WavePair out;
+    step(out_, out);
     const Vector inverse_x = load(outside_.inverse_x, first);
     const Vector psi = load(outside_.psi, first), eta = load(outside_.eta, first);
     const WavePair x{{odd * inverse_x * psi - load(outside_.psi_before, first),
@@ -127,17 +146,19 @@ void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
 
     const Vector n_over_x = static_cast<double>(order_) * inverse_x;
     const ComplexVector round = load(round_, first);
-    const ComplexVector inner_a = electric(m_, slope_, x, out, n_over_x);
-    const ComplexVector inner_b = magnetic(m_, x, out);
-    const ComplexVector N_a = electric(m_, slope_, x, in, n_over_x);
-    const ComplexVector N_b = magnetic(m_, x, in);
+    const InsidePair out_a = electric(m_, slope_, out, n_over_x), out_b = magnetic(m_, out);
     if constexpr (is_real) {
-        respond(m_, N_a, inner_a, conjugate(inner_a), round, a, first);
-        respond(m_, N_b, inner_b, conjugate(inner_b), round, b, first);
+        const BothSigns of_a = with_conjugate_inside(out_a, x);
+        const BothSigns of_b = with_conjugate_inside(out_b, x);
+        respond(m_, of_a.minus, of_a.plus, conjugate(of_a.plus), round, a, first);
+        respond(m_, of_b.minus, of_b.plus, conjugate(of_b.plus), round, b, first);
     } else {
-        const WavePair x_in = conjugate(x);
-        respond(m_, N_a, inner_a, electric(m_, slope_, x_in, in, n_over_x), round, a, first);
-        respond(m_, N_b, inner_b, magnetic(m_, x_in, in), round, b, first);
+        WavePair in;
+        step(in_, in);
+        const BothSigns of_a = with_conjugate_outside(electric(m_, slope_, in, n_over_x), x);
+        const BothSigns of_b = with_conjugate_outside(magnetic(m_, in), x);
+        respond(m_, of_a.plus, out_a.with(x), of_a.minus, round, a, first);
+        respond(m_, of_b.plus, out_b.with(x), of_b.minus, round, b, first);
     }
 }
 
