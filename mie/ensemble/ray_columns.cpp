@@ -70,7 +70,8 @@ class GroupColumns {
         : group_(group),
           block_(block),
           first_column_(vector * kLaneCount * group.columns()),
-          energy_(block.terms + 1, 0.0) {
+          energy_lanes_(Eigen::Array<float, kVectorSize, Eigen::Dynamic>::Zero(kVectorSize,
+                                                                               block.terms + 1)) {
         half_root_weight_ = 0.5 * weight.sqrt();
         if (group.phases > 0) half_root_weight_ /= std::sqrt(double(group.phases));
         for (int j = 0; j < group.phases; ++j) {
@@ -103,10 +104,17 @@ class GroupColumns {
                 now = now * rays.inner;
             }
         }
-        const FloatVector energy = low_half(to.energy) + high_half(to.energy);
-        Eigen::Array<float, kVectorSize, 1> lanes;
-        std::memcpy(lanes.data(), &energy, sizeof energy);
-        energy_[order] += (2 * order + 1) * lanes.sum();
+        float* const energy = energy_lanes_.col(order).data();
+        FloatVector before;
+        std::memcpy(&before, energy, sizeof before);
+        store(before + (low_half(to.energy) + high_half(to.energy)), energy);
+    }
+
+    /// After the last order.
+    void sum_energies() {
+        energy_ = energy_lanes_.colwise().sum().cast<double>();
+        energy_ *=
+            Eigen::ArrayXd::LinSpaced(energy_.size(), 1.0, 2.0 * double(energy_.size()) - 1.0);
     }
 
     /// Rows that these eight do not reach, but the next eight do, whose columns may share a
@@ -135,11 +143,7 @@ class GroupColumns {
     }
 
     /// sum over columns and lanes of the weighted |a|^2 + |b|^2, twice
-    double scattered() const {
-        double sum = 0;
-        for (const double share : energy_) sum += 2 * share;
-        return sum;
-    }
+    double scattered() const { return 2 * energy_.sum(); }
 
   private:
     struct Columns {
@@ -164,7 +168,8 @@ class GroupColumns {
     const RayGroup& group_;
     Block& block_;
     int first_column_;
-    std::vector<double> energy_;  // of each order
+    Eigen::Array<float, kVectorSize, Eigen::Dynamic> energy_lanes_;  // of each order, by size
+    Eigen::ArrayXd energy_;                                          // of each order, times 2n + 1
     Lanes half_root_weight_;
     std::vector<ComplexLanes> turns_;
 };
@@ -219,6 +224,7 @@ void put_rays(Complex relative_index, const WeightedSizes& sizes, int first_size
             fill_eight(relative_index, x, terms, std::span(columns));
         }
         for (std::size_t i = 0; i < columns.size(); ++i) {
+            columns[i].sum_energies();
             columns[i].clear(terms + 1, terms_of(std::min(vector + 1, vectors - 1)));
             columns[i].leave_out_faint(kFaintShare * here, terms);
             wanted[i].scattered += columns[i].scattered();
