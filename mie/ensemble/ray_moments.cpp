@@ -136,7 +136,7 @@ struct Waves {
     Row outer_re, outer_im, edge_re, through_re, through_im, inner_re, inner_im;
 };
 
-Waves waves_at(const Orders& orders, int polarisation, int m) {
+[[gnu::always_inline]] inline Waves waves_at(const Orders& orders, int polarisation, int m) {
     const auto at = [&](Orders::Part part) -> Row {
         return Eigen::Map<const Row>(orders.part(polarisation, part) + m);
     };
@@ -146,7 +146,7 @@ Waves waves_at(const Orders& orders, int polarisation, int m) {
 }
 
 // 4 Re <p_n q_m*> at one n, whose values fill p, and eight m.
-Row product_of(const Waves& p, const Waves& q) {
+[[gnu::always_inline]] inline Row product_of(const Waves& p, const Waves& q) {
     const Row above_re = p.through_re * q.through_re + p.through_im * q.through_im;
     const Row above_im = p.through_im * q.through_re - p.through_re * q.through_im;
     const Row below_re = 1 - (p.inner_re * q.inner_re + p.inner_im * q.inner_im);
