@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+#include <numeric>
 
 #include <miebrdf/error.h>
-#include "mie/sphere/lane_math.h"
+#include "mie/sphere/vectors.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -19,37 +21,71 @@ struct Samples {
     std::vector<double> mu, even, odd;
 };
 
+// P_{l+1} = forward mu P_l - back P_{l-1}
+struct Recurrence {
+    double forward, back;
+};
+
+std::vector<Recurrence> recurrence_up_to(int degree) {
+    std::vector<Recurrence> recurrence;
+    recurrence.reserve(degree + 1);
+    for (int l = 0; l <= degree; ++l)
+        recurrence.push_back({(2.0 * l + 1.0) / (l + 1.0), l / (l + 1.0)});
+    return recurrence;
+}
+
+// Some samples in two registers: as many as hide how long a step of the recurrence takes.
+struct SampleGroup {
+    static constexpr int kCount = 2 * kVectorSize;
+    struct Values {
+        Vector first, second;
+
+        MIEBRDF_VECTOR Values(const std::vector<double>& list, std::size_t from, std::size_t end) {
+            double some[kCount] = {};
+            std::copy(list.begin() + std::ptrdiff_t(from),
+                      list.begin() + std::ptrdiff_t(std::min(from + kCount, end)), some);
+            std::memcpy(&first, some, sizeof first);
+            std::memcpy(&second, some + kVectorSize, sizeof second);
+        }
+        explicit Values(double value) : first(Vector{} + value), second(first) {}
+
+        MIEBRDF_VECTOR void add_to(double* sum, const Values& weight) const {
+            Vector before;
+            std::memcpy(&before, sum, sizeof before);
+            before += first * weight.first + second * weight.second;
+            std::memcpy(sum, &before, sizeof before);
+        }
+        // In place of the degree before.
+        MIEBRDF_VECTOR void step(const Recurrence& by, const Values& mu, const Values& here) {
+            first = (by.forward * mu.first) * here.first - by.back * first;
+            second = (by.forward * mu.second) * here.second - by.back * second;
+        }
+    };
+};
+
 // sum of samples times P_l(mu) over [first, end), l = 0 ... highest_moment.
 std::vector<double> projected(const Samples& samples, std::size_t first_sample, std::size_t end,
-                              int highest_moment) {
-    std::vector<Lanes> sums(highest_moment + 1, Lanes::Zero());
-    constexpr int kGroup = 4 * kLaneCount;  // hides the latency of the recurrence
-    using Group = Eigen::Array<double, kGroup, 1>;
-    for (std::size_t first = first_sample; first < end; first += kGroup) {
-        Group mu = Group::Zero(), even = Group::Zero(), odd = Group::Zero();
-        for (std::size_t i = first; i < std::min(first + kGroup, end); ++i) {
-            const auto at = static_cast<Eigen::Index>(i - first);
-            mu[at] = samples.mu[i];
-            even[at] = samples.even[i];
-            odd[at] = samples.odd[i];
-        }
-        // (l + 1) P_{l+1} = (2l + 1) mu P_l - l P_{l-1}
-        Group before = Group::Zero(), here = Group::Ones();
-        for (int l = 0; l <= highest_moment; ++l) {
-            const Group& weight = l % 2 == 0 ? even : odd;
-            const auto product = [&](int at) {
-                return here.segment<kLaneCount>(at) * weight.segment<kLaneCount>(at);
-            };
-            sums[l] += (product(0) + product(8)) + (product(16) + product(24));
-            const double inverse = 1.0 / (l + 1);
-            const Group next = ((2 * l + 1) * inverse) * mu * here - (l * inverse) * before;
-            before = here;
-            here = next;
+                              const std::vector<Recurrence>& recurrence, int highest_moment) {
+    using Values = SampleGroup::Values;
+    // One degree more may be summed, which nobody asks for.
+    std::vector<double> sums((highest_moment + 2) * kVectorSize, 0.0);
+    for (std::size_t first = first_sample; first < end; first += SampleGroup::kCount) {
+        const Values mu(samples.mu, first, end);
+        const Values even(samples.even, first, end), odd(samples.odd, first, end);
+        Values here(1.0), before(0.0);
+        double* sum = sums.data();
+        for (int l = 0; l <= highest_moment; l += 2, sum += 2 * kVectorSize) {
+            here.add_to(sum, even);
+            before.step(recurrence[l], mu, here);
+            before.add_to(sum + kVectorSize, odd);
+            here.step(recurrence[l + 1], mu, before);
         }
     }
     std::vector<double> projections;
-    projections.reserve(sums.size());
-    for (const Lanes& sum : sums) projections.push_back(sum.sum());
+    projections.reserve(highest_moment + 1);
+    for (int l = 0; l <= highest_moment; ++l)
+        projections.push_back(std::accumulate(sums.begin() + l * kVectorSize,
+                                              sums.begin() + (l + 1) * kVectorSize, 0.0));
     return projections;
 }
 
@@ -191,12 +227,13 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
         }
     }
     constexpr int kJobs = 8;
+    const std::vector<Recurrence> recurrence = recurrence_up_to(highest_moment + 1);
     std::vector<std::vector<double>> parts(kJobs);
     const std::size_t share = (samples.mu.size() + kJobs - 1) / kJobs;
     run(kJobs, [&](int job) {
         const std::size_t first = std::min(samples.mu.size(), job * share);
-        parts[job] =
-            projected(samples, first, std::min(samples.mu.size(), first + share), highest_moment);
+        parts[job] = projected(samples, first, std::min(samples.mu.size(), first + share),
+                               recurrence, highest_moment);
     });
     std::vector<double> chi(highest_moment + 1, 0.0);
     for (const auto& part : parts) {
