@@ -188,3 +188,19 @@ TEST_CASE("output to a file is the same as to standard output but for the comman
     CHECK(body(support::read_file(folder / "phase.csv")) == body(direct.out));
     CHECK(folder.count() == 1);
 }
+
+TEST_CASE("a file whose name promises another format gets a note", "[program]") {
+    const support::TemporaryFolder folder;
+    const auto note_of = [&](const std::string& name, const std::string& option = "") {
+        const auto run = support::run_program("phase rayleigh:1 --wavelengths 550 --angles 0 -o " +
+                                              (folder / name) + " " + option);
+        CHECK(run.exit_code == 0);
+        return run.err;
+    };
+    CHECK_THAT(note_of("p.npz"), Catch::Contains("p.npz' holds CSV") && Catch::Contains("export"));
+    CHECK_THAT(note_of("p.json"), Catch::Contains("holds CSV; --json"));
+    CHECK_THAT(note_of("p.csv", "--json"), Catch::Contains("holds JSON"));
+    for (const char* name : {"p.csv", "p.txt", "p"})
+        CHECK_THAT(note_of(name), !Catch::Contains("holds"));
+    CHECK_THAT(note_of("p.json", "--json"), !Catch::Contains("holds"));
+}

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -26,6 +27,22 @@ void require_folder_of(const std::string& file) {
     if (folder.empty() || std::filesystem::is_directory(folder, unreadable)) return;
     throw InputError(
         fmt::format("cannot write '{}': there is no folder '{}'", file, folder.string()));
+}
+
+/// What a name promises that a table is not: `brdf -o brdf.npz` writes CSV. Empty: nothing.
+std::string misnamed(const std::string& file, bool is_json) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    constexpr std::array any_text = {"", ".txt", ".dat", ".out", ".log"};
+    if (std::find(any_text.begin(), any_text.end(), ending) != any_text.end()) return "";
+    if (ending == (is_json ? ".json" : ".csv")) return "";
+    const char* const holds = is_json ? "JSON" : "CSV";
+    if (ending == ".json") return fmt::format("'{}' holds {}; --json writes JSON", file, holds);
+    if (ending == ".csv")
+        return fmt::format("'{}' holds {}; without --json it is CSV", file, holds);
+    return fmt::format(
+        "'{}' holds {}, whatever its name says; other formats of a BRDF are "
+        "written by 'miebrdf export'",
+        file, holds);
 }
 
 }  // namespace
@@ -119,6 +136,8 @@ void Shell::write(Table table) const {
     }
     write_to_output(
         [&](std::ostream& out) { common_.json ? write_json(table, out) : write_csv(table, out); });
+    const std::string other_name = misnamed(common_.output, common_.json);
+    if (!other_name.empty()) note(other_name);
 }
 
 void Shell::write_text(const std::string& text) const {
