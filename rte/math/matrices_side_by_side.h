@@ -12,6 +12,8 @@
 
 #ifdef MIEBRDF_HAS_FOUR_DOUBLES
 
+#include <type_traits>
+
 namespace miebrdf::math {
 
 typedef double FourDoubles __attribute__((vector_size(32)));
@@ -71,6 +73,13 @@ inline void set_tiles(Columns<Doubles> A, const Strided<Doubles>& B, int inner, 
     if (rows == 1) set_tile<1, columns, add>(A, B, inner, target, stride);
 }
 
+/// Columns of a tile of four rows: all its sums and what they are made of fit 16 registers, or 32.
+#if defined(__AVX512VL__)
+inline constexpr int kTileColumns = 4;
+#else
+inline constexpr int kTileColumns = 3;
+#endif
+
 /// Which elements of a product are wanted.
 enum class Part { all, lower };
 
@@ -80,16 +89,21 @@ enum class Part { all, lower };
 template <bool add, Part part = Part::all, typename Doubles>
 void multiply_each(Columns<Doubles> A, Strided<Doubles> B, Doubles* target, int rows, int inner,
                    int columns, int stride) {
-    for (; columns >= 4; columns -= 4, B.data += 4 * B.right, target += 4 * stride) {
-        set_tiles<4, add>(A, B, inner, target, rows, stride);
-        if (part == Part::all) continue;
-        A.data += 4;
-        target += 4;
-        rows -= 4;
-    }
-    if (columns == 3) set_tiles<3, add>(A, B, inner, target, rows, stride);
-    if (columns == 2) set_tiles<2, add>(A, B, inner, target, rows, stride);
-    if (columns == 1) set_tiles<1, add>(A, B, inner, target, rows, stride);
+    const auto next_columns = [&]<int width>(std::integral_constant<int, width>) {
+        set_tiles<width, add>(A, B, inner, target, rows, stride);
+        columns -= width;
+        B.data += width * B.right;
+        target += width * stride;
+        if (part == Part::all) return;
+        A.data += width;
+        target += width;
+        rows -= width;
+    };
+    // A last column by itself would wait for each of its sums.
+    while (columns >= kTileColumns && columns != kTileColumns + 1)
+        next_columns(std::integral_constant<int, kTileColumns>{});
+    while (columns >= 2) next_columns(std::integral_constant<int, 2>{});
+    if (columns == 1) next_columns(std::integral_constant<int, 1>{});
 }
 
 /// The same of matrices that are all stored by columns.
