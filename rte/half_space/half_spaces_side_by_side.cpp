@@ -89,12 +89,20 @@ int HalfSpacesSideBySide::lanes_of(int orders) {
     return kLanes<math::FourDoubles>;
 }
 
+int HalfSpacesSideBySide::most_nodes() {
+#ifdef MIEBRDF_HAS_EIGHT_DOUBLES
+    return 32;
+#else
+    return 64;
+#endif
+}
+
 bool HalfSpacesSideBySide::solve(int first, const ProblemSideBySide& problem) {
     clear();
     const RequestedDirections& requested = problem.requested;
     const std::size_t cosines =
         std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
-    if (problem.grid.size() > kMostNodes || cosines > kMostCosines) return false;
+    if (problem.grid.size() > most_nodes() || cosines > kMostCosines) return false;
     // Nor is there anything to gain from sweeps (half_space.h).
     if (first == 0 && problem.one_minus_albedo < kLeastAbsorption) return false;
 #ifdef MIEBRDF_HAS_EIGHT_DOUBLES
@@ -389,6 +397,7 @@ double HalfSpacesSideBySide::brightness() const {
 #else
 
 int HalfSpacesSideBySide::lanes_of(int) { return 0; }
+int HalfSpacesSideBySide::most_nodes() { return 0; }
 bool HalfSpacesSideBySide::solve(int, const ProblemSideBySide&) { return false; }
 double HalfSpacesSideBySide::brightness() const { return 0.0; }
 

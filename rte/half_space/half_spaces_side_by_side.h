@@ -41,7 +41,10 @@ class HalfSpacesSideBySide {
   public:
     static constexpr int kMostOrders = 8;
     /// More take longer than one by one.
-    static constexpr int kMostNodes = 32, kMostCosines = 32;
+    static constexpr int kMostCosines = 32;
+    /// The same of nodes: 64, or 32 where eight orders go side by side (their matrices are twice as
+    /// large as those of four, and one by one is faster there).
+    static int most_nodes();
 
     /// Forgets all results. Tables stay.
     void clear() { count_ = 0; }

@@ -73,16 +73,18 @@ bool fits(int fourier_order, const StackSideBySide::Question& question) {
     const RequestedDirections& requested = question.requested;
     const auto cosines =
         std::max({std::size_t(requested.mu.size()), requested.out.size(), requested.in.size()});
-    if (question.grid.size() > HalfSpacesSideBySide::kMostNodes ||
+    const bool is_alone = !has_coats(question.stack) && !question.wants_nodes;
+    constexpr int most_below_others = 32;  // more gain nothing
+    const int most_nodes = HalfSpacesSideBySide::most_nodes();
+    if (question.grid.size() > (is_alone ? most_nodes : std::min(most_nodes, most_below_others)) ||
         cosines > HalfSpacesSideBySide::kMostCosines) {
         return false;
     }
     if (question.stack.media.empty()) return false;
     if (fourier_order == 0 && only_fourier_order_zero(requested)) return false;
-    // The more nodes, the more orders it takes to gain, but for a half-space alone.
-    constexpr int nodes_per_order = 5;
-    const bool is_alone = !has_coats(question.stack) && !question.wants_nodes;
-    return is_alone || nodes_per_order * question.orders > question.grid.size();
+    // The more nodes, the more orders it takes to gain, but fewer for a half-space alone.
+    const int nodes_per_order = is_alone ? 12 : 5;
+    return nodes_per_order * question.orders > question.grid.size();
 }
 
 // Of the media that are solved: the highest coat that counts as a half-space (orders above `first`

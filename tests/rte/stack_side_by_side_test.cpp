@@ -233,13 +233,16 @@ TEST_CASE("coats are left to eigenmodes where these take less or keep more digit
     rte::StackSideBySide some;
     rte::Reflector found;
     {
-        Problem many_nodes(stack, 80, rte::HalfSpacesSideBySide::kMostNodes + 1, some_directions(),
-                           1e-5);
+        Problem many_nodes(stack, 80, 33, some_directions(), 1e-5);
         CHECK_FALSE(many_nodes.find(some, 1, found));
     }
     {
         Problem few_orders(stack, 60, 24, some_directions(), 1e-5);
         CHECK_FALSE(few_orders.find(some, 1, found, 3));
+    }
+    {
+        Problem alone({.base = stack.base}, 100, 36, some_directions(), 1e-5);
+        CHECK_FALSE(alone.find(some, 1, found, 3));
     }
     {
         Problem zenith(stack, 20, 10, rte::collect({1.0}, {0.3, 0.6}), 1e-5);
