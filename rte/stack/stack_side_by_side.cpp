@@ -83,7 +83,7 @@ bool fits(int fourier_order, const StackSideBySide::Question& question) {
     if (question.stack.media.empty()) return false;
     if (fourier_order == 0 && only_fourier_order_zero(requested)) return false;
     // The more nodes, the more orders it takes to gain, but fewer for a half-space alone.
-    const int nodes_per_order = is_alone ? 12 : 5;
+    const int nodes_per_order = is_alone ? 13 : 5;
     return nodes_per_order * question.orders > question.grid.size();
 }
 
