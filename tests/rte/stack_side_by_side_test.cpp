@@ -241,7 +241,7 @@ TEST_CASE("coats are left to eigenmodes where these take less or keep more digit
         CHECK_FALSE(few_orders.find(some, 1, found, 3));
     }
     {
-        Problem alone({.base = stack.base}, 100, 36, some_directions(), 1e-5);
+        Problem alone({.base = stack.base}, 100, 40, some_directions(), 1e-5);
         CHECK_FALSE(alone.find(some, 1, found, 3));
     }
     {
