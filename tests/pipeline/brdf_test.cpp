@@ -95,7 +95,8 @@ TEST_CASE("the paper's pair agrees with the reference reflection", "[pipeline][b
 
 TEST_CASE("points of P leave room for the doubt about how they change the forward peak",
           "[pipeline][brdf]") {
-    // Straight back at 480 nm R stated 1.03e-3 while points were given all that the other steps left.
+    // Straight back at 480 nm R stated 1.03e-3 while points were given all that the other steps
+    // left.
     const Scene scene = scene_of("TiO2", {"AlGaAs7@0.1[grey]"});
     const BrdfValues values =
         solve(scene, {480})
