@@ -190,13 +190,8 @@ void FirstOrderSum::keep_narrow_features(const std::vector<ScaledMedium>& media)
     // degree.
     constexpr int least = 128;
     first_kept_ = std::max(least, 2 * most_moments(media));
-    int degrees = 0;
-    for (const ScaledMedium& medium : media) {
-        const auto& [first, peak, rest] = medium.narrow;
-        if (!rest.empty()) degrees = std::max(degrees, first + int(rest.size()));
-    }
     constexpr int worth = 2;  // times as many
-    if (degrees < worth * first_kept_) {
+    if (narrow_degrees(media).end < worth * first_kept_) {
         first_kept_ = std::numeric_limits<int>::max();
         return;
     }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 
 #include "rte/first_order/first_order.h"
 #include "rte/math/legendre.h"
@@ -139,9 +138,7 @@ bool worth_a_table(std::size_t directions) { return directions > 2000; }
 
 Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_degree,
                              const Eigen::VectorXd& angles, double tolerance) {
-    Eigen::Index degrees = 1;
-    for (const auto& [first, peak, rest] : std::views::transform(media, &ScaledMedium::narrow))
-        degrees = std::max(degrees, first + Eigen::Index(rest.size()));
+    const Eigen::Index degrees = std::max(narrow_degrees(media).end, 1);
     Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(media.size()), degrees);
     for (std::size_t i = 0; i < media.size(); ++i) {
         const auto& [first, peak, rest] = media[i].narrow;

@@ -25,6 +25,9 @@ struct DegreeRange {
     int end = std::numeric_limits<int>::max();
 };
 
+/// Of these, those that narrow features of the media have; none: an empty range.
+DegreeRange narrow_degrees(const std::vector<ScaledMedium>& media, const DegreeRange& wanted = {});
+
 /// Which sum over the degrees of narrow features.
 enum class NarrowSum {
     correction,  ///< C of NarrowFeatures

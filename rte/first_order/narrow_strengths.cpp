@@ -33,20 +33,6 @@ DegreeOfMedium degree_of(const ScaledMedium& medium, int l) {
     return degree;
 }
 
-// Of these, those that the media have.
-DegreeRange degrees_of(const std::vector<ScaledMedium>& media, const DegreeRange& wanted) {
-    DegreeRange range = {0, 0};
-    for (const ScaledMedium& medium : media) {
-        if (medium.narrow.rest.empty()) continue;
-        const int first = medium.narrow.first_degree;
-        range.first = range.end == 0 ? first : std::min(range.first, first);
-        range.end = std::max(range.end, first + int(medium.narrow.rest.size()));
-    }
-    range.first = std::max(range.first, wanted.first);
-    range.end = std::clamp(range.end, range.first, std::max(range.first, wanted.end));
-    return range;
-}
-
 // The share of degree l that nodes do not resolve at an angle of zenith where they resolve so many
 // waves. Of a function of the scattering angle that varies like l waves in all directions, some
 // directions are along the azimuth, which Fourier orders resolve whatever the nodes do. (At the
@@ -74,6 +60,19 @@ Eigen::ArrayXd absorbed_of(const Eigen::ArrayXd& above, double slant, const Eige
 
 }  // namespace
 
+DegreeRange narrow_degrees(const std::vector<ScaledMedium>& media, const DegreeRange& wanted) {
+    DegreeRange range = {0, 0};
+    for (const ScaledMedium& medium : media) {
+        if (medium.narrow.rest.empty()) continue;
+        const int first = medium.narrow.first_degree;
+        range.first = range.end == 0 ? first : std::min(range.first, first);
+        range.end = std::max(range.end, first + int(medium.narrow.rest.size()));
+    }
+    range.first = std::max(range.first, wanted.first);
+    range.end = std::clamp(range.end, range.first, std::max(range.first, wanted.end));
+    return range;
+}
+
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees) {
     std::vector<double> shares;
     shares.reserve(std::size_t(degrees) * resolved_waves.size());
@@ -86,7 +85,7 @@ std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves,
 NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media, const DegreeRange& degrees,
                                  NarrowSum sum)
     : sum_(sum) {
-    const DegreeRange range = degrees_of(media, degrees);
+    const DegreeRange range = narrow_degrees(media, degrees);
     first_ = range.first;
     count_ = range.end - range.first;
     if (count_ == 0) return;
