@@ -132,14 +132,15 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
         std::vector<double> albedo, asymmetry;
         std::vector<int> log_phase;  // thousandths
         for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w) {
-            const MediumOptics& at = optics[w][media[m]];
+            const MediumOptics& at = optics[w][m];
             converged = converged && at.converged;
             albedo.push_back(at.optics.single_scattering_albedo);
             asymmetry.push_back(at.asymmetry);
             for (const double p : at.phase)
                 log_phase.push_back(int(std::lround(1e3 * std::log10(std::max(p, 1e-30)))));
         }
-        json one = {{"place", place_of(brdf.scene(), media[m])},
+        const std::string place = place_of(brdf.scene(), media[m]);
+        json one = {{"place", place},
                     {"name", miebrdf::label_of(medium.medium)},
                     {"albedo", bytes.add(std::span<const double>(albedo))},
                     {"asymmetry", bytes.add(std::span<const double>(asymmetry))},
@@ -158,7 +159,7 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
         }
         std::vector<double> depth;
         for (const LayerOptics& layer : layers) {
-            if (layer.layer == one["place"]) depth.push_back(layer.optical_depth);
+            if (layer.layer == place) depth.push_back(layer.optical_depth);
         }
         if (std::all_of(depth.begin(), depth.end(), [](double d) { return std::isfinite(d); }))
             one["depth"] = bytes.add(std::span<const double>(depth));
