@@ -12,7 +12,7 @@ using Gamma = boost::math::gamma_distribution<double, InDouble>;
 
 // n r^2 is a gamma density of shape 1/b and scale a b.
 Gamma gamma_area(const SizeDistribution& d) {
-    return {1 / d.effective_variance, d.effective_radius_um * d.effective_variance};
+    return Gamma(1 / d.effective_variance, d.effective_radius_um * d.effective_variance);
 }
 
 double mean_fourth_power(const Gamma& area) {

@@ -75,13 +75,13 @@ const Format* recognise(std::string_view content, std::span<const Format> known)
 
 }  // namespace
 
-const Format& find_format(const std::string& name, std::span<const Format> known) {
+const Format& find_format(std::string_view name, std::span<const Format> known) {
     const auto found =
         std::find_if(known.begin(), known.end(), [&](const Format& f) { return f.name == name; });
     if (found != known.end()) return *found;
     constexpr std::size_t kMostSuggestions = 3;
     const std::vector<std::string> names = names_of(known);
-    const auto nearest = materials::nearest_names(name, names, kMostSuggestions);
+    const auto nearest = materials::nearest_names(std::string(name), names, kMostSuggestions);
     throw UsageError(fmt::format(
         "unknown format '{}'; allowed: {}{}", name, fmt::join(names, ", "),
         nearest.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(nearest, " or "))));

@@ -312,7 +312,7 @@ void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOp
         albedo_with(stack, kept.requested, options, discretisation,
                     kept.solution_of(discretisation.streams), surface, attempt);
     };
-    const Attempt& attempt =
+    Attempt& attempt =
         solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve), kept.attempts);
     const auto plane = attempt.values.begin();
     const auto spherical = plane + std::ptrdiff_t(mu_in.size());

@@ -6,6 +6,8 @@
 using Catch::Approx;
 namespace Catch {
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
 inline auto Contains(const std::string& text) { return ContainsSubstring(text); }
 }  // namespace Catch
 #else

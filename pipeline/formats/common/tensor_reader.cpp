@@ -38,14 +38,14 @@ Tensor read_field(ByteReader& header, std::string_view content, const std::strin
 
 }  // namespace
 
-std::map<std::string, Tensor> read_tensor_file(std::string_view content) {
+TensorFields read_tensor_file(std::string_view content) {
     ByteReader header(content);
     header.take(12);
     const auto major = header.number<std::uint8_t>();
     header.number<std::uint8_t>();
     if (major != 1) throw InputError(fmt::format("tensor_file: version {}; known: 1", major));
     const auto count = header.number<std::uint32_t>();
-    std::map<std::string, Tensor> fields;
+    TensorFields fields;
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto length = header.number<std::uint16_t>();
         const std::string name(header.take(length));
@@ -54,8 +54,7 @@ std::map<std::string, Tensor> read_tensor_file(std::string_view content) {
     return fields;
 }
 
-const Tensor& tensor(const std::map<std::string, Tensor>& fields, const std::string& name,
-                     std::size_t dimensions) {
+const Tensor& tensor(const TensorFields& fields, std::string_view name, std::size_t dimensions) {
     const auto found = fields.find(name);
     if (found == fields.end()) throw InputError(fmt::format("tensor_file: no field '{}'", name));
     if (found->second.shape.size() != dimensions) {
@@ -65,8 +64,7 @@ const Tensor& tensor(const std::map<std::string, Tensor>& fields, const std::str
     return found->second;
 }
 
-RealView<float> tensor_floats(const std::map<std::string, Tensor>& fields,
-                              const std::string& name) {
+RealView<float> tensor_floats(const TensorFields& fields, std::string_view name) {
     const auto found = fields.find(name);
     if (found == fields.end()) throw InputError(fmt::format("tensor_file: no field '{}'", name));
     if (found->second.type != kTensorFloat) {

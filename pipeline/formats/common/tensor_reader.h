@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -19,15 +20,16 @@ struct Tensor {
 
 inline constexpr std::uint8_t kTensorByte = 1, kTensorShort = 3, kTensorFloat = 10;
 
-/// The fields of a "tensor_file" container by name. @throws InputError
-std::map<std::string, Tensor> read_tensor_file(std::string_view content);
+using TensorFields = std::map<std::string, Tensor, std::less<>>;  ///< by name
+
+/// The fields of a "tensor_file" container. @throws InputError
+TensorFields read_tensor_file(std::string_view content);
 
 /// The values of a field of 32-bit floats, where they are in the content.
 /// @throws InputError  when missing or of another type
-RealView<float> tensor_floats(const std::map<std::string, Tensor>& fields, const std::string& name);
+RealView<float> tensor_floats(const TensorFields& fields, std::string_view name);
 
 /// @throws InputError  when the field is missing or its shape has another number of dimensions
-const Tensor& tensor(const std::map<std::string, Tensor>& fields, const std::string& name,
-                     std::size_t dimensions);
+const Tensor& tensor(const TensorFields& fields, std::string_view name, std::size_t dimensions);
 
 }  // namespace miebrdf

@@ -16,7 +16,6 @@ namespace miebrdf {
 namespace {
 
 using std::numbers::pi;
-using TensorFields = std::map<std::string, Tensor>;
 
 /// Angles of one axis, ascending; clamped at both ends.
 struct PbsdfAxis {

@@ -12,15 +12,13 @@
 namespace miebrdf {
 namespace {
 
-using Fields = std::map<std::string, Tensor>;
-
 std::vector<float> all_of(const RealView<float>& numbers) {
     std::vector<float> list(numbers.size());
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = numbers[i];
     return list;
 }
 
-RglSlices slices(const Fields& fields, const std::string& name, std::size_t dimensions,
+RglSlices slices(const TensorFields& fields, const std::string& name, std::size_t dimensions,
                  std::size_t count) {
     const Tensor& field = tensor(fields, name, dimensions);
     RglSlices result;
@@ -41,7 +39,7 @@ RglSlices slices(const Fields& fields, const std::string& name, std::size_t dime
     return result;
 }
 
-std::vector<float> incident_angles(const Fields& fields) {
+std::vector<float> incident_angles(const TensorFields& fields) {
     std::vector<float> theta = all_of(tensor_floats(fields, "theta_i"));
     if (theta.empty()) throw InputError("rgl: no incident angles");
     for (std::size_t t = 0; t < theta.size(); ++t) {
@@ -52,7 +50,7 @@ std::vector<float> incident_angles(const Fields& fields) {
     return theta;
 }
 
-void read_channels(const Fields& fields, RglTables& tables) {
+void read_channels(const TensorFields& fields, RglTables& tables) {
     if (!fields.contains("wavelengths")) {
         if (tensor(fields, "rgb", 5).shape[2] != 3)
             throw InputError("rgl: 'rgb' has not 3 channels");
@@ -68,7 +66,7 @@ void read_channels(const Fields& fields, RglTables& tables) {
 }  // namespace
 
 RglTables read_rgl_tables(std::string_view content) {
-    const Fields fields = read_tensor_file(content);
+    const TensorFields fields = read_tensor_file(content);
     if (tensor(fields, "phi_i", 1).shape[0] > 2) {
         throw InputError("rgl: the material is anisotropic; only isotropic ones are read here");
     }

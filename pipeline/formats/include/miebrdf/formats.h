@@ -134,7 +134,7 @@ struct Format {
 std::span<const Format> all_formats();
 
 /// @throws UsageError  for an unknown name, with the known and the nearest ones
-const Format& find_format(const std::string& name, std::span<const Format> known = all_formats());
+const Format& find_format(std::string_view name, std::span<const Format> known = all_formats());
 
 /// The fields of ExportOptions, and names of its `extra`, that a format looks at.
 std::vector<std::string> options_of(const Format& format);
