@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
@@ -194,22 +195,53 @@ std::string machine_text(const Results& results) {
     return "Measured with " + text + ".\n\n";
 }
 
-// Best error each method reached in a case, with the knob and the time it took.
-std::string error_table(const Results& results, const std::string& suite, const std::string& name) {
-    const auto points = of_case(results, suite, name);
-    std::string text = "| method | smallest error | at | CPU time |\n|---|---|---|---|\n";
-    std::vector<std::string> done;
-    for (const Measurement& p : points) {
-        if (std::find(done.begin(), done.end(), p.method) != done.end()) continue;
-        done.push_back(p.method);
-        const Measurement* best = nullptr;
-        for (const Measurement& q : points) {
-            if (q.method != p.method || !std::isfinite(q.error)) continue;
-            if (best == nullptr || q.error < best->error) best = &q;
+// The smallest error of a method in a case; empty where it was not tried.
+std::string smallest_error(const std::vector<Measurement>& points, const std::string& method) {
+    bool tried = false;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Measurement& point : points) {
+        if (point.method != method) continue;
+        tried = true;
+        if (std::isfinite(point.error)) smallest = std::min(smallest, point.error);
+    }
+    if (!tried) return "";
+    return std::isfinite(smallest) ? fmt::format("{:.1e}", smallest) : "no answer";
+}
+
+// What the cases of a suite are, and the smallest errors: a row for each method, a column for each
+// case.
+std::string error_table(const Results& results, const std::string& suite) {
+    std::string head = "| method |", line = "|---|";
+    std::vector<std::pair<std::string, std::string>> explained;  // description, names that have it
+    std::vector<std::vector<Measurement>> cases;
+    std::vector<std::string> methods;
+    for (const auto& [s, name] : cases_of(results)) {
+        if (s != suite) continue;
+        const std::string description = description_of(results, suite, name);
+        const auto same = std::find_if(explained.begin(), explained.end(),
+                                       [&](const auto& e) { return e.first == description; });
+        if (same == explained.end()) {
+            explained.emplace_back(description, "**" + name + "**");
+        } else {
+            same->second += "; **" + name + "**";
         }
-        text += best == nullptr ? fmt::format("| {} | no answer | | |\n", p.method)
-                                : fmt::format("| {} | {:.1e} | {} | {:.2g} s |\n", p.method,
-                                              best->error, best->parameter, best->seconds);
+        head += " " + name + " |";
+        line += "---|";
+        cases.push_back(of_case(results, suite, name));
+        for (const Measurement& point : cases.back()) {
+            if (std::find(methods.begin(), methods.end(), point.method) == methods.end())
+                methods.push_back(point.method);
+        }
+    }
+    std::string text;
+    for (const auto& [description, names] : explained)
+        text += fmt::format("- {}: {}\n", names, description);
+    text += fmt::format("\n{}\n{}\n", head, line);
+    for (const std::string& method : methods) {
+        text += "| " + method + " |";
+        for (const auto& points : cases)
+            text += fmt::format(" {} |", smallest_error(points, method));
+        text += "\n";
     }
     return text;
 }
@@ -263,7 +295,7 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         if (suite != suite_before) {
             performance +=
                 fmt::format("### {}\n\n{}\n", suite, choice_table_markdown(results, suite));
-            accuracy += fmt::format("### {}\n\n", suite);
+            accuracy += fmt::format("### {}\n\n{}\n", suite, error_table(results, suite));
             index = 0;
         }
         suite_before = suite;
@@ -271,8 +303,6 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         write_text(folder / "plots" / plot,
                    curve_plot_svg(suite + ": " + name, of_case(results, suite, name), styles));
         performance += fmt::format("![{} {}](plots/{})\n\n", suite, name, plot);
-        accuracy += fmt::format("**{}.** {}\n\n{}\n", name, description_of(results, suite, name),
-                                error_table(results, suite, name));
     }
     if (!rule_savings(results).empty())
         performance += fmt::format("### rules\n\n{}\n", rule_markdown(results));
