@@ -5,7 +5,8 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(allowed mie rte materials pipeline tests tools docs .ci CMakeLists.txt CMakePresets.json
-            pyproject.toml README.md LICENSE CHANGELOG.md CITATION.cff)
+            pyproject.toml README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md
+            SECURITY.md)
 
 find_program(git NAMES git)
 if(NOT git OR NOT EXISTS "${ROOT}/.git")
