@@ -12,7 +12,6 @@
 #include <miebrdf/error.h>
 #include "mie/sphere/faint_absorption.h"
 #include "mie/sphere/lane_waves.h"
-#include "mie/sphere/order_sums.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -20,6 +19,14 @@ namespace {
 
 using Complex = std::complex<double>;
 using ConstLanes = Eigen::Map<const Lanes>;
+
+/// Sums over the orders of one sphere.
+struct OrderSums {
+    double scattered = 0;           ///< x^2 Q_sca / 2
+    double absorbed = 0;            ///< x^2 Q_abs / 2
+    double asymmetric = 0;          ///< x^2 g Q_sca / 4
+    std::complex<double> back = 0;  ///< sum (2n+1) (-1)^n (a_n - b_n)
+};
 
 constexpr double kLeastVectorSize = 2;    // below, mie_coefficients has more care
 constexpr double kWellOffTheHost = 1e-2;  // nearer, too
@@ -135,11 +142,7 @@ OrderSums sums_of(Complex m, double x) {
                            std::abs(m - 1.0) >= kWellOffTheHost && m.real() >= 0.01 &&
                            m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4;
     if (!by_vector) return sum_orders(by_coefficients(m, x));
-    const auto sums = [x](auto index) {
-        return x < kLeastSegmentedSize ? sum_orders(by_vectors(index, x))
-                                       : sum_orders_by_segments(index, x);
-    };
-    return m.imag() == 0 ? sums(m.real()) : sums(m);
+    return sum_orders(m.imag() == 0 ? by_vectors(m.real(), x) : by_vectors(m, x));
 }
 
 // What rounding leaves: the coefficients hang on m^2 - 1, formed from parts of size 1.

@@ -9,7 +9,6 @@
 
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
-#include "mie/sphere/order_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/sphere_block.h"
 #include "tools/stress/battery.h"
@@ -54,8 +53,6 @@ void check_spheres(Log& log) {
                           Index(0.05, 0), Index(1 + 1e-7, 0)}) {
         compare_spheres(log, "cancellation-free series ends", m, {std::nextafter(0.5, 0), 0.5});
         compare_spheres(log, "vectors begin", m, {std::nextafter(2.0, 0), 2});
-        compare_spheres(log, "segments begin", m,
-                        {std::nextafter(mie::kLeastSegmentedSize, 0), mie::kLeastSegmentedSize});
         for (const double x : {1e-3, 1.0, 10.0, 100.0, 1e3, 1e4}) {
             const auto terms = [](double size) { return long(mie::number_of_terms(size)); };
             for (const auto& at : find_switches(0.99 * x, 1.05 * x + 0.3, 1, terms)) {
