@@ -133,23 +133,22 @@ Path shifted_path(Complex m, double smallest, double largest, double highest, do
 
 }  // namespace
 
-double exact_extinction(Complex relative_index, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um, const Executor& run) {
-    const std::unique_ptr<const AreaDensity> density = area_density(distribution);
-    const double effective = wave_number_per_um * distribution.effective_radius_um;
-    const double highest = effective * distribution.kind.law().continuation_height(distribution);
-    const Path path = shifted_path(relative_index, wave_number_per_um * range.smallest_um,
-                                   wave_number_per_um * range.largest_um, highest, effective);
+double exact_extinction(const Ensemble& ensemble, const Executor& run) {
+    const std::unique_ptr<const AreaDensity> density = area_density(ensemble.sizes);
+    const double k = ensemble.wave_number_per_um, effective = ensemble.effective_x();
+    const Complex m = ensemble.scatterer.relative_index;
+    const Path path =
+        shifted_path(m, ensemble.smallest_x(), ensemble.largest_x(),
+                     effective * ensemble.law().continuation_height(ensemble.sizes), effective);
     const int groups = static_cast<int>(path.x.size()) / kLaneCount;
     std::vector<double> parts(groups, 0.0);
     run(groups, [&](int group) {
         Complex sums[kLaneCount];
         const std::size_t first = static_cast<std::size_t>(group) * kLaneCount;
-        forward_sums(relative_index, &path.x[first], sums);
+        forward_sums(m, &path.x[first], sums);
         for (int lane = 0; lane < kLaneCount; ++lane) {
             const Complex x = path.x[first + lane];
-            const Complex share = density->at(x / wave_number_per_um) / wave_number_per_um *
-                                  path.weight[first + lane];
+            const Complex share = density->at(x / k) / k * path.weight[first + lane];
             parts[group] += (2.0 / (x * x) * sums[lane] * share).real();
         }
     });

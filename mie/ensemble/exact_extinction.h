@@ -1,9 +1,7 @@
 // Extinction of an ensemble without sampling its ripple.
 #pragma once
 
-#include <complex>
-
-#include <miebrdf/ensemble.h>
+#include "mie/ensemble/particle_ensemble.h"
 
 namespace miebrdf::mie {
 
@@ -17,9 +15,6 @@ namespace miebrdf::mie {
 ///
 /// Independent of size nodes on the real axis: it tells how far those are from convergence.
 ///
-/// @param wave_number_per_um  2 pi n_host / lambda
-double exact_extinction(std::complex<double> relative_index, const SizeDistribution& distribution,
-                        const RadiusRange& range, double wave_number_per_um,
-                        const Executor& run = run_in_order);
+double exact_extinction(const Ensemble& ensemble, const Executor& run = run_in_order);
 
 }  // namespace miebrdf::mie

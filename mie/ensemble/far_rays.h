@@ -10,7 +10,7 @@ namespace miebrdf::mie {
 
 struct RayIntensity {
     Eigen::VectorXd at_angles;
-    double scattered = 0;  ///< as FamilyIntensity
+    double scattered = 0;  ///< as PairedIntensity
 };
 
 /// The intensity of all rays from first_way on, incoherently:

@@ -9,40 +9,44 @@
 namespace miebrdf::mie {
 namespace {
 
-// Widths grow by this share of the distance from the nearer end, up to the widest.
-constexpr double kWidthGrowth = 0.4;
-constexpr double kWidestPanel = 6 * std::numbers::pi / 180;
+// docs/maths-mie.md#phase-function and docs/internals/mie-log.md have the measurements.
+struct PanelRule {
+    /// Widths grow by this share of the distance from the nearer end, up to the widest.
+    static constexpr double kWidthGrowth = 0.4, kWidest = 6 * std::numbers::pi / 180;
+    /// Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
+    /// before better than that does so by chance.
+    static constexpr double kSlowestGain = 0.5;
+    /// Towards the back all nodes of a panel see the same narrow resonances, and where both samples
+    /// miss one of them they agree everywhere: this share of what a new level changes is noise.
+    static constexpr double kShareOfChange = 0.5;
+    /// Bows that few sizes see are narrower than a panel: by rays one node may have all of the
+    /// noise.
+    static constexpr double kShareOfWorst = 0.8;
+    /// Glories and the second rainbow begin here.
+    static constexpr double kBackward = 165 * std::numbers::pi / 180;
+};
 
-// Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
-// before better than that does so by chance.
-constexpr double kSlowestGain = 0.5;
-
-// Towards the back all nodes of a panel see the same narrow resonances, and where both families
-// miss one of them they agree everywhere. This share of what a new level changes counts as noise,
-// too.
-constexpr double kShareOfChange = 0.5;
-
-// By rays bows that few sizes see are narrower than a panel: one node may have all of the noise.
-constexpr double kShareOfWorst = 0.8;
-
-// Where glories are.
-constexpr double kBackward = 165 * std::numbers::pi / 180;
+double rms_of(const Eigen::VectorXd& at_nodes) {
+    return at_nodes.norm() / std::sqrt(double(PhaseTable::kPanelNodes));
+}
 
 // Edges from 0 to pi/2, to be mirrored.
 std::vector<double> graded_half(double narrowest) {
     std::vector<double> edges = {0};
     const double end = 0.5 * std::numbers::pi;
     while (edges.back() < end) {
-        const double width = std::clamp(kWidthGrowth * edges.back(),
-                                        std::min(narrowest, kWidestPanel), kWidestPanel);
+        const double width =
+            std::clamp(PanelRule::kWidthGrowth * edges.back(),
+                       std::min(narrowest, PanelRule::kWidest), PanelRule::kWidest);
         const double next = edges.back() + width;
         edges.push_back(next > end - 0.5 * width ? end : next);
     }
     return edges;
 }
 
-// The last two coefficients. They may be small by chance, which noise hides where P is not by rays:
-// no less than those before them fall short of the ones before these.
+// The sum of the last two coefficients, which bounds what the polynomial leaves out. By rays, where
+// no noise hides it, they may be small by chance: the decay from the fourth pair to the third is
+// taken to go on.
 double last_two(const Eigen::VectorXd& values, bool by_rays) {
     const Eigen::VectorXd c = panel_coefficients(values);
     const auto pair = [&](int from_end) {
@@ -67,12 +71,12 @@ std::vector<PhasePanel> graded_panels(double narrowest, double narrowest_backwar
     return panels;
 }
 
-void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts,
-                           const std::vector<int>& levels, const SizeFamilies& sizes,
-                           const PhaseTabulationOptions& options) {
+void PhasePanel::add_level(const std::vector<PairedIntensity>& parts,
+                           const std::vector<int>& levels, const PairedSizeSamples& sizes,
+                           const PhaseGoal& goal) {
     const Eigen::VectorXd before = level_ < 0 ? Eigen::VectorXd() : values();
     starts_anew_ = std::any_of(parts.begin(), parts.end(),
-                               [](const FamilyIntensity& part) { return part.share == 1; });
+                               [](const PairedIntensity& part) { return part.share == 1; });
     ++level_;
     parts_.resize(parts.size());
     part_levels_.resize(parts.size(), -1);
@@ -84,17 +88,17 @@ void PhasePanel::add_level(const std::vector<FamilyIntensity>& parts,
     sums_ = parts_.front();
     for (std::size_t i = 1; i < parts_.size(); ++i) {
         sums_.intensity += parts_[i].intensity;
-        for (const int family : {0, 1}) sums_.scattered[family] += parts_[i].scattered[family];
+        for (const int sample : {0, 1}) sums_.scattered[sample] += parts_[i].scattered[sample];
     }
     // Parts are on levels of their own: what they scatter together would err as the coarsest.
-    const bool by_rays = parts_.size() > 1 && options.scattering_efficiency > 0;
-    for (const int family : {0, 1})
-        whole_[family] = by_rays ? options.scattering_efficiency / 2 : sums_.scattered[family];
+    const bool by_rays = parts_.size() > 1 && goal.scattering_efficiency > 0;
+    for (const int sample : {0, 1})
+        whole_[sample] = by_rays ? goal.scattering_efficiency / 2 : sums_.scattered[sample];
     const bool may_agree = sizes.rippled() && level_ > 0 && parts_.size() == 1 && is_backward();
-    judge(sizes, options, may_agree ? before : values());
+    judge(sizes, goal, may_agree ? before : values());
 }
 
-std::vector<int> PhasePanel::next_levels(const SizeFamilies& sizes, double tolerance) const {
+std::vector<int> PhasePanel::next_levels(const PairedSizeSamples& sizes, double tolerance) const {
     if (level_ < 0) {
         std::vector<int> missing(sizes.part_count(), 0);
         for (std::size_t i = 0; i < part_levels_.size(); ++i) {
@@ -120,13 +124,13 @@ PhasePanel PhasePanel::half(double lower, double upper, double smooth) const {
         half.part_levels_[i] = part_levels_[i];
         half.parts_[i] = parts_[i];
         Eigen::MatrixXd& intensity = half.parts_[i].intensity;
-        for (const int family : {0, 1}) {
+        for (const int sample : {0, 1}) {
             const Eigen::VectorXd coefficients =
-                panel_coefficients(parts_[i].intensity.col(family));
+                panel_coefficients(parts_[i].intensity.col(sample));
             Eigen::Index node = 0;
             for (const double theta : panel_nodes(lower, upper)) {
                 const double t = (2 * theta - lower_ - upper_) / (upper_ - lower_);
-                intensity(node++, family) = panel_value(coefficients.data(), t);
+                intensity(node++, sample) = panel_value(coefficients.data(), t);
             }
         }
     }
@@ -135,88 +139,92 @@ PhasePanel PhasePanel::half(double lower, double upper, double smooth) const {
 
 Eigen::VectorXd PhasePanel::values() const { return part_values(sums_); }
 
-Eigen::VectorXd PhasePanel::part_values(const FamilyIntensity& part) const {
+Eigen::VectorXd PhasePanel::part_values(const PairedIntensity& part) const {
     return part.intensity.rowwise().sum() / (whole_[0] + whole_[1]);
 }
 
-Eigen::VectorXd PhasePanel::values_of(int family) const {
-    return sums_.intensity.col(family) / sums_.scattered[family];
+Eigen::VectorXd PhasePanel::values_of(int sample) const {
+    return sums_.intensity.col(sample) / sums_.scattered[sample];
 }
 
-void PhasePanel::judge(const SizeFamilies& sizes, const PhaseTabulationOptions& options,
-                       const Eigen::VectorXd& before) {
-    const double scattering_efficiency = options.scattering_efficiency, floor = options.floor;
-    const Eigen::VectorXd P = values();
-    const double largest = P.maxCoeff();
-    const double worst_before = worst_, relative_before = relative_;
-    worst_ = relative_ = 0;
-    const bool by_rays = parts_.size() > 1;
-    double rms = 0;
-    if (sums_.scattered[1] > 0) {
-        // The mean of two families errs by half their difference.
-        const Eigen::VectorXd error =
-            0.5 * (sums_.intensity.col(0) / whole_[0] - sums_.intensity.col(1) / whole_[1]);
-        const Eigen::VectorXd relative = error.cwiseQuotient(P.cwiseMax(floor));
-        const double root = std::sqrt(double(PhaseTable::kPanelNodes));
-        worst_ = relative.cwiseAbs().maxCoeff();
-        relative_ = relative.norm() / root;
-        rms = 0.5 * (values_of(0) - values_of(1)).norm() / root;
-        part_noise_.clear();
-        for (std::size_t i = 0; i < parts_.size(); ++i) {
-            const Eigen::MatrixXd& intensity = parts_[i].intensity;
-            const Eigen::VectorXd of_part =
-                (0.5 * (intensity.col(0) / whole_[0] - intensity.col(1) / whole_[1]))
-                    .cwiseQuotient(P.cwiseMax(floor));
-            part_noise_.push_back(of_part.norm() / root);
-            if (!by_rays) continue;
-            const Eigen::VectorXd value = part_values(parts_[i]).cwiseQuotient(P.cwiseMax(floor));
-            const auto believed = [&](double difference, double of) {
-                return sizes.rays()->believed_of_few(i, part_levels_[i], lower_, upper_, difference,
-                                                     of);
-            };
-            part_noise_[i] = believed(part_noise_[i], value.norm() / root);
-            worst_ = std::max(worst_, believed(of_part.cwiseAbs().maxCoeff(), value.maxCoeff()));
-            relative_ = std::max(relative_, part_noise_[i]);
-        }
-    } else {
-        part_noise_.assign(parts_.size(), 0.0);
+// The mean of two samples errs by half their difference.
+void PhasePanel::judge_parts(const PairedSizeSamples& sizes, const Eigen::VectorXd& scale) {
+    const auto error_of = [&](const PairedIntensity& part) -> Eigen::VectorXd {
+        return (0.5 * (part.intensity.col(0) / whole_[0] - part.intensity.col(1) / whole_[1]))
+            .cwiseQuotient(scale);
+    };
+    const Eigen::VectorXd error = error_of(sums_);
+    worst_ = error.cwiseAbs().maxCoeff();
+    relative_ = rms_of(error);
+    part_noise_.clear();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        const Eigen::VectorXd of_part = error_of(parts_[i]);
+        part_noise_.push_back(rms_of(of_part));
+        if (sizes.rays() == nullptr) continue;
+        const Eigen::VectorXd value = part_values(parts_[i]).cwiseQuotient(scale);
+        const auto with_floor = [&](double difference, double of) {
+            return sizes.rays()->noise_floor_at_level(i, part_levels_[i], lower_, upper_,
+                                                      difference, of);
+        };
+        part_noise_[i] = with_floor(part_noise_[i], rms_of(value));
+        worst_ = std::max(worst_, with_floor(of_part.cwiseAbs().maxCoeff(), value.maxCoeff()));
+        relative_ = std::max(relative_, part_noise_[i]);
     }
-    const double doubt = sizes.rippled() && level_ > 0 && !starts_anew_ ? kSlowestGain : 0.0;
-    // By rays P is relative to the efficiency itself.
-    double missed = 0;
-    if (!by_rays && scattering_efficiency > 0) {
-        const double sampled = whole_[0] + whole_[1];
-        missed = std::abs(sampled / scattering_efficiency - 1);
-    }
-    const Eigen::VectorXd changed = kShareOfChange * (P - before).cwiseQuotient(P.cwiseMax(floor));
-    const double by_level = changed.norm() / std::sqrt(double(PhaseTable::kPanelNodes));
-    // Rays of one number of ways interfere as the sizes have it.
-    Eigen::VectorXd mixed = P.cwiseAbs2();
+}
+
+// Rays of one number of ways interfere as the sizes have it; what others leave at sharp ends goes
+// with the root of the products of their intensities.
+Eigen::VectorXd PhasePanel::bias_at_nodes(const PairedSizeSamples& sizes, const PhaseGoal& goal,
+                                          const Eigen::VectorXd& scale) const {
+    Eigen::VectorXd mixed = values().cwiseAbs2();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         if (sizes.rays() != nullptr && sizes.rays()->is_one_ray(i))
             mixed -= part_values(parts_[i]).cwiseAbs2();
     }
-    const Eigen::VectorXd bias =
-        (options.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(P.cwiseMax(floor)))
-            .array() +
-        options.ray_bias.everywhere;
-    // They are independent of each other, but glories have more of both than families tell.
-    const auto together = [this](double of_sizes, double of_rays) {
-        return is_backward() ? of_sizes + of_rays : std::hypot(of_sizes, of_rays);
+    return (goal.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(scale)).array() +
+           goal.ray_bias.everywhere;
+}
+
+void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,
+                       const Eigen::VectorXd& before) {
+    const Eigen::VectorXd P = values(), scale = P.cwiseMax(goal.floor);
+    const double worst_before = worst_, relative_before = relative_;
+    const bool by_rays = sizes.rays() != nullptr;
+    worst_ = relative_ = rms_ = 0;
+    if (sums_.scattered[1] > 0) {
+        judge_parts(sizes, scale);
+        rms_ = rms_of(0.5 * (values_of(0) - values_of(1)));
+    } else {
+        part_noise_.assign(parts_.size(), 0.0);
+    }
+    largest_ = P.maxCoeff();
+    // By rays P is relative to the efficiency itself.
+    double missed = 0;
+    if (!by_rays && goal.scattering_efficiency > 0)
+        missed = std::abs((whole_[0] + whole_[1]) / goal.scattering_efficiency - 1);
+    // Levels of ripple converge slowly, so that samples may agree by chance.
+    const double doubt =
+        sizes.rippled() && level_ > 0 && !starts_anew_ ? PanelRule::kSlowestGain : 0.0;
+    const Eigen::VectorXd changed = PanelRule::kShareOfChange * (P - before).cwiseQuotient(scale);
+    const double of_sizes = std::max({relative_, by_rays ? PanelRule::kShareOfWorst * worst_ : 0.0,
+                                      doubt * relative_before, missed, rms_of(changed)});
+    const double worst_of_sizes =
+        std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()});
+    // Noise and bias are independent of each other, but glories have more of both than samples
+    // tell.
+    const Eigen::VectorXd bias = bias_at_nodes(sizes, goal, scale);
+    bias_ = rms_of(bias);
+    const auto together = [this](double sizes_part, double rays_part) {
+        return is_backward() ? sizes_part + rays_part : std::hypot(sizes_part, rays_part);
     };
-    noise_ = together(std::max({relative_, by_rays ? kShareOfWorst * worst_ : 0.0,
-                                doubt * relative_before, missed, by_level}),
-                      bias.norm() / std::sqrt(double(PhaseTable::kPanelNodes)));
-    worst_noise_ =
-        together(std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()}),
-                 bias.maxCoeff());
-    rms_ = std::max(rms, missed * largest);
-    largest_ = largest;
-    tail_of_noise_ = rms / largest;
+    noise_ = together(of_sizes, bias_);
+    worst_noise_ = together(worst_of_sizes, bias.maxCoeff());
+    tail_of_noise_ = rms_ / largest_;
+    rms_ = std::max(rms_, missed * largest_);
     const double left_out = last_two(P, by_rays);
-    tail_ = left_out / largest;
+    tail_ = left_out / largest_;
     // Where rays have little noise, what is too fine for the polynomial is more than that.
-    stated_noise_ = by_rays ? std::max(noise_, left_out / P.cwiseMax(floor).mean()) : noise_;
+    stated_noise_ = by_rays ? std::max(noise_, left_out / scale.mean()) : noise_;
 }
 
 // Share of the sphere, times |P_l| there.
@@ -227,7 +235,7 @@ double PhasePanel::solid_angle_of_moments(int first_moment) const {
     return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
 }
 
-bool PhasePanel::is_backward() const { return upper_ > kBackward; }
+bool PhasePanel::is_backward() const { return upper_ > PanelRule::kBackward; }
 
 double PhasePanel::moment_noise(int first_moment) const {
     return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::kPanelNodes));

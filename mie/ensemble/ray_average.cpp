@@ -48,77 +48,76 @@ double rule_error(double x_effective, int highest_moment, int sizes) {
 
 // The share of the area per x at both ends (sharp ones), summed in squares, over the rate at which
 // phases of rays of p and p + 1 ways part with x.
-double phase_of_ends(const EnsembleProblem& problem) {
-    if (!problem.sizes.kind.law().has_ends) return 0;
-    const auto density = area_density(problem.sizes);
-    const double k = problem.wave_number_per_um;
+double phase_of_ends(const Ensemble& ensemble) {
+    if (!ensemble.law().has_ends) return 0;
+    const auto density = area_density(ensemble.sizes);
+    const double k = ensemble.wave_number_per_um;
     const double at_ends =
-        std::hypot(density->at(problem.range.smallest_um), density->at(problem.range.largest_um));
-    return at_ends / (k * problem.share) / (2 * (problem.relative_index.real() - 1));
+        std::hypot(density->at(ensemble.range.smallest_um), density->at(ensemble.range.largest_um));
+    return at_ends / (k * ensemble.share) / (2 * (ensemble.scatterer.n() - 1));
 }
 
 }  // namespace
 
-RayBound ray_bound(const EnsembleProblem& problem) {
+RayBound ray_bound(const Ensemble& ensemble) {
     constexpr double never = std::numeric_limits<double>::infinity();
-    const SizeLaw& law = problem.sizes.kind.law();
-    const double n = problem.relative_index.real();
-    const double x = problem.wave_number_per_um * effective_radius_of(problem.sizes);
-    if (law.single_size || !law.analytic || !(n >= kLeastIndex) ||
-        !(problem.relative_index.imag() * x <= 1)) {
+    const SizeLaw& law = ensemble.law();
+    const double n = ensemble.scatterer.n();
+    const double x = ensemble.wave_number_per_um * effective_radius_of(ensemble.sizes);
+    if (law.single_size || !law.analytic || !(n >= kLeastIndex) || !ensemble.ripples()) {
         return {never, never};
     }
     RayBound bound;
     const double delay_per_x = 2 * (n - 1);
-    const double smallest = problem.wave_number_per_um * problem.range.smallest_um;
-    const double largest = problem.wave_number_per_um * problem.range.largest_um;
+    const double smallest = ensemble.wave_number_per_um * ensemble.range.smallest_um;
+    const double largest = ensemble.wave_number_per_um * ensemble.range.largest_um;
     if (law.has_ends) {
         // Q_ext = 2 - 4/rho sin(rho) of anomalous diffraction, integrated by parts: what its ends
         // leave, each with the density there.
-        const auto density = area_density(problem.sizes);
+        const auto density = area_density(ensemble.sizes);
         for (const double at : {smallest, largest}) {
             const double per_x =
-                density->at(at / problem.wave_number_per_um) / problem.wave_number_per_um;
+                density->at(at / ensemble.wave_number_per_um) / ensemble.wave_number_per_um;
             bound.ends += per_x * 2 / (delay_per_x * delay_per_x * at);
         }
         bound.spread = smallest * delay_per_x < kLeastDelay ? never : 0;
     } else {
-        RadiusRange waves = problem.range;
-        waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / problem.wave_number_per_um,
+        RadiusRange waves = ensemble.range;
+        waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / ensemble.wave_number_per_um,
                                        waves.smallest_um, waves.largest_um);
-        const double in_step = 1 - area_share_within(problem.sizes, waves) / problem.share;
+        const double in_step = 1 - area_share_within(ensemble.sizes, waves) / ensemble.share;
         bound.spread = 3 * std::max(in_step, 0.0);
     }
     const double turned = delay_per_x * x;
-    bound.spread += std::exp(-turned * turned * problem.sizes.effective_variance / kPerSpread);
+    bound.spread += std::exp(-turned * turned * ensemble.sizes.effective_variance / kPerSpread);
     return bound;
 }
 
-PhaseRayBias phase_ray_bias(const EnsembleProblem& problem, bool exact) {
-    const RayBound bound = ray_bound(problem);
-    const double k = problem.wave_number_per_um;
-    const double width = k * (problem.range.largest_um - problem.range.smallest_um);
-    const double index = problem.relative_index.real();
+PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact) {
+    const RayBound bound = ray_bound(ensemble);
+    const double k = ensemble.wave_number_per_um;
+    const double width = k * (ensemble.range.largest_um - ensemble.range.smallest_um);
+    const double index = ensemble.scatterer.n();
     if (!(bound.total() <= kLargestPhaseBound) ||
-        coarsest_even_count(index, width) < kLeastRipples) {
+        coarsest_even_count(ensemble.scatterer.ripple_period(), width) < kLeastRipples) {
         return {};
     }
-    const double x = k * effective_radius_of(problem.sizes);
+    const double x = k * effective_radius_of(ensemble.sizes);
     if (index < kCrossingIndex) return {(exact ? kExactCrossingPhaseBias : kCrossingPhaseBias) / x};
     return {kExactPhaseBias / x + bound.spread,
-            exact ? 0 : kEndsPhaseBias * phase_of_ends(problem)};
+            exact ? 0 : kEndsPhaseBias * phase_of_ends(ensemble)};
 }
 
-std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
+std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run) {
     if (!(tolerance >= kLeastRayTolerance)) return std::nullopt;
-    const RayBound bound = ray_bound(problem);
-    const double k = problem.wave_number_per_um;
-    const double x = k * effective_radius_of(problem.sizes);
+    const RayBound bound = ray_bound(ensemble);
+    const double k = ensemble.wave_number_per_um;
+    const double x = k * effective_radius_of(ensemble.sizes);
     if (!(bound.spread + kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
 
     int size_count = kSizesPerRule;
-    const double ratio = problem.range.largest_um / problem.range.smallest_um;
+    const double ratio = ensemble.range.largest_um / ensemble.range.smallest_um;
     while (size_count < 4 * std::log(ratio)) size_count += kLaneCount;
     while (!(rule_error(x, highest_moment, size_count) + bound.spread <= 0.5 * tolerance) &&
            size_count < kMostSizes) {
@@ -131,14 +130,13 @@ std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, 
     optics.error_estimate = of_rule + bound.total();
     double exact = 0;
     if (!(optics.error_estimate <= 0.5 * tolerance)) {
-        exact = exact_extinction(problem.relative_index, problem.sizes, problem.range, k, run) /
-                problem.share;
+        exact = exact_extinction(ensemble, run) / ensemble.share;
     }
-    const int terms = number_of_terms(k * problem.range.largest_um);
+    const int terms = number_of_terms(k * ensemble.range.largest_um);
     const MomentTransform transform(terms, std::max(highest_moment, 1));
-    const WeightedSizes sizes(smooth_size_nodes(problem.sizes, problem.range, size_count), k);
-    const RaySums sums = sum_over_rays(problem.relative_index, sizes, transform, run);
-    optics.q_ext = 2 * sums.extinguished / problem.share;
+    const WeightedSizes sizes(smooth_size_nodes(ensemble.sizes, ensemble.range, size_count), k);
+    const RaySums sums = sum_over_rays(ensemble.scatterer.relative_index, sizes, transform, run);
+    optics.q_ext = 2 * sums.extinguished / ensemble.share;
     if (exact > 0) {
         const double missed = std::abs(optics.q_ext / exact - 1);
         optics.error_estimate =
@@ -146,7 +144,7 @@ std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, 
         if (!(optics.error_estimate <= tolerance)) return std::nullopt;
         optics.q_ext = exact;
     }
-    optics.q_abs = 2 * sums.absorbed / problem.share;
+    optics.q_abs = 2 * sums.absorbed / ensemble.share;
     optics.q_sca = optics.q_ext - optics.q_abs;
     optics.one_minus_albedo = optics.q_abs / optics.q_ext;
     optics.single_scattering_albedo = optics.q_sca / optics.q_ext;

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include <miebrdf/ensemble.h>
-#include "mie/ensemble/ensemble_problem.h"
-#include "mie/ensemble/phase_tabulation.h"
+#include "mie/ensemble/adaptive_phase.h"
+#include "mie/ensemble/particle_ensemble.h"
 
 namespace miebrdf::mie {
 
@@ -19,18 +19,18 @@ struct RayBound {
     double spread = 0;  ///< sizes too alike or too small for phases to average out
     double total() const { return ends + spread; }
 };
-RayBound ray_bound(const EnsembleProblem& problem);
+RayBound ray_bound(const Ensemble& ensemble);
 
 /// What P by rays errs by, rms over the angles, found in the same way.
-/// @param exact  of SizeFamilies::Method::exact_rays
-PhaseRayBias phase_ray_bias(const EnsembleProblem& problem, bool exact = false);
+/// @param exact  of PairedSizeSamples::Method::exact_rays
+PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact = false);
 
 /// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is
 /// within the tolerance; nothing otherwise. Beside ray_bound the estimate has what the extinction
 /// differs from exact_extinction (not asked where the bound alone is small enough) and what
 /// the rule over sizes leaves in moments, measured over random ensembles.
 /// @param highest_moment  -1: none
-std::optional<EnsembleOptics> average_over_rays(const EnsembleProblem& problem, int highest_moment,
+std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run);
 
 }  // namespace miebrdf::mie

@@ -14,7 +14,7 @@ namespace miebrdf::mie {
 struct RayColumns {
     const RayGroup* group;  ///< not in closed form
     SphereBlockOf<float>* block;
-    double scattered = 0;  ///< as FamilyIntensity
+    double scattered = 0;  ///< as PairedIntensity
 };
 
 /// Fills the blocks of groups with the same sizes; a block in which nothing is scattered has no

@@ -43,13 +43,10 @@ double RayWindow::at(double x) const {
     return rise(x - smallest_) * rise(largest_ - x);
 }
 
-RaySizes::RaySizes(const SizeDistribution& distribution, const RadiusRange& range,
-                   double wave_number_per_um, const std::optional<RayWindow>& window)
-    : distribution_(distribution),
-      range_(range),
-      wave_number_per_um_(wave_number_per_um),
-      window_(window),
-      density_(area_density(distribution)) {
+RaySizes::RaySizes(const Ensemble& ensemble, const std::optional<RayWindow>& window)
+    : ensemble_(ensemble), window_(window), density_(area_density(ensemble.sizes)) {
+    const RadiusRange& range = ensemble.range;
+    const double wave_number_per_um = ensemble.wave_number_per_um;
     // Pieces over each of which the density and the window are smooth.
     static const math::Quadrature piece = math::gauss_legendre(64, 0, 1);
     const double width_um = window ? window->width() / wave_number_per_um : 0;
@@ -73,23 +70,24 @@ RaySizes::RaySizes(const SizeDistribution& distribution, const RadiusRange& rang
 }
 
 double RaySizes::area_at(double x) const {
-    const double per_x = density_->at(x / wave_number_per_um_) / wave_number_per_um_;
+    const double per_x =
+        density_->at(x / ensemble_.wave_number_per_um) / ensemble_.wave_number_per_um;
     return window_ ? per_x * window_->at(x) : per_x;
 }
 
-WeightedSizes RaySizes::of(const RaySizeRule& rule, int family) const {
-    const int count = rule.counts[family];
+WeightedSizes RaySizes::of(const RaySizeRule& rule, int sample) const {
+    const int count = rule.counts[sample];
     if (rule.is_smooth()) {
         const math::Quadrature gauss = math::gauss_rule(
-            area_, count, family == 0 ? math::GaussRule::gauss : math::GaussRule::radau);
+            area_, count, sample == 0 ? math::GaussRule::gauss : math::GaussRule::radau);
         SizeNodes nodes;
         nodes.area_share = gauss.weights;
         for (const double log_radius : gauss.nodes) nodes.radius_um.push_back(std::exp(log_radius));
-        return WeightedSizes(nodes, wave_number_per_um_);
+        return WeightedSizes(nodes, ensemble_.wave_number_per_um);
     }
-    WeightedSizes sizes(
-        nested_size_nodes(distribution_, range_, count, rule.nested_level, SizeSpacing::geometric),
-        wave_number_per_um_);
+    WeightedSizes sizes(nested_size_nodes(ensemble_.sizes, ensemble_.range, count,
+                                          rule.nested_level, SizeSpacing::geometric),
+                        ensemble_.wave_number_per_um);
     double sampled = 0;
     for (std::size_t i = 0; i < sizes.weights.size(); ++i) {
         double& weight = sizes.weights[i];

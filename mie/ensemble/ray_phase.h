@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/size_sums.h"
-#include "mie/sizes/size_law.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 
-/// The sizes of one level of a group, in each of two families: Gauss and Radau rules for the area
+/// The sizes of one level of a group, in each of two samples: Gauss and Radau rules for the area
 /// of the distribution, or a nested series in equal ratios.
 struct RaySizeRule {
     int counts[2];
@@ -61,24 +61,22 @@ class RayWindow {
     double smallest_, largest_, width_;
 };
 
-/// The sizes that rays are averaged over (RayFamilies).
+/// The sizes that rays are averaged over (PairedRaySamples).
 class RaySizes {
   public:
-    RaySizes(const SizeDistribution& distribution, const RadiusRange& range,
-             double wave_number_per_um, const std::optional<RayWindow>& window);
+    /// @param ensemble  must outlive this
+    RaySizes(const Ensemble& ensemble, const std::optional<RayWindow>& window);
 
     /// Few sizes of a nested series miss some of the area at the ends, which all then make up for,
     /// since what a ray scatters goes with the area.
-    WeightedSizes of(const RaySizeRule& rule, int family) const;
-    double smallest_x() const { return wave_number_per_um_ * range_.smallest_um; }
-    double largest_x() const { return wave_number_per_um_ * range_.largest_um; }
+    WeightedSizes of(const RaySizeRule& rule, int sample) const;
+    double smallest_x() const { return ensemble_.smallest_x(); }
+    double largest_x() const { return ensemble_.largest_x(); }
     /// The area of the sizes about x, per x, under the window.
     double area_at(double x) const;
 
   private:
-    const SizeDistribution& distribution_;
-    RadiusRange range_;
-    double wave_number_per_um_;
+    const Ensemble& ensemble_;
     std::optional<RayWindow> window_;
     std::unique_ptr<const AreaDensity> density_;
     math::Quadrature area_;  // of all sizes, under the window, over ln r

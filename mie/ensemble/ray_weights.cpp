@@ -267,10 +267,10 @@ std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_co
     std::array<AngularFunctionsOf<float>::Factors, 2> all;
     const int ways = group.columns();
     const Sampled both[] = {sampled(*sizes[0]), sampled(*sizes[1])};
-    for (const int family : {0, 1}) {
-        const auto count = static_cast<int>(sizes[family]->parameters.size());
+    for (const int sample : {0, 1}) {
+        const auto count = static_cast<int>(sizes[sample]->parameters.size());
         const int eights = (count + kLaneCount - 1) / kLaneCount;
-        all[family].setZero(angular.angle_count(), eights * kLaneCount * ways);
+        all[sample].setZero(angular.angle_count(), eights * kLaneCount * ways);
     }
     constexpr int kAnglesPerJob = 8;
     const int jobs = (angular.angle_count() + kAnglesPerJob - 1) / kAnglesPerJob;
@@ -280,11 +280,11 @@ std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_co
             const double theta = std::acos(angular.cosine(angle));
             for (int way = 0; way < ways; ++way) {
                 const Terms of_way = terms(group.first_way + way, theta);
-                for (const int family : {0, 1}) {
-                    const Eigen::VectorXd own = factors(of_way, both[family]);
+                for (const int sample : {0, 1}) {
+                    const Eigen::VectorXd own = factors(of_way, both[sample]);
                     for (Eigen::Index i = 0; i < own.size(); ++i) {
                         const Eigen::Index eight = i / kLaneCount, lane = i % kLaneCount;
-                        all[family](angle, (eight * ways + way) * kLaneCount + lane) =
+                        all[sample](angle, (eight * ways + way) * kLaneCount + lane) =
                             static_cast<float>(own[i]);
                     }
                 }

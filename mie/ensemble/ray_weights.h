@@ -40,7 +40,7 @@ class RayInterference {
     /// New weights over those of the sizes: the least change, in squares. All 1 where these sizes
     /// cannot meet the terms without large weights of both signs.
     Eigen::VectorXd factors(const Terms& terms, const Sampled& sizes) const;
-    /// The same of both families, angle by angle, for the columns of a group that is way by way:
+    /// The same of both samples, angle by angle, for the columns of a group that is way by way:
     /// those of eight sizes, then those of the next eight.
     std::array<AngularFunctionsOf<float>::Factors, 2> factors_of_columns(
         const RayGroup& group, const WeightedSizes* const (&sizes)[2],

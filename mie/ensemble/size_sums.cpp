@@ -43,7 +43,7 @@ std::pair<WaveColumns<Scalar, kHalves>, std::ptrdiff_t> close_together(
 int rounded_up(int size) { return (size + kLaneCount - 1) / kLaneCount * kLaneCount; }
 
 template <typename Scalar>
-SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSizes& sizes,
+SizeSums sum_over_blocks(const Scatterer& scatterer, const WeightedSizes& sizes,
                          const SizeSumOptions& options,
                          const std::vector<SizeChunks::Block>& blocks) {
     const bool with_moments = options.band_width >= 0;
@@ -63,7 +63,7 @@ SizeSums sum_over_blocks(std::complex<double> relative_index, const WeightedSize
     }
     for (const auto [first, count] : blocks) {
         const std::size_t here = count;
-        sums.spheres.add(compute_spheres(relative_index, {sizes.parameters.data() + first, here},
+        sums.spheres.add(compute_spheres(scatterer, {sizes.parameters.data() + first, here},
                                          {sizes.weights.data() + first, here},
                                          with_waves ? &block : nullptr));
         if (with_moments) sums.covariance.add(block);
@@ -366,7 +366,7 @@ void SizeSums::scale(double factor) {
     products *= factor;
 }
 
-SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,
+SizeSums sum_over_sizes(const Scatterer& scatterer, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
     const SizeChunks chunks(count, most_chunks(count, options), kLeastChunk);
@@ -375,8 +375,8 @@ SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes
         const int chunk = chunk_of_job(job, chunks.count());
         const auto blocks = chunks.blocks(chunk);
         parts[chunk] = options.single_precision && !options.angles
-                           ? sum_over_blocks<float>(relative_index, sizes, options, blocks)
-                           : sum_over_blocks<double>(relative_index, sizes, options, blocks);
+                           ? sum_over_blocks<float>(scatterer, sizes, options, blocks)
+                           : sum_over_blocks<double>(scatterer, sizes, options, blocks);
     });
     SizeSums total = std::move(parts[0]);
     for (int chunk = 1; chunk < chunks.count(); ++chunk) total.add(parts[chunk]);

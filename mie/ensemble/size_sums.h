@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/moment_transform.h"
 #include "mie/sizes/size_nodes.h"
+#include "mie/sphere/scatterer.h"
 #include "mie/sphere/sphere_block.h"
 
 namespace miebrdf::mie {
@@ -151,7 +151,7 @@ inline int chunk_of_job(int job, int count) { return job % 2 == 0 ? count - 1 - 
 constexpr int kMostSizesPerBlock = 40;
 
 /// Sums over all sizes, in chunks of blocks that do not depend on the executor.
-SizeSums sum_over_sizes(std::complex<double> relative_index, const WeightedSizes& sizes,
+SizeSums sum_over_sizes(const Scatterer& scatterer, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run);
 
 }  // namespace miebrdf::mie

@@ -212,11 +212,10 @@ typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int firs
 }
 
 template <typename Scalar>
-SphereSums compute_spheres(std::complex<double> relative_index,
-                           std::span<const double> size_parameters, std::span<const double> weights,
-                           SphereBlockOf<Scalar>* block) {
+SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
+                           std::span<const double> weights, SphereBlockOf<Scalar>* block) {
     const int count = static_cast<int>(size_parameters.size());
-    const FaintAbsorption faint(relative_index);
+    const FaintAbsorption faint(scatterer.relative_index);
     SphereSums total;
     if (block) {
         block->make_room(number_of_terms(size_parameters[count - 1]),
@@ -241,18 +240,17 @@ SphereSums compute_spheres(std::complex<double> relative_index,
     return total;
 }
 
-SphereSums compute_spheres(std::complex<double> relative_index,
-                           std::span<const double> size_parameters, std::span<const double> weights,
-                           std::nullptr_t) {
+SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
+                           std::span<const double> weights, std::nullptr_t) {
     SphereBlock* nowhere = nullptr;
-    return compute_spheres(relative_index, size_parameters, weights, nowhere);
+    return compute_spheres(scatterer, size_parameters, weights, nowhere);
 }
 
 template struct SphereBlockOf<float>;
 template struct SphereBlockOf<double>;
-template SphereSums compute_spheres(std::complex<double>, std::span<const double>,
+template SphereSums compute_spheres(const Scatterer&, std::span<const double>,
                                     std::span<const double>, SphereBlockOf<float>*);
-template SphereSums compute_spheres(std::complex<double>, std::span<const double>,
+template SphereSums compute_spheres(const Scatterer&, std::span<const double>,
                                     std::span<const double>, SphereBlockOf<double>*);
 
 }  // namespace miebrdf::mie

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "mie/sphere/scatterer.h"
 
 namespace miebrdf::mie {
 
@@ -61,13 +62,11 @@ struct SphereSums {
 /// @param weights  one per size, >= 0
 /// @param block    U and V are filled when not null
 template <typename Scalar>
-SphereSums compute_spheres(std::complex<double> relative_index,
-                           std::span<const double> size_parameters, std::span<const double> weights,
-                           SphereBlockOf<Scalar>* block);
+SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
+                           std::span<const double> weights, SphereBlockOf<Scalar>* block);
 
 /// The sums alone.
-SphereSums compute_spheres(std::complex<double> relative_index,
-                           std::span<const double> size_parameters, std::span<const double> weights,
-                           std::nullptr_t = nullptr);
+SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
+                           std::span<const double> weights, std::nullptr_t = nullptr);
 
 }  // namespace miebrdf::mie

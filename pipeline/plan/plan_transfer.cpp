@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include <miebrdf/matrix.h>
+#include <miebrdf/ensemble.h>
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
 #include "pipeline/solve/polarisation.h"

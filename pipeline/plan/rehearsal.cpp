@@ -1,5 +1,6 @@
 #include "pipeline/plan/rehearsal.h"
 
+#include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <set>
 #include <string>
 
-#include <miebrdf/matrix.h>
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_errors.h"

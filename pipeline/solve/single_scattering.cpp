@@ -11,7 +11,6 @@
 #include <utility>
 
 #include <miebrdf/ensemble.h>
-#include <miebrdf/matrix.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
 #include "rte/first_order/first_order.h"

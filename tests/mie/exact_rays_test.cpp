@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <miebrdf/ensemble.h>
-#include "mie/ensemble/ensemble_problem.h"
 #include "mie/ensemble/far_rays.h"
+#include "mie/ensemble/paired_size_samples.h"
+#include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/ray_columns.h"
-#include "mie/ensemble/size_families.h"
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
 #include "tests/support/catch.h"
@@ -22,37 +22,36 @@ using Kind = mie::SizeDistributionKind;
 
 TEST_CASE("glories by rays are those of whole spheres, however many sizes there are",
           "[mie][rays]") {
-    mie::SizeDistribution sizes;
-    sizes.effective_radius_um = 53.27;
-    sizes.effective_variance = 0.105;
-    const Complex m(1.494, 4.75e-4);
-    constexpr double wave_number_per_um = 2 * std::numbers::pi / 0.55;
-    const mie::RadiusRange range = mie::radius_range(sizes);
-    const int terms = mie::number_of_terms(wave_number_per_um * range.largest_um);
-    const mie::AngularFunctionsOf<float> angular(std::vector<double>{180, 179.9, 179.5}, terms);
-    const auto phase = [&](mie::SizeFamilies::Method method, int last_level) -> Eigen::VectorXd {
-        mie::SizeFamilies families(m, sizes, range, wave_number_per_um, 1e-6, method);
-        std::vector<mie::FamilyIntensity> parts;
+    mie::EnsembleRequest request;
+    request.sizes.effective_radius_um = 53.27;
+    request.sizes.effective_variance = 0.105;
+    request.refractive_index = Complex(1.494, 4.75e-4);
+    const mie::Ensemble ensemble = mie::ensemble_of(request);
+    const auto phase = [&](mie::PairedSizeSamples::Method method,
+                           int last_level) -> Eigen::VectorXd {
+        mie::PairedSizeSamples samples(ensemble, 1e-6, method);
+        std::vector<mie::PairedIntensity> parts;
         for (int level = 0; level <= last_level; ++level) {
-            const auto more = families.levels(std::vector<int>(families.part_count(), level),
-                                              angular, mie::run_in_order);
+            const auto more = samples.levels(std::vector<int>(samples.part_count(), level),
+                                             {180, 179.9, 179.5}, false, mie::run_in_order);
             if (level == 0) parts = more;
             for (std::size_t i = 0; level > 0 && i < parts.size(); ++i)
-                parts[i] = families.with_level(parts[i], more[i]);
+                parts[i] = samples.with_level(parts[i], more[i]);
         }
         Eigen::VectorXd sum = Eigen::VectorXd::Zero(3);
         double scattered = 0;
-        for (const mie::FamilyIntensity& part : parts) {
+        for (const mie::PairedIntensity& part : parts) {
             sum += part.intensity.rowwise().sum();
             scattered += part.scattered[0] + part.scattered[1];
         }
         return sum / scattered;
     };
-    const Eigen::VectorXd whole = phase(mie::SizeFamilies::Method::sizes, 5);
+    const Eigen::VectorXd whole = phase(mie::PairedSizeSamples::Method::sizes, 5);
     // Some 460 sizes of each group leave what their weights do not know of; then it is single
     // precision. With orders left out at the edges: 9e-4, more with more sizes.
     for (const auto& [last_level, bound] : {std::pair(4, 2e-4), std::pair(6, 1e-5)}) {
-        const Eigen::VectorXd by_rays = phase(mie::SizeFamilies::Method::exact_rays, last_level);
+        const Eigen::VectorXd by_rays =
+            phase(mie::PairedSizeSamples::Method::exact_rays, last_level);
         CAPTURE(last_level, whole.transpose(), by_rays.transpose());
         CHECK((by_rays - whole).cwiseAbs().cwiseQuotient(whole).maxCoeff() <= bound);
     }
@@ -111,7 +110,7 @@ TEST_CASE("P at listed angles by rays is within its stated error", "[mie][rays][
     request.angles_deg = {180, 179.8, 178, 172, 160, 137, 110, 70, 30, 8};
     request.tolerance = 2e-4;
     request.phase_tolerance = GENERATE(3e-3, 2e-4);
-    const mie::EnsembleProblem problem = mie::problem_of(request);
+    const mie::Ensemble problem = mie::ensemble_of(request);
     REQUIRE(mie::phase_ray_bias(problem, true).everywhere > 0);
 
     const double k = problem.wave_number_per_um;
@@ -120,7 +119,7 @@ TEST_CASE("P at listed angles by rays is within its stated error", "[mie][rays][
     const mie::AngularFunctions functions(request.angles_deg, sums.terms);
     sums.angles = &functions;
     const auto spheres = mie::sum_over_sizes(
-        problem.relative_index,
+        problem.scatterer,
         mie::WeightedSizes(mie::even_size_nodes(problem.sizes, problem.range, 12000, 0.3), k), sums,
         mie::run_in_order);
     const auto values = mie::phase_at_angles(request, 0.0);

@@ -1,6 +1,6 @@
 // The scattering matrix of ensembles against amplitudes of single spheres, closed forms, a table
 // of somebody else, and its own tolerance.
-#include <miebrdf/matrix.h>
+#include <miebrdf/ensemble.h>
 
 #include <cmath>
 #include <numbers>

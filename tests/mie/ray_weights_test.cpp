@@ -22,20 +22,19 @@ namespace {
 constexpr double kWaveNumberPerUm = 2 * std::numbers::pi / 0.55;
 
 struct RaysOfSizes {
-    mie::SizeDistribution distribution;
-    mie::RadiusRange range;
+    mie::Ensemble ensemble;
     std::optional<mie::RayWindow> window;
 
     RaysOfSizes(Kind kind, double index, bool windowed) {
-        distribution.effective_radius_um = 40;
-        distribution.effective_variance = 0.15;
-        distribution.kind = kind;
-        range = mie::radius_range(distribution);
-        if (windowed)
-            window.emplace(index, kWaveNumberPerUm * range.smallest_um,
-                           kWaveNumberPerUm * range.largest_um);
+        ensemble.scatterer = std::complex<double>(index);
+        ensemble.sizes.effective_radius_um = 40;
+        ensemble.sizes.effective_variance = 0.15;
+        ensemble.sizes.kind = kind;
+        ensemble.range = mie::radius_range(ensemble.sizes);
+        ensemble.wave_number_per_um = kWaveNumberPerUm;
+        if (windowed) window.emplace(index, ensemble.smallest_x(), ensemble.largest_x());
     }
-    mie::RaySizes sizes() const { return {distribution, range, kWaveNumberPerUm, window}; }
+    mie::RaySizes sizes() const { return {ensemble, window}; }
 };
 
 // |S+|^2 + |S-|^2 of rays of some ways, with weights of their own at each angle or without.

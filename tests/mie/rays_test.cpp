@@ -9,7 +9,7 @@
 
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
-#include "mie/ensemble/phase_tabulation.h"
+#include "mie/ensemble/adaptive_phase.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/ray_moments.h"
 #include "mie/ensemble/ray_phase.h"
@@ -24,9 +24,9 @@ using Kind = mie::SizeDistributionKind;
 
 namespace {
 
-mie::EnsembleProblem problem_of(Kind kind, Complex m, double x_effective, double variance) {
-    mie::EnsembleProblem problem;
-    problem.relative_index = m;
+mie::Ensemble problem_of(Kind kind, Complex m, double x_effective, double variance) {
+    mie::Ensemble problem;
+    problem.scatterer = m;
     problem.sizes.kind = kind;
     problem.sizes.effective_radius_um = 1;
     problem.sizes.effective_variance = variance;
@@ -44,15 +44,14 @@ struct Truth {
 };
 
 // Sums over equally spaced spheres.
-Truth sampled(const mie::EnsembleProblem& problem, int width, int count, double offset) {
+Truth sampled(const mie::Ensemble& problem, int width, int count, double offset) {
     const double k = problem.wave_number_per_um;
     mie::SizeSumOptions options;
     options.terms = mie::number_of_terms(k * problem.range.largest_um);
     options.band_width = width;
     const mie::WeightedSizes sizes(
         mie::even_size_nodes(problem.sizes, problem.range, count, offset), k);
-    const auto sums =
-        mie::sum_over_sizes(problem.relative_index, sizes, options, mie::run_in_order);
+    const auto sums = mie::sum_over_sizes(problem.scatterer, sizes, options, mie::run_in_order);
     Truth truth;
     const double extinguished = sums.spheres.scattered + sums.spheres.absorbed;
     truth.q_ext = 2 * extinguished / problem.share;
@@ -125,7 +124,7 @@ TEST_CASE("no light is lost in rays through transparent spheres", "[mie][rays]")
     const mie::MomentTransform transform(mie::number_of_terms(k * problem.range.largest_um), 16);
     const mie::WeightedSizes sizes(mie::smooth_size_nodes(problem.sizes, problem.range, 24), k);
     const auto sums =
-        mie::sum_over_rays(problem.relative_index, sizes, transform, mie::run_in_order);
+        mie::sum_over_rays(problem.scatterer.relative_index, sizes, transform, mie::run_in_order);
     CAPTURE(n);
     CHECK(sums.absorbed == 0);
     // Single precision of the products.
@@ -170,7 +169,7 @@ TEST_CASE("averages by rays are within their stated error", "[mie][rays][honesty
 }
 
 TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
-    const auto refused = [](const mie::EnsembleProblem& problem, double tolerance) {
+    const auto refused = [](const mie::Ensemble& problem, double tolerance) {
         return !mie::average_over_rays(problem, 16, tolerance, mie::run_in_order).has_value();
     };
     CHECK_FALSE(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-3));
@@ -189,8 +188,7 @@ TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
 TEST_CASE("sizes of rays have all of the area, however few", "[mie][rays]") {
     const Kind kind = GENERATE(Kind::power_law, Kind::log_normal);
     const auto problem = problem_of(kind, 2.6, 420, 0.2);
-    const double k = problem.wave_number_per_um;
-    const mie::RaySizes all(problem.sizes, problem.range, k, std::nullopt);
+    const mie::RaySizes all(problem, std::nullopt);
     for (const mie::RayGroup& group : mie::ray_groups(true)) {
         for (const int level : {0, 1, 2}) {
             for (const int family : {0, 1}) {
@@ -233,23 +231,20 @@ TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][hon
     for (const int half : {0, 1}) {
         const mie::WeightedSizes sizes(
             mie::even_size_nodes(problem.sizes, problem.range, 3000, 0.25 + 0.5 * half), k);
-        const auto all =
-            mie::sum_over_sizes(problem.relative_index, sizes, sums, mie::run_in_order);
+        const auto all = mie::sum_over_sizes(problem.scatterer, sizes, sums, mie::run_in_order);
         P[half] = all.intensity / (2 * all.spheres.scattered);
         scattered += all.spheres.scattered;
     }
     const auto exact = [&](std::size_t i) { return 0.5 * (P[0][i] + P[1][i]); };
     const auto granted = [&](std::size_t i) { return 0.5 * std::abs(P[0][i] - P[1][i]); };
-    mie::PhaseTabulationOptions options;
+    mie::PhaseGoal options;
     options.floor = 0.5;
     options.interpolation_tolerance = 3e-3;
     options.by_rays = true;
     options.ray_bias = mie::phase_ray_bias(problem);
     REQUIRE(options.ray_bias.everywhere > 0);
     options.scattering_efficiency = scattered;
-    const auto table = mie::tabulate_phase(problem.relative_index, problem.sizes, problem.range, k,
-                                           options, mie::run_in_order)
-                           .table;
+    const auto table = mie::AdaptivePhase(problem, options, mie::run_in_order).table().table;
     double squares = 0, stated = 0, truth = 0;
     int beyond = 0;
     for (std::size_t i = 0; i < angles_deg.size(); ++i) {
@@ -274,7 +269,7 @@ TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][hon
     // Single angles, each with an error of its own.
     mie::EnsembleRequest request;
     request.sizes = problem.sizes;
-    request.refractive_index = problem.relative_index;
+    request.refractive_index = problem.scatterer.relative_index;
     request.wavelength_nm = 2 * std::numbers::pi * 1e3 / k;
     request.phase_tolerance = 2e-2;
     std::vector<std::size_t> places;

@@ -1,6 +1,6 @@
 // Two layers of gas and haze above a ground: the model atmosphere of de Haan, Bosma & Hovenier
 // (1987), from sizes of droplets to Stokes vectors.
-#include <miebrdf/matrix.h>
+#include <miebrdf/ensemble.h>
 
 #include <array>
 #include <cmath>

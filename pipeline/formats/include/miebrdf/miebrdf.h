@@ -12,7 +12,6 @@
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
 #include <miebrdf/layer_albedos.h>
-#include <miebrdf/matrix.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/processor_path.h>

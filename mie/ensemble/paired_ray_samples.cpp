@@ -1,4 +1,4 @@
-#include "mie/ensemble/ray_families.h"
+#include "mie/ensemble/paired_ray_samples.h"
 
 #include <algorithm>
 #include <array>
@@ -13,18 +13,18 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kMostChunksOfEnd = 4;  // of each family
-constexpr int kLeastOfEnd = 16;      // sizes of each family, and of a chunk
+constexpr int kMostChunksOfEnd = 4;  // of each sample
+constexpr int kLeastOfEnd = 16;      // sizes of each sample, and of a chunk
 
 // Of the sizes of levels 0 and 1, what a part may err by where rays interfere: times what the
-// families differ by, and of its value.
+// samples differ by, and of its value.
 constexpr double kFewDifference[] = {3, 2}, kFewShare[] = {0.05, 0.003};
 constexpr double kGlories = 165 * std::numbers::pi / 180;
 
 constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
 
 constexpr int kEnds = 2;             // parts of P by rays, the end of small spheres first
-constexpr double kEndSpacing = 0.5;  // in x, of one family of sizes at sharp ends
+constexpr double kEndSpacing = 0.5;  // in x, of one sample of sizes at sharp ends
 
 // Of a mean over a level and those before it. Under weights of their own, twice as many sizes err
 // by a third: the newest counts for most.
@@ -35,27 +35,21 @@ double share_of_level(const RayGroup& group, const RaySizeRule& rule) {
 
 }  // namespace
 
-RayFamilies::RayFamilies(std::complex<double> relative_index, const SizeDistribution& distribution,
-                         const RadiusRange& range, double wave_number_per_um, bool exact)
-    : relative_index_(relative_index),
-      distribution_(distribution),
-      range_(range),
-      wave_number_per_um_(wave_number_per_um),
-      groups_(ray_groups(exact)) {
-    if (exact && distribution.kind.law().has_ends) {
-        window_.emplace(relative_index.real(), wave_number_per_um * range.smallest_um,
-                        wave_number_per_um * range.largest_um);
-    }
-    sizes_ = std::make_unique<const RaySizes>(distribution, range, wave_number_per_um, window_);
-    interference_ = std::make_unique<const RayInterference>(relative_index.real(), *sizes_);
+PairedRaySamples::PairedRaySamples(const Ensemble& ensemble, bool exact)
+    : ensemble_(ensemble), groups_(ray_groups(exact)) {
+    if (exact && ensemble.law().has_ends)
+        window_.emplace(ensemble.scatterer.n(), ensemble.smallest_x(), ensemble.largest_x());
+    sizes_ = std::make_unique<const RaySizes>(ensemble, window_);
+    interference_ = std::make_unique<const RayInterference>(ensemble.scatterer.n(), *sizes_);
 }
 
-int RayFamilies::part_count() const {
+int PairedRaySamples::part_count() const {
     return static_cast<int>(groups_.size()) + (window_ ? kEnds : 0);
 }
 
-double RayFamilies::believed_of_few(std::size_t i, int level, double lower_theta,
-                                    double upper_theta, double difference, double value) const {
+double PairedRaySamples::noise_floor_at_level(std::size_t i, int level, double lower_theta,
+                                              double upper_theta, double difference,
+                                              double value) const {
     // Elsewhere the nodes of a panel, or of a single angle, are far enough apart.
     if (i >= groups_.size() || groups_[i].is_closed() || level > 1 || upper_theta < kGlories)
         return difference;
@@ -69,9 +63,9 @@ double RayFamilies::believed_of_few(std::size_t i, int level, double lower_theta
     return std::max(kFewDifference[level] * difference, kFewShare[level] * value);
 }
 
-// Sizes of one family that groups with equal sizes share.
-struct RayFamilies::Piece {
-    int family, first, count;
+// Sizes of one sample that groups with equal sizes share.
+struct PairedRaySamples::Piece {
+    int sample, first, count;
     std::vector<std::size_t> groups;
     const WeightedSizes* sizes;
     std::vector<const Factors*> factors;  // of each group, over all sizes; null: none
@@ -81,17 +75,17 @@ struct RayFamilies::Piece {
 
 // Of how many sizes the waves of any group stay near the cache: the same for all of them, whichever
 // are wanted together, as waves are kept by piece.
-int RayFamilies::sizes_of_piece() const {
+int PairedRaySamples::sizes_of_piece() const {
     int columns = 1;
     for (const RayGroup& group : groups_) columns = std::max(columns, group.columns());
     return std::max(1, kMostRayColumns / (kLaneCount * columns)) * kLaneCount;
 }
 
-void RayFamilies::sum(Piece& piece, const AngularFunctionsOf<float>& angular) const {
+void PairedRaySamples::sum(Piece& piece, const AngularFunctionsOf<float>& angular) const {
     const RayGroup& group = groups_[piece.groups.front()];
     if (group.is_closed()) {
-        piece.sums = {intensity_of_far_rays(relative_index_, group.first_way, *piece.sizes,
-                                            piece.first, piece.count, angular)};
+        piece.sums = {intensity_of_far_rays(ensemble_.scatterer.relative_index, group.first_way,
+                                            *piece.sizes, piece.first, piece.count, angular)};
         return;
     }
     thread_local std::vector<SphereBlockOf<float>> blocks;
@@ -104,7 +98,8 @@ void RayFamilies::sum(Piece& piece, const AngularFunctionsOf<float>& angular) co
                 {&groups_[piece.groups[i]], place == nullptr ? &blocks[i] : &place->block});
     }
     if (!missing.empty())
-        put_rays(relative_index_, *piece.sizes, piece.first, piece.count, missing);
+        put_rays(ensemble_.scatterer.relative_index, *piece.sizes, piece.first, piece.count,
+                 missing);
     std::size_t put = 0;
     for (std::size_t i = 0; i < piece.groups.size(); ++i) {
         KeptWaves* place = piece.places[i];
@@ -129,14 +124,14 @@ void RayFamilies::sum(Piece& piece, const AngularFunctionsOf<float>& angular) co
 }
 
 // Pieces of all groups, and what they refer to, at places that stay.
-struct RayFamilies::Work {
+struct PairedRaySamples::Work {
     std::vector<Piece> pieces = {};
     std::list<WeightedSizes> sizes = {};
     std::list<std::array<Factors, 2>> factors = {};
 };
 
 // Groups with equal sizes share the responses of the boundary.
-std::vector<std::vector<std::size_t>> RayFamilies::groups_together(
+std::vector<std::vector<std::size_t>> PairedRaySamples::groups_together(
     const std::vector<int>& levels) const {
     std::vector<std::vector<std::size_t>> all;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -155,14 +150,14 @@ std::vector<std::vector<std::size_t>> RayFamilies::groups_together(
     return all;
 }
 
-void RayFamilies::add_pieces(const std::vector<std::size_t>& together,
-                             const std::vector<int>& levels,
-                             const AngularFunctionsOf<float>& angular, const Executor& run,
-                             WaveStore& waves, Work& work) const {
+void PairedRaySamples::add_pieces(const std::vector<std::size_t>& together,
+                                  const std::vector<int>& levels,
+                                  const AngularFunctionsOf<float>& angular, const Executor& run,
+                                  WaveStore& waves, Work& work) const {
     const RaySizeRule rule = groups_[together.front()].sizes_at(levels[together.front()]);
     const WeightedSizes* of_both[2];
-    for (const int family : {0, 1})
-        of_both[family] = &work.sizes.emplace_back(sizes_->of(rule, family));
+    for (const int sample : {0, 1})
+        of_both[sample] = &work.sizes.emplace_back(sizes_->of(rule, sample));
     std::vector<const std::array<Factors, 2>*> factors;
     for (const std::size_t g : together) {
         const bool weighted = !rule.is_smooth() && groups_[g].is_way_by_way();
@@ -171,17 +166,17 @@ void RayFamilies::add_pieces(const std::vector<std::size_t>& together,
                                    : nullptr);
     }
     const int most = sizes_of_piece();
-    for (const int family : {0, 1}) {
-        const WeightedSizes& own = *of_both[family];
+    for (const int sample : {0, 1}) {
+        const WeightedSizes& own = *of_both[sample];
         const int count = static_cast<int>(own.parameters.size());
         for (int first = 0; first < count; first += most) {
             const int here = std::min(most, count - first);
-            Piece piece{family, first, here, together, &own, {}, {}, {}};
+            Piece piece{sample, first, here, together, &own, {}, {}, {}};
             for (const auto* both : factors)
-                piece.factors.push_back(both == nullptr ? nullptr : &(*both)[family]);
+                piece.factors.push_back(both == nullptr ? nullptr : &(*both)[sample]);
             const double orders = terms_of(own, {first, here});
             for (const std::size_t g : together) {
-                const WaveStore::Key key{static_cast<int>(g), family, levels[g], first};
+                const WaveStore::Key key{static_cast<int>(g), sample, levels[g], first};
                 piece.places.push_back(
                     groups_[g].is_closed()
                         ? nullptr
@@ -192,14 +187,14 @@ void RayFamilies::add_pieces(const std::vector<std::size_t>& together,
     }
 }
 
-std::vector<FamilyIntensity> RayFamilies::levels(const std::vector<int>& levels,
-                                                 const AngularFunctionsOf<float>& angular,
-                                                 const Executor& run, WaveStore& waves) const {
+std::vector<PairedIntensity> PairedRaySamples::levels(const std::vector<int>& levels,
+                                                      const AngularFunctionsOf<float>& angular,
+                                                      const Executor& run, WaveStore& waves) const {
     Work work;
     for (const std::vector<std::size_t>& together : groups_together(levels))
         add_pieces(together, levels, angular, run, waves, work);
     run(static_cast<int>(work.pieces.size()), [&](int job) { sum(work.pieces[job], angular); });
-    std::vector<FamilyIntensity> parts(levels.size());
+    std::vector<PairedIntensity> parts(levels.size());
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (levels[i] < 0) continue;
         parts[i].intensity = Eigen::MatrixXd::Zero(angular.angle_count(), 2);
@@ -208,9 +203,9 @@ std::vector<FamilyIntensity> RayFamilies::levels(const std::vector<int>& levels,
     }
     for (const Piece& piece : work.pieces) {
         for (std::size_t i = 0; i < piece.groups.size(); ++i) {
-            FamilyIntensity& part = parts[piece.groups[i]];
-            part.intensity.col(piece.family) += piece.sums[i].at_angles / 2;
-            part.scattered[piece.family] += piece.sums[i].scattered / 2;
+            PairedIntensity& part = parts[piece.groups[i]];
+            part.intensity.col(piece.sample) += piece.sums[i].at_angles / 2;
+            part.scattered[piece.sample] += piece.sums[i].scattered / 2;
         }
     }
     for (std::size_t i = groups_.size(); i < parts.size(); ++i) {
@@ -219,34 +214,34 @@ std::vector<FamilyIntensity> RayFamilies::levels(const std::vector<int>& levels,
     return parts;
 }
 
-void RayFamilies::add_end(int part, int level, const AngularFunctionsOf<float>& angular,
-                          const Executor& run, WaveStore& waves, FamilyIntensity& to) const {
+void PairedRaySamples::add_end(int part, int level, const AngularFunctionsOf<float>& angular,
+                               const Executor& run, WaveStore& waves, PairedIntensity& to) const {
     struct Chunk {
-        int family;
+        int sample;
         WeightedSizes sizes;
         std::vector<SizeChunks::Block> blocks;
         std::vector<KeptWaves*> places;
     };
     std::vector<Chunk> chunks;
-    const double width_um = window_->width() / wave_number_per_um_;
+    const double width_um = window_->width() / ensemble_.wave_number_per_um;
     const bool smallest = part == static_cast<int>(groups_.size());
-    const RadiusRange end = smallest
-                                ? RadiusRange{range_.smallest_um, range_.smallest_um + width_um}
-                                : RadiusRange{range_.largest_um - width_um, range_.largest_um};
-    for (const int family : {0, 1}) {
+    const RadiusRange end =
+        smallest ? RadiusRange{ensemble_.range.smallest_um, ensemble_.range.smallest_um + width_um}
+                 : RadiusRange{ensemble_.range.largest_um - width_um, ensemble_.range.largest_um};
+    for (const int sample : {0, 1}) {
         const int count = std::max(
             kLeastOfEnd,
-            static_cast<int>(std::lround(kFamilyShare[family] * window_->width() / kEndSpacing)));
-        WeightedSizes sizes(nested_size_nodes(distribution_, end, count, level),
-                            wave_number_per_um_);
+            static_cast<int>(std::lround(kSampleShare[sample] * window_->width() / kEndSpacing)));
+        WeightedSizes sizes(nested_size_nodes(ensemble_.sizes, end, count, level),
+                            ensemble_.wave_number_per_um);
         for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
             sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
         const SizeChunks cuts(static_cast<int>(sizes.parameters.size()), kMostChunksOfEnd,
                               kLeastOfEnd);
         for (int i = 0; i < cuts.count(); ++i) {
-            Chunk chunk{family, sizes, cuts.blocks(i), {}};
+            Chunk chunk{sample, sizes, cuts.blocks(i), {}};
             for (const SizeChunks::Block& of : chunk.blocks)
-                chunk.places.push_back(waves.place_of({part, family, level, of.first},
+                chunk.places.push_back(waves.place_of({part, sample, level, of.first},
                                                       double(of.count) * terms_of(sizes, of)));
             chunks.push_back(std::move(chunk));
         }
@@ -254,12 +249,12 @@ void RayFamilies::add_end(int part, int level, const AngularFunctionsOf<float>& 
     std::vector<SphereIntensity> sums(chunks.size());
     run(static_cast<int>(chunks.size()), [&](int job) {
         const Chunk& chunk = chunks[job];
-        sums[job] =
-            intensity_of_spheres(relative_index_, chunk.sizes, chunk.blocks, angular, chunk.places);
+        sums[job] = intensity_of_spheres(ensemble_.scatterer, chunk.sizes, chunk.blocks, angular,
+                                         chunk.places);
     });
     for (std::size_t i = 0; i < chunks.size(); ++i) {
-        to.intensity.col(chunks[i].family) += sums[i].at_angles / 2;
-        to.scattered[chunks[i].family] += sums[i].scattered / 2;
+        to.intensity.col(chunks[i].sample) += sums[i].at_angles / 2;
+        to.scattered[chunks[i].sample] += sums[i].scattered / 2;
     }
 }
 

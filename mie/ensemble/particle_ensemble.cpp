@@ -1,4 +1,4 @@
-#include "mie/ensemble/ensemble_problem.h"
+#include "mie/ensemble/particle_ensemble.h"
 
 #include <fmt/format.h>
 
@@ -42,24 +42,18 @@ void validate(const EnsembleRequest& r) {
     }
 }
 
-std::complex<double> relative_index_of(const EnsembleRequest& request) {
-    return request.refractive_index / request.host_index;
-}
+double Ensemble::finest_angle() const { return std::numbers::pi / largest_x(); }
 
 double wave_number_per_um(const EnsembleRequest& request) {
     return 2 * std::numbers::pi * request.host_index / (request.wavelength_nm * 1e-3);
 }
 
-RadiusRange range_of(const EnsembleRequest& request) {
-    const double tail = tail_for(request);
-    return tail > 0 ? radius_range(request.sizes, tail, 1 / wave_number_per_um(request))
-                    : radius_range(request.sizes);
-}
-
-EnsembleProblem problem_of(const EnsembleRequest& request) {
-    const RadiusRange range = range_of(request);
-    return {relative_index_of(request), request.sizes, range,
-            area_share_within(request.sizes, range), wave_number_per_um(request)};
+Ensemble ensemble_of(const EnsembleRequest& request) {
+    const double k = wave_number_per_um(request), tail = tail_for(request);
+    const RadiusRange range =
+        tail > 0 ? radius_range(request.sizes, tail, 1 / k) : radius_range(request.sizes);
+    return {request.refractive_index / request.host_index, request.sizes, range,
+            area_share_within(request.sizes, range), k};
 }
 
 void require_angles(const std::vector<double>& angles_deg) {

@@ -74,13 +74,9 @@ TEST_CASE("P at many angles is within what is allowed, as one by one", "[mie][ra
 }
 
 TEST_CASE("half a panel keeps the parts of P that the whole has smooth", "[mie][rays]") {
-    constexpr double wave_number_per_um = 2 * std::numbers::pi / 0.55;
-    const mie::EnsembleRequest request = request_of({2.6, 0}, Kind::power_law, 50);
-    const mie::RadiusRange range = mie::radius_range(request.sizes);
-    mie::SizeFamilies sizes(request.refractive_index, request.sizes, range, wave_number_per_um,
-                            1e-2, mie::SizeFamilies::Method::rays);
-    const int terms = mie::number_of_terms(wave_number_per_um * range.largest_um);
-    mie::PhaseTabulationOptions options;
+    const mie::Ensemble ensemble = mie::ensemble_of(request_of({2.6, 0}, Kind::power_law, 50));
+    mie::PairedSizeSamples sizes(ensemble, 1e-2, mie::PairedSizeSamples::Method::rays);
+    mie::PhaseGoal options;
     options.by_rays = true;
     options.floor = 0.5;
     const auto add_next = [&](mie::PhasePanel& panel) {
@@ -88,9 +84,8 @@ TEST_CASE("half a panel keeps the parts of P that the whole has smooth", "[mie][
         for (const double theta : mie::panel_nodes(panel.lower(), panel.upper()))
             angles_deg.push_back(theta * 180 / std::numbers::pi);
         const std::vector<int> levels = panel.next_levels(sizes, 1e-3);
-        panel.add_level(sizes.levels(levels, mie::AngularFunctionsOf<float>(angles_deg, terms),
-                                     mie::run_in_order),
-                        levels, sizes, options);
+        panel.add_level(sizes.levels(levels, angles_deg, false, mie::run_in_order), levels, sizes,
+                        options);
     };
     // The bow of 4 ways is here, at 142.9 degrees: that part alone is not smooth.
     const double lower = 140 * std::numbers::pi / 180, upper = 146 * std::numbers::pi / 180;

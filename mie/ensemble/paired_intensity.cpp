@@ -1,4 +1,4 @@
-#include "mie/ensemble/family_intensity.h"
+#include "mie/ensemble/paired_intensity.h"
 
 #include <type_traits>
 
@@ -11,19 +11,19 @@ constexpr double kMostKept = 30e6;                   // bytes
 constexpr double kBytesPerWave = 4 * sizeof(float);  // U and V
 
 template <typename Scalar>
-double spheres_of(std::complex<double> relative_index, const WeightedSizes& sizes,
-                  SizeChunks::Block of, SphereBlockOf<Scalar>& block) {
+double spheres_of(const Scatterer& scatterer, const WeightedSizes& sizes, SizeChunks::Block of,
+                  SphereBlockOf<Scalar>& block) {
     const std::size_t count = of.count;
-    return 2 * compute_spheres(relative_index, {sizes.parameters.data() + of.first, count},
+    return 2 * compute_spheres(scatterer, {sizes.parameters.data() + of.first, count},
                                {sizes.weights.data() + of.first, count}, &block)
                    .scattered;
 }
 
 }  // namespace
 
-std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& parts,
+std::vector<PairedIntensity> at_some_angles(const std::vector<PairedIntensity>& parts,
                                             Eigen::Index first, Eigen::Index count) {
-    std::vector<FamilyIntensity> some(parts.size());
+    std::vector<PairedIntensity> some(parts.size());
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (parts[i].intensity.size() == 0) continue;
         some[i] = {parts[i].intensity.middleRows(first, count),
@@ -34,7 +34,6 @@ std::vector<FamilyIntensity> at_some_angles(const std::vector<FamilyIntensity>& 
 }
 
 KeptWaves* WaveStore::place_of(const Key& key, double numbers) {
-    if (!is_open_) return nullptr;
     const auto known = kept_.find(key);
     if (known != kept_.end()) return &known->second;
     const double bytes = kBytesPerWave * numbers;
@@ -48,8 +47,7 @@ int terms_of(const WeightedSizes& sizes, SizeChunks::Block of) {
 }
 
 template <typename Scalar>
-SphereIntensity intensity_of_spheres(std::complex<double> relative_index,
-                                     const WeightedSizes& sizes,
+SphereIntensity intensity_of_spheres(const Scatterer& scatterer, const WeightedSizes& sizes,
                                      const std::vector<SizeChunks::Block>& blocks,
                                      const AngularFunctionsOf<Scalar>& angular,
                                      const std::vector<KeptWaves*>& places) {
@@ -61,24 +59,24 @@ SphereIntensity intensity_of_spheres(std::complex<double> relative_index,
             if (!places.empty() && places[i] != nullptr) {
                 KeptWaves& kept = *places[i];
                 if (!kept.is_there)
-                    kept.scattered = spheres_of(relative_index, sizes, blocks[i], kept.block);
+                    kept.scattered = spheres_of(scatterer, sizes, blocks[i], kept.block);
                 kept.is_there = true;
                 angular.add_intensity(kept.block, sum.at_angles);
                 sum.scattered += kept.scattered;
                 continue;
             }
         }
-        sum.scattered += spheres_of(relative_index, sizes, blocks[i], block);
+        sum.scattered += spheres_of(scatterer, sizes, blocks[i], block);
         angular.add_intensity(block, sum.at_angles);
     }
     return sum;
 }
 
-template SphereIntensity intensity_of_spheres(std::complex<double>, const WeightedSizes&,
+template SphereIntensity intensity_of_spheres(const Scatterer&, const WeightedSizes&,
                                               const std::vector<SizeChunks::Block>&,
                                               const AngularFunctionsOf<float>&,
                                               const std::vector<KeptWaves*>&);
-template SphereIntensity intensity_of_spheres(std::complex<double>, const WeightedSizes&,
+template SphereIntensity intensity_of_spheres(const Scatterer&, const WeightedSizes&,
                                               const std::vector<SizeChunks::Block>&,
                                               const AngularFunctionsOf<double>&,
                                               const std::vector<KeptWaves*>&);

@@ -1,0 +1,88 @@
+#include "mie/ensemble/size_passes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mie/ensemble/exact_extinction.h"
+
+namespace miebrdf::mie {
+namespace {
+
+struct PassRule {
+    /// Sizes of the first pass where efficiencies are smooth, and where the even rule takes over.
+    static constexpr int kSmoothStart = 16, kSmoothLimit = 256;
+    /// Sizes of the first pass of the even rule at most: where there are thousands of periods,
+    /// ripple averages out over fewer sizes than one for each of them, and each pass says how far.
+    static constexpr int kMostFirst = 256;
+    /// Spheres up to this size parameter have no resonance that is narrow.
+    static constexpr double kSmallSpheres = 3;
+};
+
+}  // namespace
+
+SizePasses::SizePasses(const Ensemble& ensemble) : ensemble_(ensemble) {
+    if (ensemble.law().single_size) {
+        rule_ = Rule::single;
+        take({{ensemble.range.largest_um}, {1.0}});
+    } else if (!ensemble.ripples() || ensemble.largest_x() < PassRule::kSmallSpheres) {
+        rule_ = Rule::smooth;
+        take(smooth_size_nodes(ensemble.sizes, ensemble.range, PassRule::kSmoothStart));
+    } else {
+        start_even();
+    }
+}
+
+void SizePasses::take(SizeNodes nodes) {
+    nodes_ = std::move(nodes);
+    sizes_so_far_ += static_cast<int>(nodes_.radius_um.size());
+}
+
+void SizePasses::start_even() {
+    rule_ = Rule::even;
+    pass_ = 0;
+    // Halved: the spacings that the ripple likes come later in the same series.
+    first_count_ = coarsest_even_count(ensemble_.scatterer.ripple_period(), ensemble_.width_in_x());
+    while (first_count_ > PassRule::kMostFirst) first_count_ /= 2;
+    take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, 0));
+}
+
+bool SizePasses::refine() {
+    if (rule_ == Rule::single || sizes_so_far_ >= kNodeLimit) return false;
+    ++pass_;
+    if (rule_ == Rule::even) {
+        take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, pass_));
+    } else if (const int count = PassRule::kSmoothStart << pass_; count > PassRule::kSmoothLimit) {
+        start_even();
+    } else {
+        take(smooth_size_nodes(ensemble_.sizes, ensemble_.range, count));
+    }
+    return true;
+}
+
+const SizeSums& SizePasses::add(const SizeSumOptions& options, const Executor& run) {
+    if (rule_ == Rule::even && !(exact_q_ext_ > 0) && ensemble_.law().analytic)
+        exact_q_ext_ = exact_extinction(ensemble_, run) / ensemble_.share;
+    SizeSums sums = sum_over_sizes(
+        ensemble_.scatterer, WeightedSizes(nodes_, ensemble_.wave_number_per_um), options, run);
+    if (rule_ == Rule::even && pass_ > 0) {
+        total_.add(sums);
+        total_.scale(0.5);
+    } else {
+        total_ = std::move(sums);
+    }
+    return total_;
+}
+
+double SizePasses::error(double change, double missed, double share, double lasting, double least) {
+    const double gain = change_before_ > 0 ? std::min(1.0, change / change_before_) : 1.0;
+    const double before = std::exchange(lasting_before_, std::max(lasting, lasting_before_ / 2));
+    change_before_ = change;
+    // Bends (between the rows of a table) converge slowly, and there is no exact extinction to
+    // compare with.
+    if (!ensemble_.law().analytic) return std::max(2 * change, least);
+    // Gauss rules gain at least what they gained last time.
+    if (rule_ == Rule::smooth) return std::max(change * gain, least);
+    return std::max({missed, share * change, lasting, before / 2, least});
+}
+
+}  // namespace miebrdf::mie

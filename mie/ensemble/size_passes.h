@@ -1,0 +1,55 @@
+// Averages over sizes by passes of more and more of them.
+#pragma once
+
+#include "mie/ensemble/particle_ensemble.h"
+#include "mie/ensemble/size_sums.h"
+#include "mie/sizes/size_nodes.h"
+
+namespace miebrdf::mie {
+
+/// Which sizes are computed, pass after pass, what they sum to, and how far the sums may be
+/// trusted.
+class SizePasses {
+  public:
+    /// single: one size. smooth: Gauss nodes in ln r, each pass instead of the last. even: equally
+    /// spaced sizes, each pass between the sizes of all passes before.
+    enum class Rule { single, smooth, even };
+
+    /// @param ensemble  must outlive this
+    explicit SizePasses(const Ensemble& ensemble);
+
+    Rule rule() const { return rule_; }
+    int sizes_so_far() const { return sizes_so_far_; }
+
+    /// Sums over the sizes of the present pass, together with those of the passes before.
+    const SizeSums& add(const SizeSumOptions& options, const Executor& run);
+    /// Goes to the next pass; false when there are no more.
+    bool refine();
+
+    /// q_ext of ensembles with ripple by exact_extinction(), after the first pass; 0: not known.
+    double exact_q_ext() const { return exact_q_ext_; }
+
+    /// What the averages err by after a pass, relative.
+    /// @param change         by this pass, of all that counts
+    /// @param missed         what extinction differs from the exact one, where that is known
+    /// @param share          of the change that is believed to be left, where there is ripple
+    /// @param lasting        part of the error that two levels of ripple may agree about by chance:
+    ///                       it is not believed to fall by more than half
+    /// @param least          no estimate is below this
+    double error(double change, double missed, double share, double lasting, double least);
+    bool is_first() const { return pass_ == 0; }
+
+  private:
+    void take(SizeNodes nodes);
+    void start_even();
+
+    const Ensemble& ensemble_;
+    Rule rule_;
+    SizeNodes nodes_;
+    int pass_ = 0, sizes_so_far_ = 0, first_count_ = 0;
+    SizeSums total_ = {};  // over all passes that count
+    double exact_q_ext_ = 0;
+    double change_before_ = 0, lasting_before_ = 0;
+};
+
+}  // namespace miebrdf::mie
