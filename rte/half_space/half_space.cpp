@@ -5,10 +5,16 @@
 #include <cmath>
 
 #include "rte/fourier/eigenmodes.h"
-#include "rte/half_space/sweeps.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
+namespace {
+
+/// Orders above 0 may err by the tolerance times this share of order 0: it is brightest where it
+/// is, and an error counts relative to the largest value at each incidence.
+constexpr double kShareOfOrderZero = 0.1;
+
+}  // namespace
 
 Eigen::VectorXd flux_weights(const ZenithGrid& grid) {
     return (grid.weights.array() * grid.mu.array()).sqrt();
@@ -90,7 +96,10 @@ void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid&
 //     Psi = (I + X) E (I + X) - (I - X) O (I - X) = B + X G + (X G)^T,  G = A + B X / 2,
 // A = E + O (scattered to the same side), B = E - O (to the opposite one), and
 //     X_pq = 2 D_p R_pq D_q = Psi_pq / (2 (1/mu_p + 1/mu_q)).
+namespace {
 
+// The kernels A and B between nodes and into the requested cosines, and what depends on the grid
+// alone.
 void form_sides(const FourierMedium& medium, const FourierMode& mode, const ZenithGrid& grid,
                 FourierWork& work) {
     work.flux_weights = (grid.weights.array() * grid.mu.array()).sqrt();
@@ -106,11 +115,8 @@ void form_sides(const FourierMedium& medium, const FourierMode& mode, const Zeni
     work.opposite_side_rows = kernels.even_rows - kernels.odd_rows;
 }
 
-bool arrives_within(double sweeps, double ratio, double share) {
-    return std::log(share) > sweeps * std::log(std::max(ratio, 1e-30));
-}
-
-namespace {
+// What is left to go after a step of the fixed point: each is at most `ratio` of the one before.
+double left_after(double step, double ratio) { return step * ratio / (1.0 - ratio); }
 
 // Psi of X into `psi`.
 void fill_psi(const Eigen::MatrixXd& X, FourierWork& work, Eigen::MatrixXd& psi) {
@@ -205,7 +211,7 @@ bool solve_by_eigenmodes(const FourierMedium& medium, const FourierMode& mode,
 // high Fourier orders, whose remaining moments are small.
 bool few_sweeps_suffice(double ratio, double share) {
     constexpr double most_sweeps = 10.0;
-    return ratio < 0.5 && arrives_within(most_sweeps, ratio, share);
+    return ratio < 0.5 && std::log(share) > most_sweeps * std::log(std::max(ratio, 1e-30));
 }
 
 // The fixed point, without any linear system, until no more than `accuracy` of 4 (mu + mu') R is

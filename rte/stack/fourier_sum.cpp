@@ -281,8 +281,6 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
 
     StackSolver solver(stack, grids, requested, options,
                        memory != nullptr ? *memory : own.emplace());
-    // Those of the coarser solution soon take over.
-    if (!coarser_orders.empty()) solver.expect_orders(2 * kEnoughAlike);
     FourierTail tail(tail_tolerance);
     FourierSizes sizes;
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);

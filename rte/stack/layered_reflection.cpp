@@ -39,7 +39,6 @@ struct SolutionMemory::Parts {
     };
 
     std::vector<std::unique_ptr<Solution>> solutions = {};
-    std::shared_ptr<StackSideBySide> side_by_side = std::make_shared<StackSideBySide>();
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
     ScaledStack exact = {};
@@ -54,7 +53,6 @@ struct SolutionMemory::Parts {
         if (found != solutions.end()) return **found;
         solutions.push_back(std::make_unique<Solution>());
         solutions.back()->streams = streams;
-        solutions.back()->memory.side_by_side = side_by_side;
         return *solutions.back();
     }
 };

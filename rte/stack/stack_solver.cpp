@@ -166,7 +166,6 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       memory_(memory) {
     memory_.brightness.assign(stack.media.size(), 0.0);
-    memory_.side_by_side->clear();
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     memory_.requested.resize(grids.indices().size());
@@ -181,7 +180,6 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         if (has_mirrors) own = with_cosines_beside(own);
     }
     memory_.tables.resize(memory_.requested.size());
-    memory_.kernels.resize(memory_.requested.size());
     memory_.modes.resize(memory_.requested.size());
     memory_.reflectors.resize(memory_.requested.size());
     if (is_rough) {
@@ -206,12 +204,6 @@ std::size_t StackSolver::place_of(double index) const {
 
 const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
                                     const Eigen::VectorXd& sky) {
-    const bool is_wanted =
-        parts == ReflectorParts::pairs ? fourier_order > 0 : parts == ReflectorParts::sky;
-    if (is_wanted && solve_side_by_side(fourier_order, sky)) {
-        if (stack_.top_index != 1.0) put_on_top(fourier_order, parts, sky);
-        return *reflector_;
-    }
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
         memory_.modes[k] = &memory_.tables[k].find(fourier_order, stack_.moments,
@@ -236,26 +228,6 @@ const Reflector& StackSolver::solve(int fourier_order, ReflectorParts parts,
         reflector_->sky_at_nodes.noalias() = reflector_->nodes * sky;
     }
     return *reflector_;
-}
-
-bool StackSolver::solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky) {
-    if (!may_leave_out_layers() || stack_.has_mirrors()) return false;
-    const double index = stack_.top_index;
-    const std::size_t place = place_of(index);
-    const StackSideBySide::Question question{
-        .stack = stack_,
-        .grid = grids_.of(index),
-        .requested = memory_.requested[place],
-        .tolerance = tolerance_,
-        .orders = std::min(stack_.moments - fourier_order, orders_),
-        .wants_nodes = index != 1.0,
-        .sky = sky,
-        .brightness = memory_.brightness,
-        .modes = memory_.tables[place],
-        .kernels = memory_.kernels[place],
-    };
-    reflector_ = &free_reflector(index);
-    return memory_.side_by_side->find(fourier_order, question, *reflector_);
 }
 
 void StackSolver::put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <complex>
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,7 +17,6 @@
 #include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
 #include "rte/phase/scaled_medium.h"
-#include "rte/stack/stack_side_by_side.h"
 
 namespace miebrdf::rte {
 
@@ -112,9 +110,6 @@ struct StackMemory {
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
-    std::vector<KernelsSideBySide> kernels = {};  ///< by index
-    /// One after the other in the same matrices: of stacks solved with other numbers of nodes too.
-    std::shared_ptr<StackSideBySide> side_by_side = std::make_shared<StackSideBySide>();
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
 };
 
@@ -129,9 +124,6 @@ class StackSolver {
                 StackMemory& memory);
     ~StackSolver();
 
-    /// So many orders are likely to be asked for after any one, itself included; none is left out.
-    void expect_orders(int orders) { orders_ = orders; }
-
     /// Of the whole stack, boundary included. Where there is one, `specular` is the reflection into
     /// the mirror direction, the same in all orders.
     /// @param sky  for ReflectorParts::sky: downward radiance at the nodes of StackGrids::top
@@ -144,9 +136,6 @@ class StackSolver {
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
-    /// All media, which have the same index, together with the orders that come next. False where
-    /// orders are better solved one by one.
-    bool solve_side_by_side(int fourier_order, const Eigen::VectorXd& sky);
     /// The boundary to air.
     void put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky);
     const SmoothBoundary& boundary_between(double below, double above);
@@ -172,7 +161,6 @@ class StackSolver {
     std::unique_ptr<RoughTop> rough_top_;
     const SolverOptions& options_;
     double tolerance_;  ///< of the equations of one order
-    int orders_ = std::numeric_limits<int>::max();
     StackMemory& memory_;
     Reflector* reflector_ = nullptr;  ///< of all that has been solved so far in this order
 };
