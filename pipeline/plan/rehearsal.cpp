@@ -18,7 +18,6 @@
 #include "pipeline/solve/scene_optics.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 namespace {
@@ -196,7 +195,7 @@ class Rehearsing {
     SolverOptions solver_of(const SceneOptics& optics, double noise) const {
         SolverOptions solver = request_.solver;
         const double mie = std::min(optics.mie_error_estimate, demand_.tolerance);
-        solver.tolerance = rest_of_tolerance(request_.solver.tolerance, mie + noise);
+        solver.tolerance = tolerance_for_transfer(request_.solver.tolerance, mie + noise);
         return solver;
     }
 
@@ -220,9 +219,9 @@ class Rehearsing {
         rte::SolverReport report;
         std::vector<double> values, transfer_errors;
         if (sample.components > 1) {
-            report =
-                rte::reflect_polarised(optics.stack, directions_, sample.components, solver, look)
-                    .report;
+            report = rte::reflect_polarised(optics.stack, directions_, {sample.components, true},
+                                            solver, nullptr, look)
+                         .report;
         } else {
             rte::ReflectionTable table =
                 rte::reflect(optics.stack, directions_, solver, nullptr, look);

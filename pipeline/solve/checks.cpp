@@ -45,7 +45,7 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
     return report;
 }
 
-double rest_of_tolerance(double tolerance, double mie_error_estimate) {
+double tolerance_for_transfer(double tolerance, double mie_error_estimate) {
     return std::max(tolerance - mie_error_estimate, 0.5 * tolerance);
 }
 

@@ -16,7 +16,7 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 /// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
 /// tolerance of the size average that leaves nothing was the user's choice: half is for the streams
 /// all the same.
-double rest_of_tolerance(double tolerance, double mie_error_estimate);
+double tolerance_for_transfer(double tolerance, double mie_error_estimate);
 
 /// Of what other steps leave of the tolerance. Points err by twice an rms: of many values that may
 /// all err by so much, some are beyond it.

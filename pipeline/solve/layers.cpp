@@ -16,14 +16,11 @@
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_errors.h"
 #include "pipeline/solve/polarisation.h"
-#include "pipeline/solve/polarised_reflection.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
-#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_solver.h"
 
 namespace miebrdf {
 namespace {
@@ -100,90 +97,83 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-/// Light with its polarisation; what is wanted is the part of unpolarised light.
-LayerSlice solve_polarised(const LayerRequest& request, const SceneOptics& optics, int components) {
-    SolverOptions solver = request.solver;
-    solver.tolerance = rest_of_tolerance(request.solver.tolerance, optics.mie_error_estimate);
-    LayerSlice slice;
-    slice.report.optical_depths = optics.optical_depths;
-    slice.report.stokes = components;
-    if (request.quantity == LayerQuantity::reflection) {
-        UnpolarisedReflection table =
-            reflect_unpolarised(optics.stack, request.directions, components, solver);
-        slice.values = std::move(table.reflection);
-        slice.plane_albedo = std::move(table.plane_albedo);
-        slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
-        slice.mirror_reflectance = std::move(table.mirror_reflectance);
-        slice.report.solver = table.report;
-        remove_rounding(slice.plane_albedo);
-    } else {
-        rte::PolarisedAlbedoTable table =
-            rte::polarised_albedo(optics.stack, request.directions.mu_in, solver);
-        slice.values = std::move(table.plane_albedo);
-        slice.values.push_back(table.spherical_albedo);
-        remove_rounding(slice.values);
-        slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
-        slice.transmittance = std::move(table.transmittance);
-        slice.transmittance.resize(slice.values.size(), 0.0);
-        slice.mirror_reflectance = unpolarised_part(table.mirror_reflection, 9);
-        slice.report.solver = table.report;
-    }
-    judge(slice.report, optics.mie_error_estimate, optics.converged, request.solver.tolerance);
-    return slice;
+/// What the layers reflect; with the part of the error that points of P and transfer have together.
+double solve_reflection(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
+                        const OpticsDemand& demand, int components, const SolverOptions& solver,
+                        const mie::Executor& run, rte::SolutionMemory& memory, LayerSlice& slice) {
+    const rte::Stack& stack = optics.stack;
+    const bool intensity_only = request.quantity == LayerQuantity::reflection;
+    rte::ReflectionTable table =
+        components > 1 ? rte::reflect_polarised(stack, request.directions,
+                                                {components, intensity_only}, solver, &memory)
+                       : rte::reflect(stack, request.directions, solver, &memory);
+    slice.values = std::move(table.reflection);
+    slice.plane_albedo = std::move(table.plane_albedo);
+    slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+    slice.mirror_reflectance = std::move(table.mirror_reflectance);
+    slice.report.solver = table.report;
+    remove_rounding(slice.plane_albedo);
+    if (components > 1) return table.report.error_estimate;
+    const double tolerance = request.solver.tolerance;
+    const PhaseErrors left = refine_phase(
+        request.scene, w, demand,
+        {stack, request.directions, table.report.moments, solver.delta_m, table.errors},
+        rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
+    slice.report.phase_noise = left.noise;
+    // It was given less than the tolerance, of which the points have not taken all.
+    slice.report.solver.converged =
+        has_converged(table.report.error_estimate, tolerance, table.steps_converged);
+    return left.with_transfer;
+}
+
+double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
+                     int components, const SolverOptions& solver, rte::SolutionMemory& memory,
+                     LayerSlice& slice) {
+    rte::AlbedoTable table =
+        components > 1
+            ? rte::polarised_albedo(optics.stack, request.directions.mu_in, solver, &memory)
+            : solve_albedo(optics.stack, request, solver, w, memory);
+    slice.values = std::move(table.plane_albedo);
+    slice.values.push_back(table.spherical_albedo);
+    remove_rounding(slice.values);
+    slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
+    slice.transmittance = std::move(table.transmittance);
+    // Nothing comes through a half-space.
+    slice.transmittance.resize(slice.values.size(), 0.0);
+    slice.mirror_reflectance = std::move(table.mirror_reflectance);
+    slice.report.solver = table.report;
+    return table.report.error_estimate;
 }
 
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                  const OpticsDemand& demand, const LightChoice& light, const mie::Executor& run,
                  rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary)
-        return black(request);
-    if (light.components > 1) return solve_polarised(request, optics, light.components);
+    const bool returns_nothing =
+        stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary;
+    if (returns_nothing && request.quantity != LayerQuantity::mueller) return black(request);
     const double tolerance = request.solver.tolerance;
+    const bool has_noise = request.quantity == LayerQuantity::reflection && light.components == 1 &&
+                           has_noisy_phase(stack);
     SolverOptions solver = request.solver;
-    const bool reflects = request.quantity == LayerQuantity::reflection;
-    solver.tolerance = rest_of_tolerance(
-        tolerance, optics.mie_error_estimate +
-                       (reflects && has_noisy_phase(stack) ? kPhaseShare * tolerance : 0.0));
-    double with_transfer = 0.0;
+    solver.tolerance = tolerance_for_transfer(
+        tolerance, optics.mie_error_estimate + (has_noise ? kPhaseShare * tolerance : 0.0));
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
     slice.report.polarisation_left_out = light.left_out;
-    if (reflects) {
-        rte::ReflectionTable table = rte::reflect(stack, request.directions, solver, &memory);
-        slice.values = std::move(table.reflection);
-        slice.report.solver = table.report;
-        const PhaseErrors left = refine_phase(
-            request.scene, w, demand,
-            {stack, request.directions, table.report.moments, solver.delta_m, table.errors},
-            rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
-        slice.report.phase_noise = left.noise;
-        with_transfer = left.with_transfer;
-        // It was given less than the tolerance, of which the points have not taken all.
-        slice.report.solver.converged =
-            has_converged(table.report.error_estimate, tolerance, table.steps_converged);
-        slice.plane_albedo = std::move(table.plane_albedo);
-        slice.mirror_reflectance = std::move(table.mirror_reflectance);
-        remove_rounding(slice.plane_albedo);
-    } else {
-        rte::AlbedoTable table = solve_albedo(stack, request, solver, w, memory);
-        slice.values = std::move(table.plane_albedo);
-        slice.values.push_back(table.spherical_albedo);
-        remove_rounding(slice.values);
-        slice.transmittance = std::move(table.transmittance);
-        slice.mirror_reflectance = std::move(table.mirror_reflectance);
-        // Nothing comes through a half-space.
-        slice.transmittance.resize(slice.values.size(), 0.0);
-        slice.report.solver = table.report;
-        with_transfer = table.report.error_estimate;
-    }
+    slice.report.stokes = light.components;
+    const double with_transfer =
+        is_reflection(request.quantity)
+            ? solve_reflection(request, optics, w, demand, light.components, solver, run, memory,
+                               slice)
+            : solve_albedos(request, optics, w, light.components, solver, memory, slice);
     judge(slice.report, with_transfer, optics.mie_error_estimate, optics.converged, tolerance);
     return slice;
 }
 
 /// A slice at the distinct directions as one at all those that were asked for.
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
-    if (distinct.are_all()) return slice;
+    if (quantity == LayerQuantity::mueller || distinct.are_all()) return slice;
     LayerSlice all;
     all.report = slice.report;
     if (quantity == LayerQuantity::reflection) {
@@ -240,8 +230,12 @@ LayerQuantity albedo_quantity(const ResolvedScene& scene) {
     return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;
 }
 
+bool is_reflection(LayerQuantity quantity) {
+    return quantity == LayerQuantity::reflection || quantity == LayerQuantity::mueller;
+}
+
 PhaseDemand phase_demand(LayerQuantity quantity) {
-    return quantity == LayerQuantity::reflection ? PhaseDemand::whole : PhaseDemand::moments_only;
+    return is_reflection(quantity) ? PhaseDemand::whole : PhaseDemand::moments_only;
 }
 
 int first_streams(const LayerRequest& request) {
@@ -273,7 +267,8 @@ LayerJobs list_layer_jobs(const LayerRequest& request) {
 std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control) {
     const DistinctDirections distinct(request.directions);
     LayerRequest reduced = request;
-    reduced.directions = distinct.directions();
+    // U and V tell azimuths of different sign apart.
+    if (request.quantity != LayerQuantity::mueller) reduced.directions = distinct.directions();
     const LayerJobs list = list_layer_jobs(reduced);
     const std::vector<LayerJob>& jobs = list.jobs;
     std::vector<LayerSlice> solved(jobs.size());

@@ -13,6 +13,7 @@ namespace miebrdf {
 
 enum class LayerQuantity {
     reflection,  ///< R at all combinations of the directions
+    mueller,     ///< the same of Mueller matrices (rte::ReflectionTable)
     albedo,      ///< plane albedo at mu_in, then the spherical albedo
     /// The same of the light that the scene's surface lets in, and of what it lets out again
     /// (rte::SurfaceTransmission).
@@ -21,6 +22,8 @@ enum class LayerQuantity {
 
 /// What an albedo needs of the layers.
 LayerQuantity albedo_quantity(const ResolvedScene& scene);
+/// Values at directions, not albedos.
+bool is_reflection(LayerQuantity quantity);
 /// Albedos need moments only.
 PhaseDemand phase_demand(LayerQuantity quantity);
 
@@ -56,10 +59,10 @@ LayerJobs list_layer_jobs(const LayerRequest& request);
 struct LayerSlice {
     /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
     std::vector<double> values;
-    std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` too
+    std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` and `mueller` too
     /// With `albedo` over a substrate: net flux into it, at mu_in and of uniform light.
     std::vector<double> transmittance;
-    std::vector<double> mirror_reflectance;  ///< at mu_in; empty: none
+    std::vector<double> mirror_reflectance;  ///< at mu_in (matrices with `mueller`); empty: none
     /// At mu_in, with polarisation: what plane_albedo changes by for light polarised in the plane
     /// of incidence. Empty: not computed.
     std::vector<double> polarised_plane_albedo;

@@ -2,105 +2,14 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/cache/job_key.h"
-#include "pipeline/cache/packed_numbers.h"
-#include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/brdf_state.h"
-#include "pipeline/solve/checks.h"
-#include "pipeline/solve/parallel.h"
-#include "pipeline/solve/polarisation.h"
-#include "rte/stokes/stokes_reflection.h"
+#include "pipeline/solve/layers.h"
 
 namespace miebrdf {
 namespace {
-
-struct MuellerSlice {
-    std::vector<double> values;  ///< 1/sr
-    std::vector<double> plane_albedo, polarised_plane_albedo;
-    std::vector<double> mirror;  ///< as of MuellerValues
-    WavelengthReport report;
-};
-
-std::string mueller_hash(const LayerRequest& request, std::size_t w) {
-    JobKey key("mueller");
-    request.scene.add_to(key, w);
-    key.add(request.scene.particles.tolerance).add(request.solver).add(request.directions);
-    return key.hash();
-}
-
-std::vector<double> packed(const MuellerSlice& slice) {
-    const auto& [values, plane_albedo, polarised, mirror, report] = slice;
-    return NumberPacker()
-        .add(values)
-        .add(plane_albedo)
-        .add(polarised)
-        .add(mirror)
-        .add(report)
-        .take();
-}
-
-MuellerSlice unpacked_mueller(const std::vector<double>& numbers) {
-    NumberUnpacker unpacker(numbers);
-    MuellerSlice slice;
-    unpacker.read(slice.values);
-    unpacker.read(slice.plane_albedo);
-    unpacker.read(slice.polarised_plane_albedo);
-    unpacker.read(slice.mirror);
-    unpacker.read(slice.report);
-    return slice;
-}
-
-MuellerSlice mueller_slice(const LayerRequest& request, const SceneOptics& optics) {
-    SolverOptions solver = request.solver;
-    solver.tolerance = rest_of_tolerance(request.solver.tolerance, optics.mie_error_estimate);
-    rte::MuellerTable table =
-        rte::reflect_polarised(optics.stack, request.directions, request.solver.stokes, solver);
-    MuellerSlice slice;
-    slice.values = std::move(table.reflection);
-    for (double& value : slice.values) value /= std::numbers::pi;
-    slice.plane_albedo = std::move(table.plane_albedo);
-    slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
-    slice.mirror = std::move(table.mirror_reflection);
-    slice.report.solver = table.report;
-    slice.report.optical_depths = optics.optical_depths;
-    slice.report.stokes = request.solver.stokes;
-    judge(slice.report, optics.mie_error_estimate, optics.converged, request.solver.tolerance);
-    return slice;
-}
-
-std::vector<MuellerSlice> compute_mueller(const LayerRequest& request, const Control& control) {
-    const std::size_t count = request.scene.wavelength_nm.size();
-    std::vector<MuellerSlice> slices(count);
-    std::vector<std::size_t> missing;
-    std::vector<std::string> hashes;
-    for (std::size_t w = 0; w < count; ++w) {
-        choose_light(request, w);  // refuses what cannot be computed
-        hashes.push_back(mueller_hash(request, w));
-        const auto known = control.cache != nullptr ? control.cache->find(hashes[w]) : std::nullopt;
-        if (known) {
-            slices[w] = unpacked_mueller(*known);
-        } else {
-            missing.push_back(w);
-        }
-    }
-    OpticsDemand demand =
-        demand_of(request.solver, request.scene.particles.tolerance, PhaseDemand::whole);
-    demand.polarisation = true;
-    const auto optics = visible_optics(request.scene, request.directions, request.solver.tolerance,
-                                       missing, demand, control);
-    run_parallel("radiative transfer", missing.size(), control, [&](std::size_t i) {
-        const std::size_t w = missing[i];
-        slices[w] = mueller_slice(request, optics[i]);
-        if (control.cache != nullptr) control.cache->store(hashes[w], packed(slices[w]));
-    });
-    for (std::size_t w = 0; w < count; ++w)
-        slices[w].report.wavelength_nm = request.scene.wavelength_nm[w];
-    return slices;
-}
 
 void require_index(std::size_t index, std::size_t count, const char* name) {
     if (index < count) return;
@@ -114,20 +23,22 @@ MuellerValues Brdf::mueller(const Directions& directions) const {
     SolverOptions solver = state_->solver;
     if (solver.stokes < 3) solver.stokes = 3;
     const ResolvedScene& scene = state_->resolved;
-    std::vector<MuellerSlice> slices =
-        compute_mueller({scene, directions, solver, LayerQuantity::reflection}, state_->control);
+    std::vector<LayerSlice> slices =
+        compute_layers({scene, directions, solver, LayerQuantity::mueller}, state_->control);
     MuellerValues values;
     values.directions = directions;
     values.components = solver.stokes;
     values.tolerance = solver.tolerance;
     values.sources = scene.sources;
     values.notes = scene.notes;
-    for (MuellerSlice& slice : slices) {
+    for (LayerSlice& slice : slices) {
+        for (double& value : slice.values) value /= std::numbers::pi;
         values.wavelengths.push_back(slice.report);
         values.mueller.push_back(std::move(slice.values));
         values.plane_albedo.push_back(std::move(slice.plane_albedo));
         values.polarised_plane_albedo.push_back(std::move(slice.polarised_plane_albedo));
-        if (!slice.mirror.empty()) values.mirror_mueller.push_back(std::move(slice.mirror));
+        if (!slice.mirror_reflectance.empty())
+            values.mirror_mueller.push_back(std::move(slice.mirror_reflectance));
     }
     return values;
 }

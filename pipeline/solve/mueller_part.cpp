@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "rte/stokes/polarised_beams.h"
-#include "rte/stokes/stokes_solver.h"
 
 namespace miebrdf {
 namespace {
@@ -24,7 +23,7 @@ double sine_sum(const std::vector<double>& a, double cosine, double sine) {
 
 }  // namespace
 
-SmoothPart smooth_element(const rte::TabulatedStokes& table, int components, int row, int column) {
+SmoothPart smooth_element(const rte::TabulatedOrders& table, int components, int row, int column) {
     const std::vector<double>& nodes = SmoothPart::nodes();
     if (!table.physical || table.orders.empty()) {
         const std::vector<double> none(nodes.size() * nodes.size(),
@@ -48,7 +47,7 @@ SmoothPart smooth_element(const rte::TabulatedStokes& table, int components, int
     return {modes, orders};
 }
 
-MuellerPart::MuellerPart(const rte::TabulatedStokes& table, int components)
+MuellerPart::MuellerPart(const rte::TabulatedOrders& table, int components)
     : components_(components) {
     for (int element = 0; element < components * components; ++element) {
         elements_.push_back(

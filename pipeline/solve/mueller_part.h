@@ -7,19 +7,19 @@
 #include <vector>
 
 #include "pipeline/solve/smooth_part.h"
-#include "rte/stokes/stokes_reflection.h"
+#include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
 
 /// Element (row, column) of a solved table as series in azimuth; NaN where nothing is physical.
-SmoothPart smooth_element(const rte::TabulatedStokes& table, int components, int row, int column);
+SmoothPart smooth_element(const rte::TabulatedOrders& table, int components, int row, int column);
 
 /// Every element as SmoothPart has the BRDF: light scattered more than once from tables, the first
 /// order exactly at every direction.
 class MuellerPart {
   public:
     /// @param table  at SmoothPart::nodes()
-    MuellerPart(const rte::TabulatedStokes& table, int components);
+    MuellerPart(const rte::TabulatedOrders& table, int components);
 
     int components() const { return components_; }
 

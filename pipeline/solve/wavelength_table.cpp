@@ -2,55 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <miebrdf/surface.h>
 #include "pipeline/solve/checks.h"
 #include "rte/boundary/rough_top.h"
-#include "rte/grid/discretisation.h"
-#include "rte/math/tolerance_budget.h"
-#include "rte/stack/fourier_sum.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_solver.h"
 #include "rte/stokes/polarised_beams.h"
-#include "rte/stokes/stokes_reflection.h"
 
 namespace miebrdf {
 namespace {
-
-/// Row m: the weights that turn n + 1 samples at azimuths pi j / n into the coefficient of order m.
-Eigen::MatrixXd analysis_matrix(std::size_t orders, std::size_t n) {
-    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(orders), static_cast<Eigen::Index>(n + 1));
-    for (std::size_t m = 0; m < orders; ++m) {
-        for (std::size_t j = 0; j <= n; ++j) {
-            const double angle =
-                std::numbers::pi * static_cast<double>((m * j) % (2 * n)) / static_cast<double>(n);
-            matrix(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(j)) =
-                (j == 0 || j == n ? 0.5 : 1.0) * (m == 0 ? 1.0 : 2.0) / static_cast<double>(n) *
-                std::cos(angle);
-        }
-    }
-    return matrix;
-}
-
-/// The solver's table of (in, out, azimuth) as Fourier series.
-SmoothPart tabulate(const rte::MultipleScattering& multiple, std::size_t samples) {
-    const std::vector<double>& nodes = SmoothPart::nodes();
-    const auto orders = static_cast<std::size_t>(std::max(1, multiple.fourier_orders));
-    std::vector<double> modes(nodes.size() * nodes.size() * orders);
-    const Eigen::MatrixXd analysis = analysis_matrix(orders, samples);
-    for (std::size_t pair = 0; pair < nodes.size() * nodes.size(); ++pair) {
-        const Eigen::Map<const Eigen::VectorXd> values(&multiple.reflection[pair * (samples + 1)],
-                                                       static_cast<Eigen::Index>(samples + 1));
-        Eigen::Map<Eigen::VectorXd>(&modes[pair * orders], static_cast<Eigen::Index>(orders)) =
-            (nodes[pair / nodes.size()] + nodes[pair % nodes.size()]) * (analysis * values);
-    }
-    if (!multiple.physical) {
-        std::fill(modes.begin(), modes.end(), std::numeric_limits<double>::quiet_NaN());
-    }
-    return {modes, orders};
-}
 
 bool any_optical_steps(std::span<const WavelengthTable> tables) {
     return std::any_of(tables.begin(), tables.end(),
@@ -100,10 +61,8 @@ WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
     report_.converged = report_.solver.converged = true;
     if (part == BrdfPart::surface) {
         // Of the layers nothing is wanted.
-    } else if (light.components > 1) {
-        solve_polarised(optics, solver, light.components, whole_matrix);
     } else {
-        solve(optics, solver);
+        solve(optics, solver, light.components, whole_matrix);
         report_.polarisation_left_out = light.left_out;
     }
     report_.wavelength_nm = scene.wavelength_nm[w];
@@ -118,65 +77,35 @@ WavelengthTable::WavelengthTable(const ResolvedScene& scene, std::size_t w,
     }
 }
 
-void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solver) {
-    const rte::Stack& stack = optics.stack;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty())
-        return;  // black, but for mirrors
-    const std::vector<double>& nodes = SmoothPart::nodes();
-    SolverOptions options = solver;
-    options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
-    report_.solver = rte::reflect(stack, probe_directions(), options).report;
-
-    options.streams = report_.solver.streams;
-    rte::ScaledStack scaled =
-        rte::scale_stack(stack, report_.solver.moments, options.delta_m, rte::NarrowPart::ignored);
-    const rte::StackGrids grids(
-        scaled, rte::choose_discretisation(stack, options, options.streams).grid, options.streams);
-    if (options.single_scattering_correction) rte::split_by_resolution(scaled, grids);
-    rte::RequestedDirections requested;
-    requested.mu =
-        Eigen::Map<const Eigen::VectorXd>(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
-    for (int k = 0; k < static_cast<int>(nodes.size()); ++k) {
-        requested.in.push_back(k);
-        requested.out.push_back(k);
-    }
-    // At most as many orders as moments; so many samples in azimuth determine them exactly.
-    const auto samples = static_cast<std::size_t>(std::max(2, scaled.moments));
-    std::vector<double> azimuth_deg;
-    for (std::size_t j = 0; j <= samples; ++j) {
-        azimuth_deg.push_back(180.0 * static_cast<double>(j) / static_cast<double>(samples));
-    }
-    const rte::MultipleScattering multiple = rte::sum_fourier_orders(
-        scaled, grids, requested, azimuth_deg, kFourierTailShare * options.tolerance, options);
-    stack_ = scaled;
-    if (stack_.boundary && stack_.boundary->is_rough()) {
-        const Eigen::VectorXd scale =
-            rte::outer_lobe_scale(stack_.top_index, *stack_.boundary, requested.mu);
-        lobe_scale_.assign(scale.begin(), scale.end());
-    }
-    smooth_ = tabulate(multiple, samples);
-    report_.solver.fourier_orders = multiple.fourier_orders;
-    report_.solver.converged = report_.solver.converged && multiple.converged && multiple.physical;
-    judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
-}
-
-void WavelengthTable::solve_polarised(const SceneOptics& optics, const SolverOptions& solver,
-                                      int components, bool whole_matrix) {
+void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solver, int components,
+                            bool whole_matrix) {
     const rte::Stack& stack = optics.stack;
     report_.stokes = components;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty()) return;  // black
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty())
+        return;  // black, but for mirrors
     SolverOptions options = solver;
-    options.tolerance = rest_of_tolerance(solver.tolerance, optics.mie_error_estimate);
-    report_.solver = rte::reflect_polarised(stack, probe_directions(), components, options).report;
+    options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);
+    const rte::SolvedLight light{components, components > 1 && !whole_matrix};
+    report_.solver = components > 1
+                         ? rte::reflect_polarised(stack, probe_directions(), light, options).report
+                         : rte::reflect(stack, probe_directions(), options).report;
     options.streams = report_.solver.streams;
-    rte::TabulatedStokes table =
-        rte::tabulate_polarised(stack, SmoothPart::nodes(), components, report_.solver, options);
-    smooth_ = smooth_element(table, components, 0, 0);
-    if (whole_matrix) mueller_.emplace(table, components);
+    rte::TabulatedOrders table =
+        rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options);
+    smooth_ = smooth_element(table, light.shown(), 0, 0);
+    if (whole_matrix && components > 1) mueller_.emplace(table, components);
     report_.solver.fourier_orders = static_cast<int>(table.orders.size());
     report_.solver.converged = report_.solver.converged && table.converged && table.physical;
     stack_ = std::move(table.stack);
-    seen_once_ = rte::media_of_first_order(stack_.media, options.single_scattering_correction);
+    if (components > 1)
+        seen_once_ = rte::media_of_first_order(stack_.media, options.single_scattering_correction);
+    if (stack_.boundary && stack_.boundary->is_rough()) {
+        const std::vector<double>& nodes = SmoothPart::nodes();
+        const Eigen::VectorXd scale = rte::outer_lobe_scale(
+            stack_.top_index, *stack_.boundary,
+            Eigen::Map<const Eigen::VectorXd>(nodes.data(), Eigen::Index(nodes.size())));
+        lobe_scale_.assign(scale.begin(), scale.end());
+    }
     judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
 }
 

@@ -59,9 +59,8 @@ class WavelengthTable {
     const MuellerPart* mueller() const { return mueller_ ? &*mueller_ : nullptr; }
 
   private:
-    void solve(const SceneOptics& optics, const SolverOptions& solver);
-    void solve_polarised(const SceneOptics& optics, const SolverOptions& solver, int components,
-                         bool whole_matrix);
+    void solve(const SceneOptics& optics, const SolverOptions& solver, int components,
+               bool whole_matrix);
 
     rte::ScaledStack stack_;
     std::vector<rte::Optics> seen_once_;

@@ -130,33 +130,33 @@ void name_method(const SolverOptions& options, GridKind grid, std::string& name)
 
 // With too many moments for the nodes the discrete equations have no physical solution: fewer then.
 void with_fewer_moments_if_needed(Discretisation discretisation, const Solve& solve,
-                                  Attempt& attempt) {
-    attempt.clear();
-    solve(discretisation, attempt);
-    while (!attempt.physical && discretisation.moments > 1) {
+                                  Solution& solution) {
+    solution.clear();
+    solve(discretisation, solution);
+    while (!solution.physical && discretisation.moments > 1) {
         discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
-        attempt.clear();
-        solve(discretisation, attempt);
+        solution.clear();
+        solve(discretisation, solution);
     }
-    attempt.report.streams = discretisation.streams;
-    attempt.report.moments = discretisation.moments;
+    solution.report.streams = discretisation.streams;
+    solution.report.moments = discretisation.moments;
 }
 
-// Calls visit(k, largest) for each value, with the largest of its block (one incidence).
+// Calls visit(k, scale) for each value, with what its error is relative to.
 template <typename Visit>
-void visit_blocks(const std::vector<double>& values, std::size_t block, const Visit& visit) {
-    for (std::size_t start = 0; start < values.size(); start += block) {
-        const std::size_t end = std::min(values.size(), start + block);
-        double largest = 0.0;
-        for (std::size_t k = start; k < end; ++k) largest = std::max(largest, std::abs(values[k]));
-        for (std::size_t k = start; k < end; ++k) visit(k, largest);
+void visit_values(const std::vector<double>& values, const JudgedValues& judged,
+                  const Visit& visit) {
+    for (std::size_t start = 0; start < values.size(); start += judged.block) {
+        const std::size_t end = std::min(values.size(), start + judged.block);
+        double scale = judged.least_scale;
+        for (std::size_t k = start; k < end; ++k) scale = std::max(scale, std::abs(values[k]));
+        for (std::size_t k = start; k < end; ++k) visit(k, scale);
     }
 }
 
-// |b - a|, relative to the largest of a block.
-double difference(double a, double b, double largest) {
+double difference(double a, double b, double scale) {
     const double change = std::abs(b - a);
-    return change > 0.0 ? change / largest : 0.0;
+    return change > 0.0 ? change / scale : 0.0;
 }
 
 // Whether `value` is to take the place of the largest so far: NaN does, and stays.
@@ -170,7 +170,7 @@ void raise(double& largest, double value) {
 // two solutions before it differ by that: errors of few values have signs and may agree by chance.
 // Near retro-reflection unresolved glories come and go with each number of nodes: there all of it
 // counts.
-double least_believed(double before, bool slow, bool backwards) {
+double least_difference(double before, bool slow, bool backwards) {
     if (slow) return backwards ? before : 0.1 * before;
     return before < 1.0 ? before * std::sqrt(before) : before;
 }
@@ -192,23 +192,23 @@ double least_gain(double apart, int coarse, int fine) {
 // proportion), and nothing of unresolved peaks, which keep the difference itself
 // (docs/numerics.md).
 // @return d
-double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& fine,
-                      std::size_t block, bool slow, bool has_many,
-                      const std::vector<bool>& backwards, double tolerance) {
+double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
+                      const JudgedValues& judged, bool slow, bool has_many, bool has_backwards,
+                      double tolerance) {
     SolverReport& report = fine.report;
     const bool by_chance = slow || !has_many;
-    const bool has_glory =
-        !backwards.empty() && (!coarsest.unresolved.empty() || !fine.unresolved.empty());
+    const bool has_glory = has_backwards && !judged.near_backwards.empty() &&
+                           (!coarsest.unresolved.empty() || !fine.unresolved.empty());
     const auto last_at = [&](std::size_t k, double scale) {
         double last = difference(coarse.values[k], fine.values[k], scale);
         if (!fine.unresolved.empty())
             last = std::max(last, kUnresolvedShare * difference(0.0, fine.unresolved[k], scale));
         if (!coarsest.physical || !by_chance) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
-        return std::max(last, least_believed(both, slow, has_glory && backwards[k]));
+        return std::max(last, least_difference(both, slow, has_glory && judged.near_backwards[k]));
     };
     double gain = 1.0, before = 0.0, now = 0.0;
-    visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+    visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         if (coarsest.physical)
             raise(before, difference(coarsest.values[k], coarse.values[k], scale));
         raise(now, last_at(k, scale));
@@ -223,7 +223,7 @@ double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& f
     double largest = 0.0;
     const double least = std::max(report.error_estimate, kRounding);
     fine.errors.clear();
-    visit_blocks(fine.values, block, [&](std::size_t k, double scale) {
+    visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         const double error = gain * last_at(k, scale);
         fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
                                                 : std::max(error, least));
@@ -239,18 +239,18 @@ double estimate_error(const Attempt& coarsest, const Attempt& coarse, Attempt& f
     return now;
 }
 
-void know_nothing(Attempt& attempt) {
+void mark_unknown(Solution& solution) {
     constexpr double unknown = std::numeric_limits<double>::infinity();
-    attempt.errors.assign(attempt.values.size(), unknown);
-    attempt.report.error_estimate = unknown;
-    attempt.report.share_within_tolerance = 0.0;
+    solution.errors.assign(solution.values.size(), unknown);
+    solution.report.error_estimate = unknown;
+    solution.report.share_within_tolerance = 0.0;
 }
 
-void require_physical(Attempt& attempt, std::size_t count) {
-    if (attempt.physical) return;
-    attempt.values.assign(count, std::numeric_limits<double>::quiet_NaN());
-    attempt.report.converged = false;
-    know_nothing(attempt);
+void require_physical(Solution& solution, std::size_t count) {
+    if (solution.physical) return;
+    solution.values.assign(count, std::numeric_limits<double>::quiet_NaN());
+    solution.report.converged = false;
+    mark_unknown(solution);
 }
 
 double work_of(int streams, int fourier_orders) {
@@ -300,9 +300,10 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     return choice;
 }
 
-void Attempt::clear() {
+void Solution::clear() {
     values.clear();
     plane_albedo.clear();
+    polarised_plane_albedo.clear();
     unresolved.clear();
     errors.clear();
     std::string method = std::move(report.method);
@@ -313,16 +314,16 @@ void Attempt::clear() {
     physical = false;
 }
 
-Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                             std::size_t block, const Solve& solve, Attempts& attempts,
-                             const LadderWatch& watch, const std::vector<bool>& backwards) {
-    Attempt &coarsest = attempts.coarsest, &coarse = attempts.coarse, &fine = attempts.fine;
-    const auto solve_at = [&](int streams, Attempt& attempt) {
+Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
+                              const JudgedValues& judged, const Solve& solve, Solutions& solutions,
+                              const RefinementCallback& refined) {
+    Solution &coarsest = solutions.coarsest, &coarse = solutions.coarse, &fine = solutions.fine;
+    const auto solve_at = [&](int streams, Solution& solution) {
         with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve,
-                                     attempt);
-        require_physical(attempt, count);
+                                     solution);
+        require_physical(solution, judged.count);
     };
-    const bool has_many = are_many(count, stack);
+    const bool has_many = are_many(judged.count, stack);
     const std::span<const int> ladder = options.streams == 0
                                             ? stream_ladder(stack, options, has_many)
                                             : std::span<const int>(&options.streams, 1);
@@ -349,9 +350,8 @@ Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, s
         double apart = 0.0;
         const auto estimate = [&] {
             fine.report.error_estimate = of_steps;
-            apart = estimate_error(coarsest, coarse, fine, block, converges_slowly(stack, streams),
-                                   has_many, can_be_resolved ? backwards : std::vector<bool>(),
-                                   options.tolerance);
+            apart = estimate_error(coarsest, coarse, fine, judged, converges_slowly(stack, streams),
+                                   has_many, can_be_resolved, options.tolerance);
         };
         if (fine.physical && coarse.physical) {
             estimate();
@@ -363,7 +363,7 @@ Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, s
                 estimate();
             }
         } else if (fine.physical) {
-            know_nothing(fine);
+            mark_unknown(fine);
         }
         may_be_spared = false;
         fine.steps_converged = fine.report.converged;
@@ -380,7 +380,7 @@ Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, s
                               apart * std::sqrt(apart) <= options.tolerance;
         const int next = is_small ? small_step : ladder[step + 1];
         if (stalled && !promising && !is_worth_a_try(next, orders)) break;
-        if (watch && !watch(fine.report, next)) break;
+        if (refined && !refined(fine.report, next)) break;
         if (!is_small) ++step;
         streams = next;
         std::swap(coarsest, coarse);

@@ -34,9 +34,10 @@ int first_streams(double tolerance);
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
 
 /// One solution with one discretisation. Its lists keep their memory from one to the next.
-struct Attempt {
+struct Solution {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
+    std::vector<double> polarised_plane_albedo = {};  ///< likewise, of Stokes vectors
     /// Of each value, the part that the nodes do not resolve and that is known but roughly; empty:
     /// none.
     std::vector<double> unresolved = {};
@@ -50,16 +51,16 @@ struct Attempt {
 };
 
 /// Those that an error estimate compares, ascending in nodes.
-struct Attempts {
-    Attempt coarsest, coarse, fine;
+struct Solutions {
+    Solution coarsest, coarse, fine;
 };
 
-/// The attempt comes empty.
-using Solve = std::function<void(const Discretisation&, Attempt&)>;
+/// The solution comes empty.
+using Solve = std::function<void(const Discretisation&, Solution&)>;
 
 /// Sees each solution that is not the last one, and the number of nodes that comes next; false: no
 /// more of them. Those who estimate the work ahead look in here.
-using LadderWatch = std::function<bool(const SolverReport& report, int next_streams)>;
+using RefinementCallback = std::function<bool(const SolverReport& report, int next_streams)>;
 
 /// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
 /// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on
@@ -78,17 +79,21 @@ class LadderProgress {
 /// A solution with so little work is tried even if more nodes did not help before.
 bool is_worth_a_try(int streams, int fourier_orders);
 
+/// The values of a solution, as their errors are judged.
+struct JudgedValues {
+    std::size_t count = 0;
+    std::size_t block = 1;     ///< of one incidence: errors are relative to the largest of them
+    double least_scale = 0.0;  ///< but to no less than this
+    std::vector<bool> near_backwards = {};  ///< of each value; empty: none is
+};
+
 /// Two numbers of nodes give the result and what its error may be; without a given number of nodes
 /// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
 /// is `count` times NaN.
-///
-/// @param block      values of one incidence: errors are relative to the largest of them
-/// @param attempts   overwritten; `fine` is the result
-/// @param backwards  of each value, whether it is near retro-reflection; empty: none is
-Attempt& solve_with_estimate(const Stack& stack, const SolverOptions& options, std::size_t count,
-                             std::size_t block, const Solve& solve, Attempts& attempts,
-                             const LadderWatch& watch = {},
-                             const std::vector<bool>& backwards = {});
+/// @param solutions  overwritten; `fine` is the result
+Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
+                              const JudgedValues& judged, const Solve& solve, Solutions& solutions,
+                              const RefinementCallback& refined = {});
 
 /// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
 /// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at
@@ -104,9 +109,9 @@ class AzimuthProbes {
     /// Of values at directions(), those that were asked for.
     std::vector<double> without(std::vector<double> values) const;
     /// Of estimated errors at directions(), those of the values asked for. Two solutions may agree
-    /// by accident at single values: none is believed to be better than its probes or those at the
-    /// azimuths beside it, nor than half of all at its incidence.
-    std::vector<double> believed(const std::vector<double>& errors) const;
+    /// by accident at single values: none counts as better than its probes or those at the azimuths
+    /// beside it, nor than half of all at its incidence.
+    std::vector<double> largest_nearby(const std::vector<double>& errors) const;
     /// Where in those the value at `index` of directions() is, or the one that it is a probe of.
     std::size_t asked_for(std::size_t index) const;
 

@@ -41,7 +41,7 @@ std::vector<double> AzimuthProbes::without(std::vector<double> values) const {
     return asked;
 }
 
-std::vector<double> AzimuthProbes::believed(const std::vector<double>& errors) const {
+std::vector<double> AzimuthProbes::largest_nearby(const std::vector<double>& errors) const {
     const std::size_t azimuths = directions_.azimuth_deg.size();
     const std::size_t block = directions_.mu_out.size() * azimuths;
     const std::size_t reach = azimuths > azimuths_ ? azimuths : 1;

@@ -41,6 +41,10 @@ inline constexpr double kLeastAngleTolerance = 1e-6;
 /// Of the error that points of P may have, the part that interpolation between them may.
 inline constexpr double kPhaseInterpolationShare = 0.5;
 
+/// Albedos and transmittances are relative to themselves, but to no less than this share of the
+/// incident flux: an optical density of 6 has its digits, what is darker needs none.
+inline constexpr double kLeastJudgedFlux = 1e-6;
+
 /// The one decision of what has converged: the estimate is within the tolerance, and every step on
 /// the way has converged itself. An estimate of NaN has not.
 template <typename... Steps>

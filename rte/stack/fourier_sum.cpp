@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <optional>
 
 #include "rte/first_order/narrow_features.h"
 #include "rte/math/tolerance_budget.h"
@@ -25,13 +24,22 @@ double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 }  // namespace
 
 double FourierSizes::next(const Eigen::Ref<const Eigen::MatrixXd>& reflection) {
-    const Eigen::VectorXd largest = reflection.cwiseAbs().colwise().maxCoeff().transpose();
+    const Eigen::VectorXd largest = by_incidence(reflection);
     if (of_order_zero_.size() == 0) of_order_zero_ = largest;
     return relative(largest);
 }
 
+Eigen::VectorXd FourierSizes::by_incidence(
+    const Eigen::Ref<const Eigen::MatrixXd>& reflection) const {
+    const Eigen::VectorXd by_column = reflection.cwiseAbs().colwise().maxCoeff().transpose();
+    Eigen::VectorXd largest(by_column.size() / components_);
+    for (Eigen::Index i = 0; i < largest.size(); ++i)
+        largest[i] = by_column.segment(i * components_, components_).maxCoeff();
+    return largest;
+}
+
 double FourierSizes::of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const {
-    return relative(reflection.cwiseAbs().colwise().maxCoeff().transpose());
+    return relative(by_incidence(reflection));
 }
 
 double FourierSizes::of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const {
@@ -175,18 +183,25 @@ Eigen::VectorXd asked_incidences(const RequestedDirections& requested) {
 
 namespace {
 
-// The sum of (2 - delta_m0) R^m cos(m azimuth), several orders at a time: a product of matrices.
+// The sum of (2 - delta_m0) R^m cos(m azimuth), several orders at a time: a product of matrices. Of
+// Stokes vectors one for each element, with sin(m azimuth) for some.
 class AzimuthSum {
   public:
-    /// @param pairs  of cosines
-    /// @param sum    [pair * azimuths + azimuth], zero
-    AzimuthSum(std::span<const double> azimuth_deg, std::size_t pairs, std::vector<double>& sum)
+    /// @param pairs       of cosines
+    /// @param components  rows and columns of each pair
+    /// @param sum         [(pair * components^2 + element) * azimuths + azimuth], zero
+    AzimuthSum(std::span<const double> azimuth_deg, std::size_t pairs, int components,
+               std::vector<double>& sum)
         : azimuth_deg_(azimuth_deg),
-          cosines_(Eigen::Index(azimuth_deg.size()), at_once(pairs)),
+          components_(components),
+          at_once_(at_once(pairs * std::size_t(components * components))),
+          cosines_(Eigen::Index(azimuth_deg.size()), at_once_),
+          sines_(components > 1 ? Eigen::Index(azimuth_deg.size()) : 0, at_once_),
           turn_(Eigen::Index(azimuth_deg.size())),
           direction_(Eigen::Index(azimuth_deg.size())),
-          orders_(Eigen::Index(pairs), at_once(pairs)),
+          orders_(std::size_t(components * components)),
           sum_(sum) {
+        for (Eigen::MatrixXd& element : orders_) element.resize(Eigen::Index(pairs), at_once_);
         for (Eigen::Index a = 0; a < turn_.size(); ++a) turn_[a] = unit(1, a);
     }
 
@@ -199,23 +214,36 @@ class AzimuthSum {
                 direction_ *= turn_;
             }
         }
-        cosines_.col(count_) = (m == 0 ? 1.0 : 2.0) * direction_.real();
-        Eigen::Map<Eigen::MatrixXd>(orders_.col(count_).data(), multiple.rows(), multiple.cols()) =
-            multiple;
-        if (++count_ == orders_.cols()) finish();
+        const double factor = m == 0 ? 1.0 : 2.0;
+        cosines_.col(count_) = factor * direction_.real();
+        if (components_ > 1) sines_.col(count_) = factor * direction_.imag();
+        const Eigen::Index c = components_, outs = multiple.rows() / c, ins = multiple.cols() / c;
+        for (Eigen::Index e = 0; e < c * c; ++e) {
+            Eigen::Map<Eigen::MatrixXd>(orders_[std::size_t(e)].col(count_).data(), outs, ins) =
+                multiple(Eigen::seqN(e / c, outs, c), Eigen::seqN(e % c, ins, c));
+        }
+        if (++count_ == at_once_) finish();
     }
 
     /// Until then orders may be missing from the sum.
     void finish() {
-        Eigen::Map<Eigen::MatrixXd> sum(sum_.data(), cosines_.rows(), orders_.rows());
-        const auto cosines = cosines_.leftCols(count_);
-        const auto orders = orders_.leftCols(count_).transpose();
-        if (sum.rows() + sum.cols() <= kLargestCoefficientWise) {
-            // Coefficient by coefficient Eigen rounds as the address of the result has it: always
-            // alike in memory of its own.
-            sum += (cosines * orders).eval();
-        } else {
-            sum.noalias() += cosines * orders;
+        const Eigen::Index azimuths = cosines_.rows(), elements = Eigen::Index(orders_.size());
+        for (Eigen::Index e = 0; e < elements && azimuths > 0; ++e) {
+            const StokesHarmonic harmonic =
+                stokes_harmonic(int(e) / components_, int(e) % components_);
+            const Eigen::MatrixXd& element = orders_[std::size_t(e)];
+            Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> sum(
+                sum_.data() + e * azimuths, azimuths, element.rows(),
+                Eigen::OuterStride<>(elements * azimuths));
+            const auto waves = (harmonic.is_sine ? sines_ : cosines_).leftCols(count_);
+            const auto orders = element.leftCols(count_).transpose();
+            if (components_ > 1 || sum.rows() + sum.cols() <= kLargestCoefficientWise) {
+                // Coefficient by coefficient Eigen rounds as the address of the result has it:
+                // always alike in memory of its own.
+                sum += (harmonic.sign * waves * orders).eval();
+            } else {
+                sum.noalias() += waves * orders;
+            }
         }
         count_ = 0;
     }
@@ -225,9 +253,9 @@ class AzimuthSum {
     static constexpr Eigen::Index kLargestCoefficientWise = 32;  ///< more than Eigen's limit of 20
 
     /// Large tables wait in 2 MB.
-    static Eigen::Index at_once(std::size_t pairs) {
+    static Eigen::Index at_once(std::size_t values) {
         constexpr std::size_t most = 1 << 18;
-        return std::clamp<Eigen::Index>(Eigen::Index(most / std::max<std::size_t>(pairs, 1)), 1,
+        return std::clamp<Eigen::Index>(Eigen::Index(most / std::max<std::size_t>(values, 1)), 1,
                                         kMostAtOnce);
     }
 
@@ -236,98 +264,125 @@ class AzimuthSum {
     }
 
     std::span<const double> azimuth_deg_;
-    Eigen::MatrixXd cosines_;           ///< azimuths x orders that wait
-    Eigen::ArrayXcd turn_, direction_;  ///< exp(i azimuth), and of the last order
-    Eigen::MatrixXd orders_;            ///< pairs x orders that wait
+    int components_;
+    Eigen::Index at_once_;
+    Eigen::MatrixXd cosines_, sines_;      ///< azimuths x orders that wait
+    Eigen::ArrayXcd turn_, direction_;     ///< exp(i azimuth), and of the last order
+    std::vector<Eigen::MatrixXd> orders_;  ///< of each element pairs x orders that wait
     int next_ = 0, count_ = 0;
     std::vector<double>& sum_;
 };
 
-// How the equations of one order were solved, and the plane albedos from order 0.
-void note(const Reflector& reflector, int fourier_order, const RequestedDirections& requested,
+// How the equations of one order were solved, and the albedos from order 0.
+void note(const StackOrder& order, int fourier_order, const RequestedDirections& requested,
           MultipleScattering& sum) {
-    sum.iterations = std::max(sum.iterations, reflector.iterations);
-    sum.residual = std::max(sum.residual, reflector.residual);
-    sum.converged = sum.converged && reflector.converged;
+    sum.iterations = std::max(sum.iterations, order.iterations);
+    sum.residual = std::max(sum.residual, order.residual);
+    sum.converged = sum.converged && order.converged;
     if (fourier_order > 0) return;
-    // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q.
-    for (std::size_t i = 0; i < requested.asked_in(); ++i) {
-        const int in = requested.in[i];
-        const double mirrored = reflector.specular.size() > 0 ? reflector.specular[in] : 0.0;
-        sum.plane_albedo.push_back(mirrored + reflector.sky_at_requested[in]);
-    }
+    const auto asked = [&](std::vector<double> albedo) {
+        albedo.resize(std::min(albedo.size(), requested.asked_in()));
+        return albedo;
+    };
+    sum.plane_albedo = asked(order.plane_albedo);
+    sum.polarised_plane_albedo = asked(order.polarised_plane_albedo);
 }
 
-// What was asked for, without probes.
-auto asked_part(const Eigen::MatrixXd& multiple, const RequestedDirections& requested) {
-    return multiple.topLeftCorner(Eigen::Index(requested.asked_out()),
-                                  Eigen::Index(requested.asked_in()));
+/// What is wanted of an order, all directions.
+const Eigen::MatrixXd& shown_part(const StackOrder& order, const SolvedLight& light,
+                                  Eigen::MatrixXd& intensity) {
+    if (light.shown() == light.components) return order.multiple;
+    const Eigen::Index c = light.components, outs = order.multiple.rows() / c;
+    intensity =
+        order.multiple(Eigen::seqN(0, outs, c), Eigen::seqN(0, order.multiple.cols() / c, c));
+    return intensity;
+}
+
+// At mu = 1 Y_l^m vanishes but for m = 0, of Stokes vectors d^l_m2 but for m = 2.
+int highest_order(const RequestedDirections& requested, int moments, const SolvedLight& light) {
+    if (!only_fourier_order_zero(requested)) return moments;
+    return light.components == 1 ? 1 : std::min(3, moments);
 }
 
 }  // namespace
 
+StokesHarmonic stokes_harmonic(int row, int column) {
+    const bool is_diagonal = (row < 2) == (column < 2);
+    return {!is_diagonal, is_diagonal || row > column ? 1.0 : -1.0};
+}
+
 MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids& grids,
                                       const RequestedDirections& requested,
-                                      std::span<const double> azimuth_deg, double tail_tolerance,
-                                      const SolverOptions& options, StackMemory* memory,
-                                      const FourierOrders& coarser_orders) {
-    std::optional<StackMemory> own;
-    const std::size_t azimuths = azimuth_deg.size();
+                                      std::span<const double> azimuth_deg, const SolvedLight& light,
+                                      double tail_tolerance, const SolverOptions& options,
+                                      StackMemory& memory, const FourierOrders& coarser_orders,
+                                      KeptOrders kept) {
+    const int c = light.shown();
+    const RequestedDirections rows = repeated(requested, c);
     MultipleScattering sum;
-    sum.reflection.assign(requested.asked_in() * requested.asked_out() * azimuths, 0.0);
-    const int highest = only_fourier_order_zero(requested) ? 1 : stack.moments;
-    const bool keep =
-        is_smooth(stack) && requested.in.size() * requested.out.size() <= kMostKeptPairs;
+    sum.reflection.assign(rows.asked_in() * rows.asked_out() * azimuth_deg.size(), 0.0);
+    const int highest = highest_order(requested, stack.moments, light);
+    const bool keep = kept == KeptOrders::for_finer && is_smooth(stack) &&
+                      rows.in.size() * rows.out.size() <= kMostKeptPairs;
 
-    StackSolver solver(stack, grids, requested, options,
-                       memory != nullptr ? *memory : own.emplace());
+    StackSolver solver(stack, grids, requested, light.components, options, memory);
     FourierTail tail(tail_tolerance);
-    FourierSizes sizes;
+    FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     const FeatureOrders features(stack, requested);
     const Eigen::VectorXd mu_in = asked_incidences(requested);
-    AzimuthSum by_azimuth(azimuth_deg, requested.asked_in() * requested.asked_out(),
+    AzimuthSum by_azimuth(azimuth_deg, requested.asked_in() * requested.asked_out(), c,
                           sum.reflection);
-    double dimmer = 1.0;  // listed values than order 0
+    const auto asked_part = [&](const Eigen::MatrixXd& multiple) {
+        return multiple.topLeftCorner(Eigen::Index(rows.asked_out()),
+                                      Eigen::Index(rows.asked_in()));
+    };
+    Eigen::MatrixXd intensity;
+    double order_zero_over_peak = 1.0;  // of the listed values
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
-        if (m > 0 && fourier_order_vanishes(m, azimuth_deg)) continue;
+        if (m > 0 && c == 1 && fourier_order_vanishes(m, azimuth_deg) &&
+            kept == KeptOrders::for_finer) {
+            continue;
+        }
         const Eigen::MatrixXd* multiple = coarser.settled(m);
         if (multiple == nullptr) {
-            const Reflector& reflector =
-                m == 0 ? solver.solve(m, ReflectorParts::sky, flux_weights(grids.top()))
-                       : solver.solve(m, ReflectorParts::pairs);
-            if (!reflector.physical) {
+            const StackOrder& order = solver.solve(m);
+            if (!order.physical) {
                 sum.physical = false;
                 return sum;
             }
-            note(reflector, m, requested, sum);
-            multiple = &reflector.multiple;
-            coarser.compare(m, *multiple, requested);
+            note(order, m, requested, sum);
+            multiple = &shown_part(order, light, intensity);
+            coarser.compare(m, *multiple, rows);
         }
         sum.fourier_orders = m + 1;
-        const auto asked = asked_part(*multiple, requested);
+        const auto asked = asked_part(*multiple);
         by_azimuth.add(m, asked);
         ended = tail.ends_with(sizes.next(asked)) && m >= least;
         if (ended) {
             by_azimuth.finish();
-            dimmer = sizes.over_listed(sum.reflection);
+            order_zero_over_peak = sizes.over_listed(sum.reflection);
         }
-        ended = ended && dimmer * tail.remaining() <= tail_tolerance;
-        if (keep) {
+        ended = ended && order_zero_over_peak * tail.remaining() <= tail_tolerance;
+        if (kept == KeptOrders::asked_for) {
+            sum.by_fourier_order.push_back(asked);
+        } else if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
             sum.by_fourier_order.back() = *multiple;
         }
         if (!ended) continue;
-        least = features.last(
-            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance / dimmer, [&](int order) {
-                const Reflector& reflector = solver.solve(order, ReflectorParts::pairs);
-                return sizes.of(asked_part(reflector.multiple, requested));
-            });
+        least = features.last(m, highest, sizes.of_retro_reflection(mu_in),
+                              tail_tolerance / order_zero_over_peak, [&](int order) {
+                                  const auto& far =
+                                      shown_part(solver.solve(order), light, intensity);
+                                  return sizes.of(asked_part(far));
+                              });
         ended = least <= m;
     }
     by_azimuth.finish();
-    sum.tail = m == highest ? 0.0 : dimmer * tail.remaining();  // 0: every order there is
+    // 0: every order there is.
+    sum.tail = m == highest ? 0.0 : order_zero_over_peak * tail.remaining();
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

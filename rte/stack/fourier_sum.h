@@ -12,11 +12,14 @@
 
 namespace miebrdf::rte {
 
-/// Sizes of successive Fourier orders: |R^m|, the largest at each incidence relative to that of
-/// order 0, and of these the largest. By incidence, as errors are: a bright zenith in the same
-/// request says nothing of grazing light.
+/// Sizes of successive Fourier orders: |R^m|, the largest at each incidence (of all components)
+/// relative to that of order 0, and of these the largest. By incidence, as errors are: a bright
+/// zenith in the same request says nothing of grazing light.
 class FourierSizes {
   public:
+    /// @param components  rows and columns of each pair of cosines
+    explicit FourierSizes(int components = 1) : components_(components) {}
+
     /// @param reflection  R^m, out x in; m = 0 first
     double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
     /// The same of an order out of turn.
@@ -30,8 +33,10 @@ class FourierSizes {
     double over_listed(const std::vector<double>& reflection) const;
 
   private:
+    Eigen::VectorXd by_incidence(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const;
     double relative(const Eigen::VectorXd& largest) const;
 
+    int components_;
     Eigen::VectorXd of_order_zero_;
 };
 
@@ -84,7 +89,8 @@ class FeatureOrders {
     Eigen::VectorXd strengths_;  ///< by degree
 };
 
-/// R^m of light scattered more than once, out x in, for m = 0, 1, ...; empty for orders left out.
+/// R^m of light scattered more than once, out x in (times the components shown), for m = 0, 1, ...;
+/// empty for orders left out.
 using FourierOrders = std::vector<Eigen::MatrixXd>;
 
 /// A finer solution repeats the Fourier orders of a coarser one until two in a row differ by less
@@ -131,11 +137,32 @@ struct StackMemory;
 /// Nothing that matters is cut off: every order converges like the first ones.
 bool is_smooth(const ScaledStack& stack);
 
+/// Element (row, column) of R at an azimuth is the sum over m of (m = 0 ? 1 : 2) times that of R^m
+/// (StackOrder::multiple) times `sign` and cos(m azimuth), or sin(m azimuth) where `is_sine`.
+struct StokesHarmonic {
+    bool is_sine = false;
+    double sign = 1.0;
+};
+StokesHarmonic stokes_harmonic(int row, int column);
+
+/// Light as it is solved, and what of it is wanted.
+struct SolvedLight {
+    int components;       ///< 1: a number; 3: (I, Q, U); 4: with V
+    bool intensity_only;  ///< of the Mueller matrices element 11 alone is wanted
+
+    SolvedLight(int solved = 1, bool intensity = false)
+        : components(solved), intensity_only(intensity) {}
+
+    /// Rows and columns of the matrices that are wanted.
+    int shown() const { return intensity_only ? 1 : components; }
+};
+
 /// Reflection without the first order of scattering, and how it was found.
 struct MultipleScattering {
-    std::vector<double> reflection;  ///< [(i * out + o) * azimuths + a]
+    /// [((i * outs + o) * c^2 + row * c + column) * azimuths + a], c = SolvedLight::shown()
+    std::vector<double> reflection;
     /// At the incident cosines, all orders of scattering: what Fourier order 0 knows anyway.
-    std::vector<double> plane_albedo;
+    std::vector<double> plane_albedo, polarised_plane_albedo;
     int fourier_orders = 0;  ///< the highest one summed, plus 1
     int iterations = 0;
     double residual = 0.0;
@@ -144,22 +171,29 @@ struct MultipleScattering {
     double tail = 0.0;
     bool converged = true;
     bool physical = true;
-    /// For a finer solution, probes too; empty where none may be taken over.
-    FourierOrders by_fourier_order;
+    FourierOrders by_fourier_order;  ///< as KeptOrders says
 };
 
-/// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering.
+/// Which orders the sum keeps in by_fourier_order.
+enum class KeptOrders {
+    for_finer,  ///< those that a finer solution may take over, probes included; empty: none
+    asked_for,  ///< all of them, at the directions asked for: what a table is made of
+};
+
+/// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering, of Stokes vectors with
+/// the harmonics of each element.
 ///
 /// Stops where the orders still to come are below `tail_tolerance`, relative to the largest listed
-/// value at the same incidence (or order 0, if that is less). Only m = 0 is computed when all
-/// incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0; orders whose cosine is zero
-/// at every azimuth (the odd ones across the plane of incidence) are left out.
-/// @param memory   for its matrices (stack_solver.h); null: of its own
+/// value at the same incidence (or order 0, if that is less). When all incident or all outgoing
+/// cosines are 1, where Y_l^m = 0 for m > 0, only m = 0 is computed, of Stokes vectors m <= 2;
+/// orders whose cosine is zero at every azimuth (the odd ones across the plane of incidence) are
+/// left out where only numbers are wanted.
 /// @param coarser  by_fourier_order of a solution with fewer nodes, or empty
 MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids& grids,
                                       const RequestedDirections& requested,
-                                      std::span<const double> azimuth_deg, double tail_tolerance,
-                                      const SolverOptions& options, StackMemory* memory = nullptr,
-                                      const FourierOrders& coarser = {});
+                                      std::span<const double> azimuth_deg, const SolvedLight& light,
+                                      double tail_tolerance, const SolverOptions& options,
+                                      StackMemory& memory, const FourierOrders& coarser = {},
+                                      KeptOrders kept = KeptOrders::for_finer);
 
 }  // namespace miebrdf::rte

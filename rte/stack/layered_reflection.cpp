@@ -8,27 +8,25 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include <miebrdf/error.h>
-#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
-#include "rte/stack/fourier_sum.h"
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/refracted_first_order.h"
 #include "rte/stack/stack_solver.h"
+#include "rte/stokes/polarised_beams.h"
 
 namespace miebrdf::rte {
 
 struct SolutionMemory::Parts {
     /// With one number of nodes.
-    struct Solution {
+    struct AtStreams {
         int streams = 0;
         ScaledStack scaled = {};
         std::optional<StackGrids> grids = {};
         StackMemory memory = {};
-        Eigen::VectorXd flux_weights = {}, let_in = {}, let_out = {};
+        Eigen::VectorXd let_in = {}, let_out = {};
 
         /// Of `scaled`.
         const StackGrids& grids_for(const Discretisation& discretisation) {
@@ -38,22 +36,22 @@ struct SolutionMemory::Parts {
         }
     };
 
-    std::vector<std::unique_ptr<Solution>> solutions = {};
+    std::vector<std::unique_ptr<AtStreams>> by_streams = {};
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
     ScaledStack exact = {};
-    Attempts attempts = {};
+    Solutions solutions_of_albedo = {};
 
     /// With more nodes one takes the place of the other: 256 of them are 30 MB.
-    Solution& solution_of(int streams) {
+    AtStreams& with_streams(int streams) {
         constexpr int most = 64;
         streams = std::min(streams, most + 1);
-        const auto found = std::find_if(solutions.begin(), solutions.end(),
+        const auto found = std::find_if(by_streams.begin(), by_streams.end(),
                                         [=](const auto& s) { return s->streams == streams; });
-        if (found != solutions.end()) return **found;
-        solutions.push_back(std::make_unique<Solution>());
-        solutions.back()->streams = streams;
-        return *solutions.back();
+        if (found != by_streams.end()) return **found;
+        by_streams.push_back(std::make_unique<AtStreams>());
+        by_streams.back()->streams = streams;
+        return *by_streams.back();
     }
 };
 
@@ -101,36 +99,86 @@ void add_at_zenith(const Directions& directions, double factor, std::vector<doub
     }
 }
 
-void reflect_with(const Stack& stack, const Directions& directions,
-                  const RequestedDirections& requested, const SolverOptions& options,
-                  const Discretisation& discretisation, SolutionMemory::Parts::Solution& solution,
-                  FourierOrders& orders, StackFirstOrder& first_order, Attempt& attempt) {
-    ScaledStack& scaled = solution.scaled;
-    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
+void require_polarisable(const Stack& stack, const SolverOptions& options) {
+    if (options.half_space_method != HalfSpaceMethod::automatic ||
+        options.coat_method != CoatMethod::automatic) {
+        throw UsageError("polarised light is solved by the automatic methods alone");
+    }
+    if (stack.boundary && stack.boundary->is_rough()) {
+        throw UsageError(
+            "polarised light: rough boundaries are not available (their facets turn the plane of "
+            "polarisation); take a smooth one (roughness 0), or solve without polarisation");
+    }
+}
+
+// Lists that were cut short are left as they are.
+void pad_moments(Optics& optics) {
+    if (!optics.polarisation || optics.has_more_moments) return;
+    const Polarisation& p = *optics.polarisation;
+    optics.chi.resize(std::max({optics.chi.size(), p.a2.size(), p.a3.size(), p.a4.size(),
+                                p.b1.size(), p.b2.size()}),
+                      0.0);
+}
+
+/// Light scattered once, as the light that is solved has it.
+struct FirstOrderOfLight {
+    std::optional<StackFirstOrder> number = {};
+    std::optional<StokesFirstOrderOfStack> stokes = {};
+
+    FirstOrderOfLight(const Directions& judged, const SolvedLight& light,
+                      const SolverOptions& options) {
+        if (light.components == 1) {
+            number.emplace(judged, options);
+        } else {
+            stokes.emplace(judged, light.shown(), options);
+        }
+    }
+};
+
+struct Request {
+    const Stack& stack;
+    const Directions& directions;
+    const RequestedDirections& requested;
+    const SolvedLight& light;
+    const SolverOptions& options;
+};
+
+void reflect_with(const Request& request, const Discretisation& discretisation,
+                  SolutionMemory::Parts::AtStreams& memory, FourierOrders& orders,
+                  FirstOrderOfLight& first_order, Solution& solution) {
+    const SolverOptions& options = request.options;
+    ScaledStack& scaled = memory.scaled;
+    scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored,
+                scaled);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
-        scaled.brightness = least_brightness(scaled, directions);
-    const StackGrids& grids = solution.grids_for(discretisation);
+        scaled.brightness = least_brightness(scaled, request.directions);
+    const StackGrids& grids = memory.grids_for(discretisation);
     if (options.single_scattering_correction) split_by_resolution(scaled, grids);
     MultipleScattering multiple = sum_fourier_orders(
-        scaled, grids, requested, directions.azimuth_deg, kFourierTailShare * options.tolerance,
-        options, &solution.memory, orders);
+        scaled, grids, request.requested, request.directions.azimuth_deg, request.light,
+        kFourierTailShare * options.tolerance, options, memory.memory, orders);
     orders = std::move(multiple.by_fourier_order);
-    attempt.physical = multiple.physical;
-    attempt.values = std::move(multiple.reflection);
-    attempt.plane_albedo = std::move(multiple.plane_albedo);
-    attempt.report.fourier_orders = multiple.fourier_orders;
-    attempt.report.iterations = multiple.iterations;
-    attempt.report.converged = multiple.converged && multiple.physical;
-    attempt.report.error_estimate = std::max(multiple.tail, multiple.residual);
+    solution.physical = multiple.physical;
+    solution.values = std::move(multiple.reflection);
+    solution.plane_albedo = std::move(multiple.plane_albedo);
+    solution.polarised_plane_albedo = std::move(multiple.polarised_plane_albedo);
+    solution.report.fourier_orders = multiple.fourier_orders;
+    solution.report.iterations = multiple.iterations;
+    solution.report.converged = multiple.converged && multiple.physical;
+    solution.report.error_estimate = std::max(multiple.tail, multiple.residual);
     // However well two solutions agree: no order but the first is solved better.
     if (multiple.fourier_orders > 1) {
-        attempt.report.error_estimate =
-            std::max(attempt.report.error_estimate, kEquationShare * options.tolerance);
+        solution.report.error_estimate =
+            std::max(solution.report.error_estimate, kEquationShare * options.tolerance);
     }
-    if (!attempt.physical) return;
-    first_order.add_to(attempt.values, scaled, &attempt.unresolved);
-    if (!attempt.unresolved.empty())
-        add_at_zenith(directions, more_unresolved_at_zenith(scaled), attempt.unresolved);
+    if (!solution.physical) return;
+    if (first_order.stokes) {
+        first_order.stokes->add_to(solution.values, scaled);
+        return;
+    }
+    first_order.number->add_to(solution.values, scaled, &solution.unresolved);
+    if (!solution.unresolved.empty())
+        add_at_zenith(request.directions, more_unresolved_at_zenith(scaled), solution.unresolved);
 }
 
 /// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
@@ -140,70 +188,178 @@ bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_sur
            options.coat_method == CoatMethod::automatic;
 }
 
-void albedo_with(const Stack& stack, const RequestedDirections& requested,
-                 const SolverOptions& options, const Discretisation& discretisation,
-                 SolutionMemory::Parts::Solution& solution,
-                 const std::function<SurfaceWeights(double mu)>& surface, Attempt& attempt) {
-    ScaledStack& scaled = solution.scaled;
-    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
-    scaled.transmits = has_transmittance(scaled.base, options, bool(surface));
-    const StackGrids& grids = solution.grids_for(discretisation);
+struct AlbedoRequest {
+    const Stack& stack;
+    int components;
+    const SolverOptions& options;
+    const std::function<SurfaceWeights(double mu)>& surface;
+};
+
+void albedo_with(const AlbedoRequest& request, const RequestedDirections& requested,
+                 const Discretisation& discretisation, SolutionMemory::Parts::AtStreams& memory,
+                 Solution& solution) {
+    const SolverOptions& options = request.options;
+    ScaledStack& scaled = memory.scaled;
+    scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored,
+                scaled);
+    scaled.transmits = has_transmittance(scaled.base, options, bool(request.surface));
+    const StackGrids& grids = memory.grids_for(discretisation);
     const ZenithGrid& grid = grids.top();
-    // 2 sum_q w_q mu_q R(mu, mu_q) = sum_q (2 R D)_q D_q; the flux of a uniform sky is D itself.
-    Eigen::VectorXd& D = solution.flux_weights;
-    Eigen::VectorXd& let_in = solution.let_in;
-    Eigen::VectorXd& let_out = solution.let_out;
-    D = (grid.weights.array() * grid.mu.array()).sqrt();
-    let_in = D;
-    let_out = D;
-    for (Eigen::Index q = 0; surface && q < grid.size(); ++q) {
-        const SurfaceWeights weights = surface(grid.mu[q]);
+    Eigen::VectorXd &let_in = memory.let_in, &let_out = memory.let_out;
+    let_in = (grid.weights.array() * grid.mu.array()).sqrt();
+    let_out = let_in;
+    for (Eigen::Index q = 0; request.surface && q < grid.size(); ++q) {
+        const SurfaceWeights weights = request.surface(grid.mu[q]);
         let_in[q] *= weights.in;
         let_out[q] *= weights.out;
     }
-    StackSolver solver(scaled, grids, requested, options, solution.memory);
-    const Reflector& reflector = solver.solve(0, ReflectorParts::sky, let_out);
-    attempt.physical = reflector.physical;
-    if (!attempt.physical) return;
-    attempt.values.reserve((requested.in.size() + 1) * (scaled.transmits ? 2 : 1));
-    const bool has_mirror = reflector.specular.size() > 0;
-    for (const int i : requested.in) {
-        const double mirrored = has_mirror ? reflector.specular[i] : 0.0;
-        attempt.values.push_back(mirrored + reflector.sky_at_requested[i]);
-    }
-    const double entering = let_in.dot(D);  // 0: the surface is a mirror
-    attempt.values.push_back(entering > 0.0 ? let_in.dot(reflector.sky_at_nodes) / entering : 0.0);
-    if (scaled.transmits) {
-        const double absorbed = 1.0 - scaled.ground_albedo;
-        for (const int i : requested.in)
-            attempt.values.push_back(absorbed * reflector.glow_at_requested[i]);
-        attempt.values.push_back(absorbed * D.dot(reflector.glow_at_nodes) / D.squaredNorm());
-    }
-    attempt.report.fourier_orders = 1;
-    attempt.report.iterations = reflector.iterations;
-    attempt.report.converged = reflector.converged;
-    attempt.report.error_estimate = reflector.residual;
+    StackSolver solver(scaled, grids, requested, request.components, options, memory.memory);
+    const StackOrder& order = solver.solve_albedos(let_in, let_out);
+    solution.physical = order.physical;
+    if (!order.physical) return;
+    const auto append = [&](const std::vector<double>& values) {
+        solution.values.insert(solution.values.end(), values.begin(), values.end());
+    };
+    append(order.plane_albedo);
+    append(order.polarised_plane_albedo);
+    solution.values.push_back(order.spherical_albedo);
+    append(order.transmittance);
+    solution.report.fourier_orders = 1;
+    solution.report.iterations = order.iterations;
+    solution.report.converged = order.converged;
+    solution.report.error_estimate = order.residual;
 }
 
 // Nothing scattered is taken for a beam here: with the optical depths as they are.
 void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
-                              ScaledStack& exact, std::vector<double>& reflectances) {
+                              const SolvedLight& light, ScaledStack& exact,
+                              std::vector<double>& reflectances) {
     reflectances.clear();
     if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
     scale_stack(stack, 1, false, NarrowPart::ignored, exact);
     if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
     if (exact.boundary && exact.boundary->is_rough()) return;
-    for (const double mu : mu_in) reflectances.push_back(mirror_reflectance(exact, mu));
+    for (const double mu : mu_in) {
+        if (light.components == 1) {
+            reflectances.push_back(mirror_reflectance(exact, mu));
+            continue;
+        }
+        const Eigen::Matrix4d M = mueller_of(polarised_mirror_reflection(exact, mu));
+        for (int element = 0, c = light.shown(); element < c * c; ++element)
+            reflectances.push_back(M(element / c, element % c));
+    }
 }
 
-void name_worst_direction(const Directions& directions, SolverReport& report) {
+// [pair][element][azimuth] to [pair][azimuth][element].
+std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
+                                  std::size_t azimuths) {
+    if (elements == 1) return values;
+    std::vector<double> result(values.size());
+    const std::size_t block = elements * azimuths;
+    for (std::size_t first = 0; first < values.size(); first += block) {
+        for (std::size_t e = 0; e < elements; ++e)
+            for (std::size_t a = 0; a < azimuths; ++a)
+                result[first + a * elements + e] = values[first + e * azimuths + a];
+    }
+    return result;
+}
+
+// `worst_value` counts as ReflectionTable::reflection does.
+void name_worst_direction(const Directions& directions, std::size_t elements,
+                          SolverReport& report) {
     const std::size_t azimuths = directions.azimuth_deg.size();
     const std::size_t outgoing = directions.mu_out.size();
     if (azimuths == 0 || outgoing == 0 || directions.mu_in.empty()) return;
-    const std::size_t pair = report.worst_value / azimuths;
-    report.worst_azimuth_deg = directions.azimuth_deg[report.worst_value % azimuths];
+    const std::size_t azimuth = report.worst_value % azimuths;
+    const std::size_t element = report.worst_value / azimuths % elements;
+    const std::size_t pair = report.worst_value / azimuths / elements;
+    report.worst_azimuth_deg = directions.azimuth_deg[azimuth];
     report.worst_mu_out = directions.mu_out[pair % outgoing];
     report.worst_mu_in = directions.mu_in[pair / outgoing];
+    report.worst_value = (pair * azimuths + azimuth) * elements + element;
+}
+
+ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
+                              const SolvedLight& light, const SolverOptions& options,
+                              SolutionMemory* memory, const RefinementCallback& refined) {
+    const AzimuthProbes probes(stack, directions, options);
+    const Directions& judged = probes.directions();
+    const RequestedDirections requested = collect_with_probes(judged);
+    const auto elements = std::size_t(light.shown() * light.shown());
+    const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size() * elements;
+    std::optional<SolutionMemory> own;
+    SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
+    FourierOrders orders;  // of the solution before, with fewer nodes
+    int nodes_before = 0;
+    FirstOrderOfLight first_order(judged, light, options);
+    const Request request{stack, judged, requested, light, options};
+    Solutions solutions;
+    const JudgedValues values{
+        .count = judged.mu_in.size() * block,
+        .block = block,
+        .near_backwards = elements == 1 ? near_retro_reflection(judged) : std::vector<bool>()};
+    Solution& solution = solve_with_estimate(
+        stack, options, values,
+        [&](const Discretisation& discretisation, Solution& one) {
+            // One with fewer nodes owes nothing to those with more.
+            FourierOrders none;
+            const bool is_finer = discretisation.streams >= nodes_before;
+            if (is_finer) nodes_before = discretisation.streams;
+            reflect_with(request, discretisation, kept.with_streams(discretisation.streams),
+                         is_finer ? orders : none, first_order, one);
+        },
+        solutions, refined);
+    solution.report.worst_value = probes.asked_for(solution.report.worst_value);
+    name_worst_direction(directions, elements, solution.report);
+    if (!solution.physical) {
+        constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+        solution.plane_albedo.assign(directions.mu_in.size(), unknown);
+        if (light.components > 1)
+            solution.polarised_plane_albedo.assign(directions.mu_in.size(), unknown);
+    }
+    ReflectionTable table;
+    table.components = light.shown();
+    table.reflection = elements_last(probes.without(std::move(solution.values)), elements,
+                                     directions.azimuth_deg.size());
+    table.plane_albedo = std::move(solution.plane_albedo);
+    table.polarised_plane_albedo = std::move(solution.polarised_plane_albedo);
+    if (elements == 1) table.errors = probes.largest_nearby(solution.errors);
+    table.steps_converged = solution.steps_converged;
+    table.report = std::move(solution.report);
+    find_mirror_reflectances(stack, directions.mu_in, light, kept.exact, table.mirror_reflectance);
+    return table;
+}
+
+void find_albedos(const AlbedoRequest& request, const std::vector<double>& mu_in,
+                  SolutionMemory& memory, AlbedoTable& table) {
+    SolutionMemory::Parts& kept = memory.parts();
+    if (kept.mu_in != mu_in) {
+        kept.requested = collect(mu_in, {});
+        kept.mu_in = mu_in;
+    }
+    const bool transmits =
+        has_transmittance(lowest_kind(request.stack), request.options, bool(request.surface));
+    const std::size_t count = mu_in.size(), polarised = request.components > 1 ? count : 0;
+    const std::size_t values_wanted = count + polarised + 1 + (transmits ? count + 1 : 0);
+    const auto solve = [&](const Discretisation& discretisation, Solution& solution) {
+        albedo_with(request, kept.requested, discretisation,
+                    kept.with_streams(discretisation.streams), solution);
+    };
+    const JudgedValues values{.count = values_wanted,
+                              .block = polarised > 0 ? values_wanted : 1,
+                              .least_scale = kLeastJudgedFlux};
+    Solution& solution = solve_with_estimate(request.stack, request.options, values,
+                                                   std::cref(solve), kept.solutions_of_albedo);
+    const auto plane = solution.values.begin();
+    const auto change = plane + std::ptrdiff_t(count),
+               spherical = change + std::ptrdiff_t(polarised);
+    table.plane_albedo.assign(plane, change);
+    table.polarised_plane_albedo.assign(change, spherical);
+    table.spherical_albedo = *spherical;
+    table.transmittance.assign(spherical + 1, solution.values.end());
+    find_mirror_reflectances(request.stack, mu_in, {request.components, true}, kept.exact,
+                             table.mirror_reflectance);
+    table.report = solution.report;
 }
 
 }  // namespace
@@ -238,49 +394,31 @@ void validate(const SolverOptions& options) {
     }
 }
 
+Stack with_all_moments(Stack stack) {
+    if (stack.base_kind == BaseKind::half_space) pad_moments(stack.base);
+    for (Coat& coat : stack.coats) pad_moments(coat.optics);
+    return stack;
+}
+
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options, SolutionMemory* memory,
-                        const LadderWatch& watch) {
+                        const RefinementCallback& refined) {
     validate(stack);
     validate(options);
     validate(directions);
-    const AzimuthProbes probes(stack, directions, options);
-    const Directions& judged = probes.directions();
-    const RequestedDirections requested = collect_with_probes(judged);
-    const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size();
-    std::optional<SolutionMemory> own;
-    SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
-    FourierOrders orders;  // of the solution before, with fewer nodes
-    int nodes_before = 0;
-    StackFirstOrder first_order(judged, options);
-    Attempts attempts;
-    Attempt& attempt = solve_with_estimate(
-        stack, options, judged.mu_in.size() * block, block,
-        [&](const Discretisation& discretisation, Attempt& one) {
-            // One with fewer nodes owes nothing to those with more.
-            FourierOrders none;
-            const bool is_finer = discretisation.streams >= nodes_before;
-            if (is_finer) nodes_before = discretisation.streams;
-            reflect_with(stack, judged, requested, options, discretisation,
-                         kept.solution_of(discretisation.streams), is_finer ? orders : none,
-                         first_order, one);
-        },
-        attempts, watch, near_retro_reflection(judged));
-    attempt.report.worst_value = probes.asked_for(attempt.report.worst_value);
-    name_worst_direction(directions, attempt.report);
-    if (!attempt.physical) {
-        attempt.plane_albedo.assign(directions.mu_in.size(),
-                                    std::numeric_limits<double>::quiet_NaN());
-    }
-    ReflectionTable table{probes.without(std::move(attempt.values)),
-                          std::move(attempt.plane_albedo),
-                          {},
-                          probes.believed(attempt.errors),
-                          attempt.steps_converged,
-                          std::move(attempt.report)};
-    ScaledStack exact;
-    find_mirror_reflectances(stack, directions.mu_in, exact, table.mirror_reflectance);
-    return table;
+    return reflect_light(stack, directions, {}, options, memory, refined);
+}
+
+ReflectionTable reflect_polarised(const Stack& stack, const Directions& directions,
+                                  const SolvedLight& light, const SolverOptions& options,
+                                  SolutionMemory* memory, const RefinementCallback& refined) {
+    if (light.components != 3 && light.components != 4)
+        throw UsageError("components", light.components, "3 (I, Q, U) or 4 (with V)");
+    validate(stack);
+    validate(options);
+    validate(directions);
+    require_polarisable(stack, options);
+    return reflect_light(with_all_moments(stack), directions, light, options, memory, refined);
 }
 
 AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
@@ -299,26 +437,45 @@ void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOp
     validate(stack);
     validate(options);
     require_cosines(mu_in, "mu_in");
-    SolutionMemory::Parts& kept = memory.parts();
-    if (kept.mu_in != mu_in) {
-        kept.requested = collect(mu_in, {});
-        kept.mu_in = mu_in;
+    find_albedos({stack, 1, options, surface}, mu_in, memory, table);
+}
+
+AlbedoTable polarised_albedo(const Stack& stack, const std::vector<double>& mu_in,
+                             const SolverOptions& options, SolutionMemory* memory) {
+    validate(stack);
+    validate(options);
+    require_cosines(mu_in, "mu_in");
+    require_polarisable(stack, options);
+    std::optional<SolutionMemory> own;
+    AlbedoTable table;
+    find_albedos({with_all_moments(stack), 3, options, {}}, mu_in,
+                 memory != nullptr ? *memory : own.emplace(), table);
+    return table;
+}
+
+TabulatedOrders tabulate_orders(const Stack& asked_stack, const std::vector<double>& mu,
+                                const SolvedLight& light, const SolverReport& solved,
+                                const SolverOptions& options) {
+    const Stack stack = light.components > 1 ? with_all_moments(asked_stack) : asked_stack;
+    TabulatedOrders table;
+    table.stack = scale_stack(stack, solved.moments, options.delta_m, NarrowPart::ignored);
+    const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
+                           solved.streams);
+    if (options.single_scattering_correction) split_by_resolution(table.stack, grids);
+    RequestedDirections requested;
+    requested.mu = Eigen::Map<const Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
+    for (int k = 0; k < int(mu.size()); ++k) {
+        requested.in.push_back(k);
+        requested.out.push_back(k);
     }
-    const bool transmits = has_transmittance(lowest_kind(stack), options, bool(surface));
-    const std::size_t values_wanted = (mu_in.size() + 1) * (transmits ? 2 : 1);
-    const auto solve = [&](const Discretisation& discretisation, Attempt& attempt) {
-        albedo_with(stack, kept.requested, options, discretisation,
-                    kept.solution_of(discretisation.streams), surface, attempt);
-    };
-    Attempt& attempt =
-        solve_with_estimate(stack, options, values_wanted, 1, std::cref(solve), kept.attempts);
-    const auto plane = attempt.values.begin();
-    const auto spherical = plane + std::ptrdiff_t(mu_in.size());
-    table.plane_albedo.assign(plane, spherical);
-    table.spherical_albedo = *spherical;
-    table.transmittance.assign(spherical + 1, attempt.values.end());
-    find_mirror_reflectances(stack, mu_in, kept.exact, table.mirror_reflectance);
-    table.report = attempt.report;
+    StackMemory memory;
+    MultipleScattering multiple = sum_fourier_orders(table.stack, grids, requested, {}, light,
+                                                     kFourierTailShare * options.tolerance, options,
+                                                     memory, {}, KeptOrders::asked_for);
+    table.orders = std::move(multiple.by_fourier_order);
+    table.converged = multiple.converged;
+    table.physical = multiple.physical;
+    return table;
 }
 
 }  // namespace miebrdf::rte

@@ -1,5 +1,6 @@
-// Reflection by coats on a base: the whole radiative transfer of one wavelength behind two
-// functions. Symbols, signs and normalisation: docs/conventions.md.
+// Reflection by coats on a base, of light as a number or with its polarisation: the whole radiative
+// transfer of one wavelength behind a few functions. Symbols, signs, planes and normalisation:
+// docs/conventions.md, docs/maths-polarisation.md.
 #pragma once
 
 #include <functional>
@@ -10,6 +11,8 @@
 #include <miebrdf/solver.h>
 #include <miebrdf/surface.h>
 #include "rte/grid/discretisation.h"
+#include "rte/stack/fourier_sum.h"
+#include "rte/stack/scaled_stack.h"
 
 namespace miebrdf::rte {
 
@@ -30,29 +33,43 @@ class SolutionMemory {
     std::unique_ptr<Parts> parts_;
 };
 
-/// reflection[(i * mu_out.size() + o) * azimuth_deg.size() + a] = R(mu_in[i], mu_out[o],
-/// azimuth_deg[a]); BRDF = R / pi.
+/// R of c x c elements (SolvedLight::shown) at pairs of directions; BRDF = R / pi. A matrix takes
+/// the Stokes vector of the incident light to that of the reflected light, each with Q = parallel
+/// minus perpendicular to its own meridian plane (ray and normal; of a vertical ray the limit at
+/// this azimuth). U and V change their sign with the sense of the azimuth: R(-azimuth) = D
+/// R(azimuth) D, D = diag(1, 1, -1, -1). Reciprocity: R(mu_in, mu_out, azimuth) = G R(mu_out,
+/// mu_in, azimuth)^T G, G = diag(1, 1, 1, -1).
 struct ReflectionTable {
+    int components = 1;  ///< c
+    /// [(((i * mu_out.size() + o) * azimuth_deg.size() + a) * c + row) * c + column], row =
+    /// outgoing component, column = incident component; at mu_in[i], mu_out[o], azimuth_deg[a].
     std::vector<double> reflection;
-    /// At each mu_in, from the same solution, the mirror's part included; NaN if it is not
-    /// physical.
+    /// At each mu_in, from the same solution, the mirror's part included: the reflected share of
+    /// the flux of unpolarised light; NaN if it is not physical.
     std::vector<double> plane_albedo;
-    /// At each mu_in, what is reflected into the mirror direction and nowhere else, by boundaries
-    /// and mirrors: a delta that `reflection` is without. Empty where there is none.
+    /// At each mu_in: what it changes by if the light is fully polarised parallel to the plane of
+    /// incidence (Q = I); minus that for perpendicular light, 0 for U and V. Empty for light as a
+    /// number.
+    std::vector<double> polarised_plane_albedo;
+    /// At each mu_in, c x c, what is reflected into the mirror direction and nowhere else, by
+    /// boundaries and mirrors: a delta that `reflection` is without. Empty where there is none.
     std::vector<double> mirror_reflectance;
     /// Of each value of `reflection`, an estimate relative to the largest value at its incidence.
+    /// Empty where c > 1.
     std::vector<double> errors;
     bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
     SolverReport report;
 };
 
 struct AlbedoTable {
-    std::vector<double> plane_albedo;  ///< one for each mu_in, with the mirror's part
-    double spherical_albedo = 0.0;     ///< of uniform light from everywhere
+    std::vector<double> plane_albedo;            ///< as of ReflectionTable
+    std::vector<double> polarised_plane_albedo;  ///< as of ReflectionTable
+    double spherical_albedo = 0.0;               ///< of uniform unpolarised light from everywhere
     /// Net flux into what lies below the layers, where that is a ground or nothing: one for each
     /// mu_in, then that of uniform light. Empty for half-spaces.
     std::vector<double> transmittance;
-    /// Into the mirror direction and nowhere else, at each mu_in; empty where there is none.
+    /// At each mu_in what is reflected into the mirror direction and nowhere else, of unpolarised
+    /// light; empty where there is none.
     std::vector<double> mirror_reflectance;
     SolverReport report;
 };
@@ -62,13 +79,26 @@ void validate(const Directions& directions);
 void validate(const SolverOptions& options);
 
 /// R at the directions asked for, by the equations themselves: nothing is interpolated.
-/// @param memory  where stacks are solved one after the other; null: of its own
-/// @param watch   of the numbers of nodes that are tried
+/// @param memory   where stacks are solved one after the other; null: of its own
+/// @param refined  hears of the numbers of nodes that are tried
 /// @throws UsageError  for optics, optical depths, cosines, azimuths or options out of range. Not
 ///         converging is an outcome.
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {}, SolutionMemory* memory = nullptr,
-                        const LadderWatch& watch = {});
+                        const RefinementCallback& refined = {});
+
+/// The same of light with its polarisation. Media are polarising as Optics::polarisation says;
+/// grounds (Lambertian, black) return unpolarised light; smooth boundaries and mirrors polarise by
+/// Fresnel's equations. Errors are relative to the largest element that is wanted at an incidence.
+/// @param light    3 components: V left out, with b2 (R11 changes by less than 2e-6 with spheres);
+///                 4
+/// @param options  the methods must be `automatic`
+/// @throws UsageError  for what `reflect` refuses, for components other than 3 and 4, other
+///         methods and a rough boundary
+ReflectionTable reflect_polarised(const Stack& stack, const Directions& directions,
+                                  const SolvedLight& light, const SolverOptions& options = {},
+                                  SolutionMemory* memory = nullptr,
+                                  const RefinementCallback& refined = {});
 
 /// Plane albedo at each mu_in and spherical albedo: Fourier order 0 alone.
 /// The paper's stepwise coat methods have no transmittance.
@@ -86,5 +116,29 @@ AlbedoTable albedo(const Stack& stack, const std::vector<double>& mu_in,
 void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOptions& options,
             const std::function<SurfaceWeights(double mu)>& surface, SolutionMemory& memory,
             AlbedoTable& table);
+
+/// The same of light with its polarisation: order 0 of I and Q.
+/// @throws UsageError  as reflect_polarised
+AlbedoTable polarised_albedo(const Stack& stack, const std::vector<double>& mu_in,
+                             const SolverOptions& options = {}, SolutionMemory* memory = nullptr);
+
+struct TabulatedOrders {
+    ScaledStack stack;  ///< as it was solved
+    /// R^m for m = 0, 1, ... of light scattered more than once: StackOrder::multiple, rows and
+    /// columns the cosines of the table.
+    FourierOrders orders;
+    bool converged = true;
+    bool physical = true;  ///< false: there may be no orders
+};
+
+/// Solves a stack with the nodes and moments of a solution that is known (`reflect`).
+/// @param mu  cosines, of incidence and of reflection
+TabulatedOrders tabulate_orders(const Stack& stack, const std::vector<double>& mu,
+                                const SolvedLight& light, const SolverReport& solved,
+                                const SolverOptions& options);
+
+/// The stack with as many moments as the longest list of its media's coefficients, so that whatever
+/// chooses by the number of moments sees them all.
+Stack with_all_moments(Stack stack);
 
 }  // namespace miebrdf::rte

@@ -1,46 +1,22 @@
-// A stack of media as the discrete equations see it, its reflection in one Fourier order after the
-// other, and the memory that takes.
+// A stack of media in one Fourier order after the other, for light as numbers or as Stokes vectors,
+// and the memory that takes.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/fourier/eigenmodes.h"
-#include "rte/grid/refraction_grid.h"
 #include "rte/layer/layer.h"
-#include "rte/phase/scaled_medium.h"
+#include "rte/stack/scaled_stack.h"
+#include "rte/stokes/coupled.h"
+#include "rte/stokes/stokes_mode.h"
 
 namespace miebrdf::rte {
-
-struct ScaledStack {
-    std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
-    BaseKind base = BaseKind::half_space;
-    double ground_albedo = 0.0;
-    std::complex<double> mirror_index = 1.0;
-    /// Of what lies on the ground or mirror, and of the topmost medium. Both as far as boundaries
-    /// see them: without a boundary the topmost is 1, media have their neighbours' index.
-    double ground_index = 1.0, top_index = 1.0;
-    std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
-    int moments = 1;                        ///< Legendre moments of the medium that has most
-    /// The flux into what lies below is wanted (Reflector::glow_at_requested): nothing is left out.
-    bool transmits = false;
-    /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
-    /// coat is left out what does not show beside that. 0: nothing is.
-    double brightness = 0.0;
-
-    /// Any index but one: nodes and requested cosines differ from medium to medium.
-    bool refracts() const;
-    /// Beams come back from mirrors or boundaries below a medium.
-    bool has_mirrors() const;
-};
 
 class RoughTop;
 
@@ -50,60 +26,42 @@ struct KnownBoundary {
     Eigen::VectorXd nodes, requested;  ///< of the medium below
 };
 
-enum class NarrowPart { split, ignored };
+/// One Fourier order of the reflection between requested cosines, by light with c components.
+struct StackOrder {
+    /// R^m of light scattered more than once, row = out * c + component, column = in * c +
+    /// component. Of the four blocks (I, Q) and (U, V) those on the diagonal belong to cos(m
+    /// azimuth), the lower left one to sin(m azimuth), the upper right one to -sin(m azimuth).
+    Eigen::MatrixXd multiple;
+    /// The rest is of order 0. At the incident cosines: the reflected share of the flux of
+    /// unpolarised light, mirrors included, and what it changes by if the light is fully polarised
+    /// parallel to the plane of incidence.
+    std::vector<double> plane_albedo, polarised_plane_albedo;
+    double spherical_albedo = 0.0;  ///< of uniform unpolarised light
+    /// With ScaledStack::transmits: the net flux into the ground, at the incident cosines and then
+    /// of uniform light.
+    std::vector<double> transmittance;
+    int iterations = 0;
+    double residual = 0.0;
+    bool converged = true;
+    bool physical = true;
 
-/// delta-M for every medium; layers without depth are left out, and so is everything below a coat
-/// of infinite depth.
-/// @param moments  as of scale_optics
-/// @param narrow   ignored: ScaledMedium::narrow is left empty, for those who want no light
-///        scattered once
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m,
-                        NarrowPart narrow = NarrowPart::split);
-/// @param scaled  overwritten; its memory is used again
-void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart narrow,
-                 ScaledStack& scaled);
-
-/// What lies below the layers that are left, as scale_stack finds it.
-BaseKind lowest_kind(const Stack& stack);
-
-/// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
-class StackGrids {
-  public:
-    /// One for all.
-    StackGrids(ZenithGrid grid);
-    StackGrids(const ScaledStack& stack, GridKind kind, int count);
-
-    /// They are what these arguments give.
-    bool fit(const ScaledStack& stack, GridKind kind, int count) const;
-
-    /// Of light that enters and leaves.
-    const ZenithGrid& top() const { return grids_.front(); }
-    const ZenithGrid& of(double index) const;
-    /// Index 1 first, where there are several.
-    const std::vector<double>& indices() const { return indices_; }
-    const RefractionGrid& refraction() const { return *refraction_; }
-
-  private:
-    GridKind kind_ = GridKind::automatic;
-    int count_ = 0;
-    std::vector<double> scattering_;  ///< indices of the media; empty where nothing refracts
-    std::vector<double> indices_;
-    std::vector<ZenithGrid> grids_;
-    std::optional<RefractionGrid> refraction_;
+    void clear();
 };
-
-/// Narrow features of all degrees (ScaledMedium::narrow), and which of them these nodes resolve.
-void split_by_resolution(ScaledStack& stack, const StackGrids& grids);
 
 /// All matrices and tables that a stack takes, for one Fourier order, one number of nodes and one
 /// stack after the other. Wavelengths solved in the same memory save 15 % of the time at 16 nodes
 /// and 14 % at 32: tables, and pages that every new memory takes from the system (31 coated
-/// half-spaces, 100 pairs of directions). Results are the same to the last bit. Not thread-safe.
+/// half-spaces, 100 pairs of directions). Results are the same to the last bit. At n nodes and c
+/// components about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not thread-safe.
 struct StackMemory {
-    std::vector<FourierModes> tables = {};       ///< by index
-    std::vector<const FourierMode*> modes = {};  ///< of the order that is being solved, by index
-    FourierMedium medium = {};                   ///< of the base or coat that is being solved
+    // Tables of numbers and of Stokes vectors, by index; of the order that is being solved.
+    std::vector<FourierModes> tables = {};
+    std::vector<const FourierMode*> modes = {};
+    std::vector<StokesTables> stokes_tables = {};
+    FourierMode stokes_mode = {};  ///< of the block and medium that are being solved
+    FourierMedium medium = {};     ///< that is being solved
     FourierWork work = {};
+    CoupledWork coupled = {};
     LayerOperator layer = {};
     /// Two in each medium, by index: what has been solved so far, and what comes next. Sizes differ
     /// from index to index.
@@ -111,58 +69,101 @@ struct StackMemory {
     std::vector<RequestedDirections> requested = {};  ///< by index
     std::vector<KnownBoundary> boundaries = {};
     std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
+    /// Row by row at the nodes in air: downward radiance of the sky, weights of what enters, and
+    /// uniform light.
+    Eigen::VectorXd sky = {}, let_in = {}, uniform = {};
+    StackOrder order = {};
 };
 
-/// Solves the base and puts the coats on it. Fourier orders after the first find their matrices
-/// allocated (except by the paper's methods, which are there for comparison). Not thread-safe.
+/// Solves the base and puts the coats and boundaries on it. Fourier orders after the first find
+/// their matrices allocated (except by the paper's methods, which are there for comparison). Light
+/// as a number is the block of one row; of Stokes vectors a Fourier order falls into blocks of
+/// components that do not mix (stokes_blocks), and the same solvers take rows of these. Not
+/// thread-safe.
 class StackSolver {
   public:
     /// The arguments must outlive this.
-    /// @param requested  in air
+    /// @param stack       with 3 or 4 components its boundaries are smooth
+    /// @param requested   in air
+    /// @param components  1: light as a number; 3: (I, Q, U); 4: with V
     StackSolver(const ScaledStack& stack, const StackGrids& grids,
-                const RequestedDirections& requested, const SolverOptions& options,
+                const RequestedDirections& requested, int components, const SolverOptions& options,
                 StackMemory& memory);
     ~StackSolver();
 
-    /// Of the whole stack, boundary included. Where there is one, `specular` is the reflection into
-    /// the mirror direction, the same in all orders.
-    /// @param sky  for ReflectorParts::sky: downward radiance at the nodes of StackGrids::top
+    /// The whole stack, boundary included; in order 0 with its albedos.
     /// @return valid until the next call
-    const Reflector& solve(int fourier_order, ReflectorParts parts,
-                           const Eigen::VectorXd& sky = {});
+    const StackOrder& solve(int fourier_order);
+    /// Order 0 of I (and Q) alone: all that albedos need. `plane_albedo` is the flux under the
+    /// weights `let_out`, `spherical_albedo` is of light that enters by `let_in`.
+    /// @param let_in, let_out  at the nodes of StackGrids::top, times flux_weights
+    const StackOrder& solve_albedos(const Eigen::VectorXd& let_in, const Eigen::VectorXd& let_out);
 
   private:
+    /// Nodes and requested cosines of a medium, by the rows of a node.
+    struct Rows {
+        std::array<ZenithGrid, 5> grids;
+        std::array<RequestedDirections, 5> requested;
+    };
+
+    void start(int fourier_order);
+    /// @param let_in, let_out  null: all of it is let in and out
+    void solve_block(const StokesBlock& block, const Eigen::VectorXd* let_in = nullptr,
+                     const Eigen::VectorXd* let_out = nullptr);
+    void find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out);
+    void spread_over_rows(const Eigen::VectorXd& at_nodes, Eigen::VectorXd& rows) const;
     /// What light sees below the first coat to be put on, whose index is returned: the base, or a
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();
-    /// The boundary to air.
-    void put_on_top(int fourier_order, ReflectorParts parts, const Eigen::VectorXd& sky);
-    const SmoothBoundary& boundary_between(double below, double above);
-    void put_on_boundary(double below, double above, ReflectorParts parts,
-                         const Eigen::VectorXd& sky);
-    void put_on_coat(std::size_t index, ReflectorParts parts, const Eigen::VectorXd& sky);
-    /// Degrees that a medium has no moments for scatter nothing.
-    void set_medium(std::size_t index);
     /// After set_medium.
-    void solve_as_half_space(HalfSpaceMethod method, std::size_t index);
+    void solve_as_half_space(HalfSpaceMethod method, std::size_t medium);
+    void solve_ground();
+    void put_on_coat(std::size_t medium, ReflectorParts parts);
+    void put_on_boundary(double below, double above, ReflectorParts parts);
+    /// The boundary to air.
+    void put_on_top(ReflectorParts parts);
+    const SmoothBoundary& boundary_between(double below, double above);
+    Eigen::VectorXd mirror_at(double index, const Eigen::VectorXd& mu) const;
+    /// Degrees that a medium has no moments for scatter nothing.
+    void set_medium(std::size_t medium);
+    void keep_pairs();
+    void keep_albedos();
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
+    /// Total reflection, metals or b2 make the equations of the block unsymmetric.
+    bool is_coupled() const;
 
     Reflector& free_reflector(double index);
     std::size_t place_of(double index) const;
-    const FourierMode& mode_of(double index) const { return *memory_.modes[place_of(index)]; }
-    const RequestedDirections& requested_in(double index) const {
+    const FourierMode& mode_of(double index) const;
+    const StokesTables& stokes_tables_of(double index) const {
+        return memory_.stokes_tables[place_of(index)];
+    }
+    /// Nodes and requested cosines, each as often as the block has rows, or once.
+    const ZenithGrid& grid_of(double index) const;
+    const ZenithGrid& nodes_of(double index) const { return grids_.of(index); }
+    const RequestedDirections& requested_in(double index) const;
+    const RequestedDirections& cosines_in(double index) const {
         return memory_.requested[place_of(index)];
     }
 
     const ScaledStack& stack_;
     const StackGrids& grids_;
-    std::unique_ptr<RoughTop> rough_top_;
+    const RequestedDirections& asked_;
     const SolverOptions& options_;
+    const int components_;
     double tolerance_;  ///< of the equations of one order
+    /// Boundaries or mirrors: rows of Stokes vectors along the axes of the meridian planes.
+    const bool has_fresnel_;
+    bool couples_V_ = false;                  ///< b2, or boundaries and mirrors
+    std::vector<MatrixStrengths> strengths_;  ///< of the media, for Stokes vectors
+    std::vector<Rows> rows_;                  ///< by index, for Stokes vectors
+    std::unique_ptr<RoughTop> rough_top_;
     StackMemory& memory_;
-    Reflector* reflector_ = nullptr;  ///< of all that has been solved so far in this order
+    int fourier_order_ = 0;
+    const StokesBlock* block_ = nullptr;  ///< that is being solved
+    Reflector* reflector_ = nullptr;      ///< of all that has been solved so far in this order
 };
 
 }  // namespace miebrdf::rte

@@ -98,10 +98,10 @@ TEST_CASE("noise adds to what transfer errs by at the same value", "[pipeline][n
 
 TEST_CASE("streams get what Mie theory leaves of the tolerance, half of it at least",
           "[pipeline][budget]") {
-    CHECK(rest_of_tolerance(1e-3, 0) == 1e-3);
-    CHECK(rest_of_tolerance(1e-3, 2e-4) == Approx(8e-4));
-    CHECK(rest_of_tolerance(1e-3, 9e-4) == 5e-4);
-    CHECK(rest_of_tolerance(1e-3, 1) == 5e-4);
+    CHECK(tolerance_for_transfer(1e-3, 0) == 1e-3);
+    CHECK(tolerance_for_transfer(1e-3, 2e-4) == Approx(8e-4));
+    CHECK(tolerance_for_transfer(1e-3, 9e-4) == 5e-4);
+    CHECK(tolerance_for_transfer(1e-3, 1) == 5e-4);
 }
 
 TEST_CASE("noise of P comes through single scattering", "[pipeline][noise]") {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "rte/phase/polarisation.h"
-#include "rte/stokes/stokes_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;

@@ -54,3 +54,34 @@ TEST_CASE("coats from 1e-12 to infinite optical depth on any base stay physical"
             CHECK(std::abs(plane - 1.0) <= 1e-12);
     }
 }
+
+TEST_CASE("albedos and transmittances below 1e-6 of the incident flux need no digits",
+          "[rte][extremes]") {
+    // Relative to e^-110 any number of nodes would err by more than the tolerance.
+    const double depth = GENERATE(11.0, 55.0, 110.0);
+    const rte::Stack dark{.coats = {{rte::isotropic_optics(0.4), depth, 1.5}},
+                          .base_kind = rte::BaseKind::lambertian,
+                          .ground_albedo = 0.2,
+                          .boundary = rte::Boundary{}};
+    const auto deep = rte::albedo(dark, {0.5});
+    CAPTURE(depth, deep.report.streams, deep.report.error_estimate);
+    CHECK(deep.report.converged);
+    CHECK(deep.report.streams <= 12);
+    CHECK(deep.transmittance[0] <= 1e-6);
+    const auto nothing = rte::albedo(
+        {.coats = {{rte::isotropic_optics(0.0), 0.1}}, .base_kind = rte::BaseKind::none}, {0.5});
+    CHECK(nothing.report.converged);
+    CHECK(nothing.report.error_estimate <= 1e-3);
+    CHECK(std::abs(nothing.plane_albedo[0]) <= 1e-15);
+}
+
+TEST_CASE("a transmittance of 1e-5 has the digits that the tolerance asks for", "[rte][extremes]") {
+    const rte::Stack stack{.coats = {{rte::henyey_greenstein_optics(0.6, 0.7), 14.0}},
+                           .base_kind = rte::BaseKind::none};
+    const auto exact = rte::albedo(stack, {0.5}, {.tolerance = 1e-9, .streams = 64});
+    const auto found = rte::albedo(stack, {0.5}, {.tolerance = 1e-4});
+    REQUIRE(exact.transmittance[0] > 1e-6);
+    REQUIRE(exact.transmittance[0] < 1e-3);
+    CAPTURE(exact.transmittance[0]);
+    CHECK(std::abs(found.transmittance[0] / exact.transmittance[0] - 1.0) <= 1e-4);
+}

@@ -106,7 +106,7 @@ TEST_CASE("a boundary without contrast is none for polarised light", "[rte][stok
     const auto expected = rte::reflect_polarised(open, directions, 3, options);
     const auto same = rte::reflect_polarised(glass, directions, 3, options);
     CHECK(difference(expected, same) <= 1e-14);
-    CHECK(same.mirror_reflection.empty());
+    CHECK(same.mirror_reflectance.empty());
     // A weak one changes what leaves in proportion to n - 1, but for grazing directions.
     rte::Directions steep = directions;
     steep.mu_in = steep.mu_out = {0.37, 0.8, 1.0};
@@ -114,7 +114,7 @@ TEST_CASE("a boundary without contrast is none for polarised light", "[rte][stok
         glass.base_index = glass.coats[0].index = index;
         return rte::reflect_polarised(glass, steep, 3, options);
     };
-    rte::MuellerTable extrapolated = behind(1.002);
+    rte::ReflectionTable extrapolated = behind(1.002);
     const auto twice = behind(1.004);
     for (std::size_t k = 0; k < twice.reflection.size(); ++k)
         extrapolated.reflection[k] += extrapolated.reflection[k] - twice.reflection[k];
@@ -270,7 +270,7 @@ TEST_CASE("the mirror of a boundary over black is Fresnel's matrix", "[rte][stok
     const auto through_film =
         rte::reflect_polarised(on_mirror(glazed_film(black, depth, index), kGold),
                                {{mu}, {0.5}, {0.0}}, 3, {.streams = 8})
-            .mirror_reflection;
+            .mirror_reflectance;
     const double inside = rte::refracted_cosine(index, mu);
     const auto r = rte::fresnel_reflection(1.0, index, mu);
     const auto s = rte::fresnel_reflection(index, kGold, inside) * std::exp(-2.0 * depth / inside);
@@ -284,7 +284,7 @@ TEST_CASE("the mirror of a boundary over black is Fresnel's matrix", "[rte][stok
     const Eigen::Matrix4d outside = mueller_of(r);
     CHECK(std::abs(open.plane_albedo[0] - outside(0, 0)) <= 1e-14);
     CHECK(std::abs(open.polarised_plane_albedo[0] - outside(0, 1)) <= 1e-14);
-    CHECK(std::abs(open.mirror_reflection[1] - outside(0, 1)) <= 1e-15);
+    CHECK(std::abs(open.mirror_reflectance[1] - outside(0, 1)) <= 1e-15);
 }
 
 TEST_CASE("rough boundaries are refused to polarised light", "[rte][stokes][errors]") {

@@ -8,7 +8,7 @@
 
 #include "rte/math/quadrature.h"
 #include "rte/math/wigner.h"
-#include "rte/stokes/stokes_reflection.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/reference_table.h"
 #include "tools/bench/siewert_problem.h"
 
@@ -62,7 +62,7 @@ inline rte::Optics polarised_peak_optics(double albedo, double asymmetry) {
 }
 
 /// Element of a table at positions in the three lists.
-inline double element(const rte::MuellerTable& table, const rte::Directions& directions,
+inline double element(const rte::ReflectionTable& table, const rte::Directions& directions,
                       std::size_t i, std::size_t o, std::size_t a, int row, int column) {
     const auto c = std::size_t(table.components);
     const std::size_t matrix =
@@ -71,7 +71,7 @@ inline double element(const rte::MuellerTable& table, const rte::Directions& dir
 }
 
 /// Largest difference of two tables in units of R11.
-inline double difference(const rte::MuellerTable& one, const rte::MuellerTable& other) {
+inline double difference(const rte::ReflectionTable& one, const rte::ReflectionTable& other) {
     const auto elements = std::size_t(one.components * one.components);
     double largest = 0.0;
     for (std::size_t k = 0; k < one.reflection.size(); ++k) {
@@ -83,7 +83,8 @@ inline double difference(const rte::MuellerTable& one, const rte::MuellerTable& 
 }
 
 /// Largest |R(mu_in, mu_out) - G R(mu_out, mu_in)^T G| / R11, for equal lists of cosines.
-inline double reciprocity_error(const rte::MuellerTable& table, const rte::Directions& directions) {
+inline double reciprocity_error(const rte::ReflectionTable& table,
+                                const rte::Directions& directions) {
     double largest = 0.0;
     for (std::size_t i = 0; i < directions.mu_in.size(); ++i)
         for (std::size_t o = 0; o < directions.mu_out.size(); ++o)

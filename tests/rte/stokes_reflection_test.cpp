@@ -1,4 +1,3 @@
-#include "rte/stokes/stokes_reflection.h"
 
 #include <cmath>
 

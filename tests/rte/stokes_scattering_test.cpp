@@ -103,8 +103,6 @@ TEST_CASE("Rayleigh's coefficients add up to Rayleigh's matrix", "[rte][stokes]"
         CHECK(F.b1 == Approx(-0.75 * strength * (1 - x * x)).margin(1e-15));
         CHECK(F.b2 == 0.0);
     }
-    CHECK(rte::strongest_polarisation(rte::rayleigh_optics(1.0)) == Approx(1.0));
-    CHECK(rte::strongest_polarisation(rte::isotropic_optics(1.0)) == 0.0);
 }
 
 TEST_CASE("mixtures polarise by their shares of the scattering", "[rte][stokes]") {

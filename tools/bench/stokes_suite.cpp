@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "rte/stack/layered_reflection.h"
-#include "rte/stokes/stokes_reflection.h"
 #include "tools/bench/siewert_problem.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"

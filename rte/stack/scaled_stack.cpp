@@ -1,0 +1,156 @@
+#include "rte/stack/scaled_stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "rte/first_order/narrow_features.h"
+#include "rte/stack/hidden_layers.h"
+
+namespace miebrdf::rte {
+
+namespace {
+
+// Indices as boundaries see them: steps too small for one are none.
+void find_indices(const Stack& stack, ScaledStack& scaled) {
+    double lowest = stack.base_index;
+    if (stack.base_kind != BaseKind::half_space) {
+        const auto coat = std::find_if(stack.coats.begin(), stack.coats.end(),
+                                       [](const Coat& c) { return c.optical_depth > 0.0; });
+        if (coat != stack.coats.end()) lowest = coat->index;
+    }
+    scaled.mirror_index = stack.mirror_index;
+    scaled.boundary = stack.boundary;
+    scaled.ground_index = lowest;
+    if (!stack.boundary) {
+        // A mirror is what it is to the medium above, boundaries or not.
+        scaled.mirror_index /= lowest;
+        scaled.ground_index = scaled.top_index = 1.0;
+        for (ScaledMedium& medium : scaled.media) medium.index = 1.0;
+        return;
+    }
+    double above = 1.0;
+    const auto snap = [&above](double& index) {
+        if (std::abs(index - above) < kLeastIndexStep * above) index = above;
+        above = index;
+    };
+    for (std::size_t i = scaled.media.size(); i-- > 0;) snap(scaled.media[i].index);
+    if (!scaled.media.empty()) scaled.ground_index = scaled.media.front().index;
+    snap(scaled.ground_index);
+    scaled.top_index = scaled.media.empty() ? scaled.ground_index : scaled.media.back().index;
+    if (scaled.top_index == 1.0) scaled.boundary.reset();
+}
+
+}  // namespace
+
+bool ScaledStack::refracts() const {
+    return top_index != 1.0 || ground_index != 1.0 ||
+           std::any_of(media.begin(), media.end(),
+                       [](const ScaledMedium& medium) { return medium.index != 1.0; });
+}
+
+bool ScaledStack::has_mirrors() const {
+    return base == BaseKind::mirror ||
+           std::any_of(media.begin(), media.end(),
+                       [this](const ScaledMedium& medium) { return medium.index != top_index; });
+}
+
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted) {
+    ScaledStack scaled;
+    scale_stack(stack, moments, delta_m, wanted, scaled);
+    return scaled;
+}
+
+BaseKind lowest_kind(const Stack& stack) {
+    const bool is_hidden = std::any_of(stack.coats.begin(), stack.coats.end(), [](const Coat& c) {
+        return c.optical_depth != 0.0 && is_bottomless(c.optical_depth);
+    });
+    return is_hidden ? BaseKind::half_space : stack.base_kind;
+}
+
+void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted,
+                 ScaledStack& scaled) {
+    scaled.transmits = false;
+    scaled.brightness = 0.0;
+    scaled.moments = moments;
+    scaled.base = stack.base_kind;
+    scaled.ground_albedo = stack.ground_albedo;
+    std::size_t count = 0;
+    const auto add = [&](const Optics& optics, double optical_depth, double index) {
+        if (count == scaled.media.size()) scaled.media.emplace_back();
+        ScaledMedium& medium = scaled.media[count++];
+        medium.exact = optics;
+        scale_optics(optics, moments, delta_m, medium.scaled);
+        medium.scaled_optical_depth = bounded_depth(optical_depth * medium.scaled.depth_factor);
+        medium.narrow = {};
+        medium.unresolved_shares.clear();
+        if (medium.scaled.truncated > 0.0 && wanted == NarrowPart::split)
+            medium.narrow = split_forward_peak(optics.chi, medium.scaled.first_cutoff);
+        medium.index = index;
+    };
+    if (stack.base_kind == BaseKind::half_space) {
+        add(stack.base, std::numeric_limits<double>::infinity(), stack.base_index);
+    }
+    for (const Coat& coat : stack.coats) {
+        if (coat.optical_depth == 0.0) continue;
+        if (is_bottomless(coat.optical_depth)) {
+            count = 0;
+            scaled.base = BaseKind::half_space;
+        }
+        add(coat.optics, coat.optical_depth, coat.index);
+    }
+    scaled.media.resize(count);
+    find_indices(stack, scaled);
+}
+
+StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}
+
+StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count)
+    : kind_(kind), count_(count), indices_{1.0} {
+    if (!stack.refracts()) {
+        grids_.push_back(make_zenith_grid(kind, count));
+        return;
+    }
+    std::vector<double> scattering;
+    for (const ScaledMedium& medium : stack.media) scattering.push_back(medium.index);
+    if (scattering.empty()) scattering.push_back(stack.ground_index);
+    constexpr int least_rough = 4;
+    const bool is_rough = stack.boundary && stack.boundary->is_rough();
+    if (is_rough) count_ = std::max(count, least_rough);
+    refraction_.emplace(scattering, count_);
+    scattering_ = scattering;
+    scattering.push_back(1.0);
+    std::sort(scattering.begin(), scattering.end());
+    scattering.erase(std::unique(scattering.begin(), scattering.end()), scattering.end());
+    indices_ = std::move(scattering);
+    for (const double index : indices_) grids_.push_back(refraction_->in_medium(index));
+}
+
+bool StackGrids::fit(const ScaledStack& stack, GridKind kind, int count) const {
+    if (kind != kind_ || count != count_) return false;
+    if (!stack.refracts()) return scattering_.empty();
+    if (stack.boundary && stack.boundary->is_rough()) return false;
+    if (stack.media.empty())
+        return scattering_.size() == 1 && scattering_.front() == stack.ground_index;
+    return std::equal(
+        stack.media.begin(), stack.media.end(), scattering_.begin(), scattering_.end(),
+        [](const ScaledMedium& medium, double index) { return medium.index == index; });
+}
+
+const ZenithGrid& StackGrids::of(double index) const {
+    const auto at = std::find(indices_.begin(), indices_.end(), index);
+    return grids_[std::size_t(at - indices_.begin())];
+}
+
+void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
+    for (ScaledMedium& medium : stack.media) {
+        medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
+        medium.unresolved_shares.clear();
+        if (medium.narrow.rest.empty()) continue;
+        medium.unresolved_shares = unresolved_shares(
+            resolved_waves(grids.of(medium.index), kResolvedAngles), int(medium.scaled.chi.size()));
+    }
+}
+
+}  // namespace miebrdf::rte
