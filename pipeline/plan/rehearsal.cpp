@@ -16,6 +16,7 @@
 #include "pipeline/solve/phase_errors.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/scene_optics.h"
+#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
 

@@ -94,6 +94,19 @@ bool are_many(std::size_t count, const Stack& stack) {
            !stack.boundary;
 }
 
+// In a coat so thin the radiance changes over cosines of the size of its depth, where few nodes
+// have none. Of 2,000 random stacks with coats of depth 1e-4 to 0.02, one or two cosines of 0.01
+// and above each, 20 missed a tolerance of 1e-4 with fewer nodes than these, by up to 8 times, and
+// one (1.2 times) with them; none missed 1e-3.
+constexpr double kThinDepth = 0.01, kThinTolerance = 3e-4;
+constexpr int kThinStreams = 16;
+
+bool has_thin_coat(const Stack& stack) {
+    return std::any_of(stack.coats.begin(), stack.coats.end(), [](const Coat& coat) {
+        return coat.optical_depth > 0.0 && coat.optical_depth < kThinDepth;
+    });
+}
+
 // Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
 std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options,
                                    bool has_many) {
@@ -108,7 +121,9 @@ std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& opti
         return kLooseSteps;
     }
     if (has_many && !simple && options.tolerance < strict_tolerance) return kStrictSteps;
-    const int start = simple ? 8 : first_streams(options.tolerance);
+    int start = simple ? 8 : first_streams(options.tolerance);
+    if (options.tolerance < kThinTolerance && has_thin_coat(stack))
+        start = std::max(start, kThinStreams);
     return {std::lower_bound(std::begin(kSteps), std::end(kSteps), start), std::end(kSteps)};
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <miebrdf/optics.h>
-#include <miebrdf/solver.h>
+#include <miebrdf/transfer.h>
 #include "rte/grid/directions.h"
 
 namespace miebrdf::rte {
@@ -57,10 +57,6 @@ struct Solutions {
 
 /// The solution comes empty.
 using Solve = std::function<void(const Discretisation&, Solution&)>;
-
-/// Sees each solution that is not the last one, and the number of nodes that comes next; false: no
-/// more of them. Those who estimate the work ahead look in here.
-using RefinementCallback = std::function<bool(const SolverReport& report, int next_streams)>;
 
 /// Watches the estimates of a ladder of stream counts. Directions that no number of nodes in reach
 /// resolves (a forward peak seen along the horizon) keep the estimate where it is: climbing on

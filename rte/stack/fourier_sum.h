@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include <miebrdf/solver.h>
+#include <miebrdf/transfer.h>
 #include "rte/grid/directions.h"
 
 namespace miebrdf::rte {
@@ -144,18 +144,6 @@ struct StokesHarmonic {
     double sign = 1.0;
 };
 StokesHarmonic stokes_harmonic(int row, int column);
-
-/// Light as it is solved, and what of it is wanted.
-struct SolvedLight {
-    int components;       ///< 1: a number; 3: (I, Q, U); 4: with V
-    bool intensity_only;  ///< of the Mueller matrices element 11 alone is wanted
-
-    SolvedLight(int solved = 1, bool intensity = false)
-        : components(solved), intensity_only(intensity) {}
-
-    /// Rows and columns of the matrices that are wanted.
-    int shown() const { return intensity_only ? 1 : components; }
-};
 
 /// Reflection without the first order of scattering, and how it was found.
 struct MultipleScattering {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/refracted_first_order.h"
@@ -349,7 +350,7 @@ void find_albedos(const AlbedoRequest& request, const std::vector<double>& mu_in
                               .block = polarised > 0 ? values_wanted : 1,
                               .least_scale = kLeastJudgedFlux};
     Solution& solution = solve_with_estimate(request.stack, request.options, values,
-                                                   std::cref(solve), kept.solutions_of_albedo);
+                                             std::cref(solve), kept.solutions_of_albedo);
     const auto plane = solution.values.begin();
     const auto change = plane + std::ptrdiff_t(count),
                spherical = change + std::ptrdiff_t(polarised);

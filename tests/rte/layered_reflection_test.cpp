@@ -27,6 +27,33 @@ TEST_CASE("two solutions that agree by accident at one azimuth are not believed"
     CHECK(result.report.worst_azimuth_deg == 40.0);
 }
 
+TEST_CASE("grazing light from thin coats on dark bases is within the tolerance", "[rte][reflect]") {
+    // Such coats need nodes at cosines of the size of their depth.
+    struct Scene {
+        rte::Stack stack;
+        rte::Directions directions;
+    };
+    const std::vector<Scene> scenes{
+        {{.base = rte::henyey_greenstein_optics(0.000215, 0.853439),
+          .coats = {{rte::henyey_greenstein_optics(0.99384257813706, 0.591257), 0.0002496389}}},
+         {{0.1782}, {0.01}, {180.0}}},
+        {{.base = rte::isotropic_optics(0.0082),
+          .coats = {{rte::isotropic_optics(0.99999076), 0.002194}}},
+         {{0.1921}, {0.1175, 0.0166}, {115.3}}},
+        {{.coats = {{rte::isotropic_optics(0.8338), 0.0011397}},
+          .base_kind = rte::BaseKind::lambertian,
+          .ground_albedo = 1.0},
+         {{0.01137}, {0.9416, 0.01097}, {180.0}}}};
+    for (const auto& [stack, directions] : scenes) {
+        const auto truth = rte::reflect(stack, directions, {.tolerance = 1e-10, .streams = 96});
+        const auto found = rte::reflect(stack, directions, {.tolerance = 1e-4});
+        const double largest = *std::max_element(truth.reflection.begin(), truth.reflection.end());
+        CHECK(found.report.converged);
+        for (std::size_t k = 0; k < truth.reflection.size(); ++k)
+            CHECK(std::abs(found.reflection[k] - truth.reflection[k]) <= 1e-4 * largest);
+    }
+}
+
 TEST_CASE("reflection is reciprocal to rounding", "[rte][reflect]") {
     const rte::Stack stack{.base = rte::henyey_greenstein_optics(0.99, 0.75),
                            .coats = {{rte::henyey_greenstein_optics(0.6, 0.2), 0.3}}};

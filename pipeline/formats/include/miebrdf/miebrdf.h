@@ -22,4 +22,5 @@
 #include <miebrdf/sphere.h>
 #include <miebrdf/surface.h>
 #include <miebrdf/table1.h>
+#include <miebrdf/transfer.h>
 #include <miebrdf/version.h>
