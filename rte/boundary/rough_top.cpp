@@ -126,7 +126,7 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     gather_rows(entering, requested_.out, out);
     gather_rows(entering, requested_.in, in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();
-    result.has_glow = fourier_order == 0 && below.has_glow;
+    result.has_transmittance = fourier_order == 0 && below.has_transmittance;
     if (fourier_order > 0) return;
     result.specular = light_.outer_reflectance;
     const ZenithGrid medium = boundary_->grid().in_medium(index_);
@@ -139,10 +139,10 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
             boundary_->external_diffuse_reflectance() + 2.0 * n2 * enters.dot(seen * enters);
         result.sky_at_nodes = spherical * air;
     }
-    if (result.has_glow) {
-        const Eigen::VectorXd up = solver.solve(below.glow_at_nodes);
-        result.glow_at_requested = entering * up;
-        result.glow_at_nodes = 2.0 * n2 * enters.dot(up) * air;
+    if (result.has_transmittance) {
+        const Eigen::VectorXd up = solver.solve(below.transmittance_at_nodes);
+        result.transmittance_at_requested = entering * up;
+        result.transmittance_at_nodes = 2.0 * n2 * enters.dot(up) * air;
     }
 }
 

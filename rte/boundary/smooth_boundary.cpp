@@ -134,17 +134,17 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
         result.sky_at_requested.noalias() = result.rows * sky;
         result.sky_at_nodes.noalias() = result.nodes * sky;
     }
-    result.has_glow = below.has_glow;
-    if (below.has_glow) {
+    result.has_transmittance = below.has_transmittance;
+    if (below.has_transmittance) {
         Eigen::VectorXd &again = work.downward, &up = work.upward;
-        again.noalias() = G * below.glow_at_nodes;
-        up = below.glow_at_nodes;
+        again.noalias() = G * below.transmittance_at_nodes;
+        up = below.transmittance_at_nodes;
         up.noalias() += X * again;
-        result.glow_at_nodes.setZero(boundary.nodes_above);
-        result.glow_at_nodes.tail(common) = enters.cwiseProduct(up.tail(common)) / n;
-        result.glow_at_requested = below.glow_at_requested;
-        result.glow_at_requested.noalias() += below.rows * again;
-        result.glow_at_requested.array() *= passed.array();
+        result.transmittance_at_nodes.setZero(boundary.nodes_above);
+        result.transmittance_at_nodes.tail(common) = enters.cwiseProduct(up.tail(common)) / n;
+        result.transmittance_at_requested = below.transmittance_at_requested;
+        result.transmittance_at_requested.noalias() += below.rows * again;
+        result.transmittance_at_requested.array() *= passed.array();
     }
 }
 

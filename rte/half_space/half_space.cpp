@@ -48,7 +48,7 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
     none.rows.setZero(requested.mu.size(), grid.size());
     none.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     none.specular.resize(0);
-    none.has_glow = false;
+    none.has_transmittance = false;
     none.iterations = 0;
     none.residual = 0.0;
     none.converged = none.physical = true;
@@ -60,7 +60,7 @@ void mirror_ground(const Eigen::VectorXd& at_nodes, const Eigen::VectorXd& at_re
     mirror.rows.setZero(at_requested.size(), at_nodes.size());
     mirror.multiple.setZero(Eigen::Index(requested.out.size()), Eigen::Index(requested.in.size()));
     mirror.specular = at_requested;
-    mirror.has_glow = false;
+    mirror.has_transmittance = false;
     mirror.iterations = 0;
     mirror.residual = 0.0;
     mirror.converged = mirror.physical = true;
@@ -215,15 +215,15 @@ bool few_sweeps_suffice(double ratio, double share) {
 }
 
 // The fixed point, without any linear system, until no more than `accuracy` of 4 (mu + mu') R is
-// left to go; `once` is the largest of light scattered once.
+// left to go; `single_scattering` is the largest of light scattered once.
 bool sweep_half_space(const RequestedDirections& requested, double accuracy, double ratio,
-                      double once, FourierWork& work, Reflector& result) {
+                      double single_scattering, FourierWork& work, Reflector& result) {
     constexpr int most_sweeps = 40;
     Eigen::MatrixXd& psi = work.square;
     Eigen::MatrixXd& previous = work.other_square;
     psi = work.opposite_side;
     fill_nodes(psi, work, result.nodes);
-    double step = once, slowest = ratio;
+    double step = single_scattering, slowest = ratio;
     const auto has_arrived = [&] { return left_after(step, std::min(slowest, 0.9)) <= accuracy; };
     int sweep = 0;
     for (; !has_arrived() && sweep < most_sweeps; ++sweep) {
@@ -249,7 +249,7 @@ bool sweep_half_space(const RequestedDirections& requested, double accuracy, dou
     for (Eigen::Index q = 0; q < n; ++q)
         work.to_rows.col(q) = 0.5 / (1.0 + work.inverse_mu[q] * requested.mu.array());
     result.rows = work.rows.cwiseProduct(work.to_rows);
-    step = once;
+    step = single_scattering;
     for (sweep = 0; !(left_after(step, ratio) <= accuracy); ++sweep) {
         if (sweep == most_sweeps) return false;
         work.other_rows.swap(work.rows);
@@ -297,16 +297,19 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
                       double tolerance, FourierWork& work, Reflector& result) {
     form_sides(medium, mode, grid, work);
     result.specular.resize(0);
-    result.has_glow = false;
+    result.has_transmittance = false;
     if (method == HalfSpaceMethod::automatic) {
         result.iterations = 0;
         result.residual = 0.0;
         result.converged = true;
-        const double once = largest_bounded(work.opposite_side, work);
-        const double accuracy = tolerance * std::max(once, kShareOfOrderZero * medium.brightness);
+        const double single_scattering = largest_bounded(work.opposite_side, work);
+        const double accuracy =
+            tolerance * std::max(single_scattering, kShareOfOrderZero * medium.brightness);
         const double ratio = medium.strongest();
-        result.physical = few_sweeps_suffice(ratio, once > 0.0 ? accuracy / once : 1.0) &&
-                          sweep_half_space(requested, accuracy, ratio, once, work, result);
+        result.physical =
+            few_sweeps_suffice(ratio,
+                               single_scattering > 0.0 ? accuracy / single_scattering : 1.0) &&
+            sweep_half_space(requested, accuracy, ratio, single_scattering, work, result);
         if (result.physical) {
             work.brightness = largest_bounded(work.square, work);
         } else {

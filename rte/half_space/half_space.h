@@ -43,9 +43,9 @@ struct Reflector {
     /// normalisations of the sky's, where somebody asked. Reciprocity makes it the transmittance:
     /// of light incident at that cosine, the flux that arrives at the ground, counted as often as
     /// it does.
-    Eigen::VectorXd glow_at_requested;
-    Eigen::VectorXd glow_at_nodes;
-    bool has_glow = false;
+    Eigen::VectorXd transmittance_at_requested;
+    Eigen::VectorXd transmittance_at_nodes;
+    bool has_transmittance = false;
     /// What comes back of a beam at each requested cosine into the mirror direction, without being
     /// scattered; `rows` and `multiple` are without it, `nodes` has it on the diagonal. Empty:
     /// none.

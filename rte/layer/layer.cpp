@@ -283,19 +283,19 @@ void fill_sky(const LayerOperator& layer, const Reflector& base, const Eigen::Ve
 }
 
 /// Emission from below: up = U + X_base down, down = X_c up.
-void fill_glow(const LayerOperator& layer, const Reflector& base, FourierWork& work,
-               Reflector& result) {
-    const Eigen::VectorXd& below = base.glow_at_nodes;
+void fill_transmittance(const LayerOperator& layer, const Reflector& base, FourierWork& work,
+                        Reflector& result) {
+    const Eigen::VectorXd& below = base.transmittance_at_nodes;
     Eigen::VectorXd &down = work.downward, &up = work.upward;
     work.incident.noalias() = layer.reflection * below;
     down = work.bounces.solve(work.incident);
     up = below;
     up.noalias() += base.nodes * down;
-    layer.transmit(up, work.between, result.glow_at_nodes);
-    result.glow_at_requested = layer.direct.cwiseProduct(base.glow_at_requested);
-    result.glow_at_requested.noalias() +=
+    layer.transmit(up, work.between, result.transmittance_at_nodes);
+    result.transmittance_at_requested = layer.direct.cwiseProduct(base.transmittance_at_requested);
+    result.transmittance_at_requested.noalias() +=
         (base.specular.size() > 0 ? work.mirrored : layer.transmission_rows) * up;
-    result.glow_at_requested.noalias() += work.seen * down;
+    result.transmittance_at_requested.noalias() += work.seen * down;
 }
 
 }  // namespace
@@ -327,8 +327,8 @@ void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDi
         result.specular = back.cwiseProduct(layer.direct);
     }
     if (parts == ReflectorParts::sky) fill_sky(layer, base, sky, work, result);
-    result.has_glow = base.has_glow;
-    if (base.has_glow) fill_glow(layer, base, work, result);
+    result.has_transmittance = base.has_transmittance;
+    if (base.has_transmittance) fill_transmittance(layer, base, work, result);
     if (parts == ReflectorParts::nodes) {
         work.beam = work.seen.transpose();
         if (has_mirror) {

@@ -22,7 +22,7 @@ struct ScaledStack {
     double ground_index = 1.0, top_index = 1.0;
     std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
     int moments = 1;                        ///< Legendre moments of the medium that has most
-    /// The flux into what lies below is wanted (Reflector::glow_at_requested): nothing is left out.
+    /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is left out.
     bool transmits = false;
     /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
     /// coat is left out what does not show beside that. 0: nothing is.

@@ -358,15 +358,16 @@ void StackSolver::solve_ground() {
     } else {
         no_reflection(grid, requested, ground);
     }
-    ground.has_glow = stack_.transmits;
+    ground.has_transmittance = stack_.transmits;
     if (!stack_.transmits) return;
-    ground.glow_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
-    mode.keep_intensity(ground.glow_at_nodes);
-    ground.glow_at_requested.setOnes(requested.mu.size());
-    mode.keep_intensity(ground.glow_at_requested);
+    ground.transmittance_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
+    mode.keep_intensity(ground.transmittance_at_nodes);
+    ground.transmittance_at_requested.setOnes(requested.mu.size());
+    mode.keep_intensity(ground.transmittance_at_requested);
     if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
-        ground.glow_at_nodes -= ground.nodes * ground.glow_at_nodes;
-        ground.glow_at_requested -= ground.specular.cwiseProduct(ground.glow_at_requested);
+        ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
+        ground.transmittance_at_requested -=
+            ground.specular.cwiseProduct(ground.transmittance_at_requested);
     }
 }
 
@@ -468,8 +469,10 @@ void StackSolver::keep_albedos() {
     if (!stack_.transmits) return;
     const double absorbed = 1.0 - stack_.ground_albedo;
     for (const int in : asked_.in)
-        order.transmittance.push_back(absorbed * along(I, reflector_->glow_at_requested, in));
-    order.transmittance.push_back(absorbed * D.dot(reflector_->glow_at_nodes) / D.squaredNorm());
+        order.transmittance.push_back(absorbed *
+                                      along(I, reflector_->transmittance_at_requested, in));
+    order.transmittance.push_back(absorbed * D.dot(reflector_->transmittance_at_nodes) /
+                                  D.squaredNorm());
 }
 
 }  // namespace miebrdf::rte

@@ -161,7 +161,7 @@ void solve_coupled_layer(double scaled_optical_depth, const StokesTables& tables
                          const RequestedDirections& requested, double tolerance, CoupledWork& work,
                          LayerOperator& layer);
 
-/// As put_on, for reflectors and layers that are not symmetric, without sky and glow.
+/// As put_on, for reflectors and layers that are not symmetric, without sky and transmittance.
 void put_on_coupled(const LayerOperator& layer, const Reflector& base,
                     const RequestedDirections& requested, int rows_per_node, ReflectorParts parts,
                     Reflector& result);

@@ -90,7 +90,7 @@ void put_boundary_on_coupled(const FresnelReflections& matrices, const StokesBlo
                  pairs.block(out, i, c, c));
         }
     }
-    result.has_glow = false;
+    result.has_transmittance = false;
     if (parts != ReflectorParts::nodes) return;
 
     const TwistedRows trapped = reflecting(matrices.trapped_above, block);

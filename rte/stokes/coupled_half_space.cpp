@@ -170,7 +170,7 @@ void solve_coupled_half_space(const StokesTables& tables, const StokesBlock& blo
                               const RequestedDirections& requested, double tolerance,
                               CoupledWork& work, Reflector& result) {
     result.specular.resize(0);
-    result.has_glow = false;
+    result.has_transmittance = false;
     result.iterations = 0;
     result.residual = 0.0;
     result.converged = true;

@@ -204,7 +204,7 @@ void put_on_coupled(const LayerOperator& layer, const Reflector& base,
     result.residual = base.residual;
     result.converged = base.converged;
     result.physical = true;
-    result.has_glow = false;
+    result.has_transmittance = false;
     const bool has_mirror = base.specular.size() > 0;
     // A beam down to the mirror and up again through the layer.
     const TwistedRows direct{layer.direct, VectorXd::Zero(layer.direct.size())};
