@@ -51,7 +51,7 @@ LayerSlice without_work(const char* method) {
     return slice;
 }
 
-/// What every direction of a half-space that absorbs nothing returns: everything.
+/// A half-space that absorbs nothing returns everything in every direction.
 LayerSlice lossless(std::size_t incidences) {
     LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
@@ -60,7 +60,7 @@ LayerSlice lossless(std::size_t incidences) {
     return slice;
 }
 
-/// What layers return of which none scatters.
+/// The slice of layers of which none scatters.
 LayerSlice black(const LayerRequest& request) {
     const Directions& d = request.directions;
     LayerSlice slice = without_work("closed form of layers that scatter nothing");
@@ -98,7 +98,8 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-/// What the layers reflect; with the part of the error that points of P and transfer have together.
+/// Fills in the reflection.
+/// @return the error that points of P and transfer have together
 double solve_reflection(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                         const OpticsDemand& demand, int components, const SolverOptions& solver,
                         const mie::Executor& run, rte::SolutionMemory& memory, LayerSlice& slice) {
@@ -286,7 +287,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     }
     const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
                                   phase_demand(request.quantity));
-    // What passes the layers is wanted too: only what lets nothing through hides a ground.
+    // The light that passes the layers is wanted too: only what lets nothing through hides a
+    // ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
     const double hiding = transmits ? 0.0 : request.solver.tolerance;
     tbb::enumerable_thread_specific<rte::SolutionMemory> memories;

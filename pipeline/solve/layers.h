@@ -13,14 +13,14 @@ namespace miebrdf {
 
 enum class LayerQuantity {
     reflection,  ///< R at all combinations of the directions
-    mueller,     ///< the same of Mueller matrices (rte::ReflectionTable)
+    mueller,     ///< Mueller matrices there (rte::ReflectionTable)
     albedo,      ///< plane albedo at mu_in, then the spherical albedo
-    /// The same of the light that the scene's surface lets in, and of what it lets out again
+    /// Albedos of the light that the scene's surface lets in, and of what it lets out again
     /// (rte::SurfaceTransmission).
     albedo_through_surface,
 };
 
-/// What an albedo needs of the layers.
+/// The quantity of the layers that an albedo needs.
 LayerQuantity albedo_quantity(const ResolvedScene& scene);
 /// Values at directions, not albedos.
 bool is_reflection(LayerQuantity quantity);
@@ -38,7 +38,7 @@ struct LayerRequest {
 /// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
 /// half).
 int first_streams(const LayerRequest& request);
-/// What those first nodes make use of: moments of Mie theory cost more than the square of their
+/// The demand of those first nodes: moments of Mie theory cost more than the square of their
 /// number, and few media need more nodes.
 /// @param whole  what any number of nodes could make use of
 OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole);
@@ -60,7 +60,7 @@ struct LayerSlice {
     /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
     std::vector<double> values;
     std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` and `mueller` too
-    /// With `albedo` over a substrate: net flux into it, at mu_in and of uniform light.
+    /// Net flux into the substrate, at mu_in and of uniform light, for `albedo`.
     std::vector<double> transmittance;
     std::vector<double> mirror_reflectance;  ///< at mu_in (matrices with `mueller`); empty: none
     /// At mu_in, with polarisation: what plane_albedo changes by for light polarised in the plane

@@ -23,7 +23,7 @@ class MuellerPart {
 
     int components() const { return components_; }
 
-    /// Of the BRDF in 1/sr, at directions that share their cosines.
+    /// Mueller matrices of the BRDF in 1/sr, at directions that share their cosines.
     /// @param stack    as it was solved
     /// @param seen     of its media, as light scattered once sees them
     /// @param first    what is scattered once of element 11, of each direction: the matrix of

@@ -11,13 +11,13 @@ namespace {
 // digits (docs/numerics.md).
 constexpr double kDeflateBelow = 1e-3;
 
-// Of FourierMedium::strongest: up to here two steps of refinement may do (measured at tolerances
-// of 1e-5 to 1e-7, HG 0.7 and 0.8).
+// Up to this FourierMedium::strongest two steps of refinement may do (measured at tolerances of
+// 1e-5 to 1e-7, HG 0.7 and 0.8).
 constexpr double kScattersLittle = 0.05;
 
-// What the eigensolver alone leaves in X of an order above 0 (measured: Rayleigh, HG 0.75 and 0.99,
-// albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has slow
-// eigenmodes that amplify it, and must conserve energy.
+// The eigensolver alone leaves so much in X of an order above 0 (measured: Rayleigh, HG 0.75 and
+// 0.99, albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has
+// slow eigenmodes that amplify it, and must conserve energy.
 double left_by_eigensolver(Eigen::Index nodes) { return 2e-17 * std::pow(double(nodes), 4); }
 
 }  // namespace

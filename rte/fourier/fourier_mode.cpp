@@ -79,7 +79,7 @@ const FourierMode& FourierModes::find(int fourier_order, int degrees, const Zeni
         requested_ = requested.mu;
         for (Known& known : known_) known.is_filled = false;
     }
-    // All together at most 2 MB: of 32 nodes and 10 cosines 28 orders.
+    // All tables together take at most 2 MB: 28 orders of 32 nodes and 10 cosines.
     constexpr Eigen::Index most = 1 << 18;
     const Eigen::Index size = (2 * grid.size() + requested.mu.size()) * degrees;
     const auto order = std::size_t(fourier_order);

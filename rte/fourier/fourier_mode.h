@@ -18,7 +18,7 @@ namespace miebrdf::rte {
 /// Legendre functions Y_l^m of one Fourier order m, columns l = m ... L - 1, rows = directions.
 /// Columns alternate in parity: (-1)^(l-m) = +1 for column 0, 2, ...
 ///
-/// Of polarised light (rte/stokes) rows are components of Stokes vectors, several for each node,
+/// For polarised light (rte/stokes) rows are components of Stokes vectors, several for each node,
 /// and columns are its generalised spherical functions, sorted so that they alternate as well: all
 /// that the solvers know of a column is its parity and its strength.
 struct FourierMode {
@@ -103,7 +103,7 @@ ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths)
 math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths);
 void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result);
 
-/// What the solvers need to know of a medium in one Fourier order.
+/// A medium in one Fourier order, as the solvers see it.
 struct FourierMedium {
     math::ScratchVector strengths;  ///< alpha (2l+1) chi_l, l = m ... L - 1
     double one_minus_albedo = 1.0;  ///< carried separately, with all its digits

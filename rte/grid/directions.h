@@ -1,5 +1,6 @@
-// Where radiance is known: at the nodes that sample a hemisphere (and what these can tell of a
-// function that has more detail than they have), and at the cosines that a caller asked for.
+// The directions in which radiance is known: the nodes that sample a hemisphere (and what these can
+// tell of a function that has more detail than they have), and at the cosines that a caller asked
+// for.
 #pragma once
 
 #include <Eigen/Core>
@@ -118,7 +119,7 @@ struct RequestedDirections {
 /// Each cosine once, ascending, with the positions of both lists.
 RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out);
 
-/// The same with `beside`: mu (1 - kBeside) and mu (1 - 2 kBeside).
+/// A request with `beside`: mu (1 - kBeside) and mu (1 - 2 kBeside).
 inline constexpr double kBeside = 3e-5;
 RequestedDirections with_cosines_beside(RequestedDirections requested);
 

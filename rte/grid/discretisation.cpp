@@ -55,7 +55,7 @@ std::size_t most_moments(const Stack& stack) {
     return most;
 }
 
-// What lists that were cut short allow (Optics::has_more_moments).
+// The moments that lists which were cut short allow (Optics::has_more_moments).
 std::size_t most_usable_moments(const Stack& stack) {
     std::size_t most = most_moments(stack);
     const auto limit = [&](const Optics& optics) {
@@ -88,7 +88,7 @@ std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) 
 // So many values that the largest difference of two solutions is no accident.
 constexpr std::size_t kManyValues = 100;
 
-// Of half-spaces alone: thin coats converge slowly, like a power of the number of nodes.
+// Only half-spaces count: thin coats converge slowly, like a power of the number of nodes.
 bool are_many(std::size_t count, const Stack& stack) {
     return count >= kManyValues && stack.base_kind == BaseKind::half_space && stack.coats.empty() &&
            !stack.boundary;
@@ -181,8 +181,8 @@ void raise(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
-// What the solution with one number of nodes cannot be trusted to differ from the next one by, when
-// two solutions before it differ by that: errors of few values have signs and may agree by chance.
+// The difference that two solutions are taken to have at least, when the ones before them differ by
+// `before`: errors of few values have signs and may agree by chance.
 // Near retro-reflection unresolved glories come and go with each number of nodes: there all of it
 // counts.
 double least_difference(double before, bool slow, bool backwards) {
@@ -194,7 +194,7 @@ double least_difference(double before, bool slow, bool backwards) {
 // however well two solutions agree.
 constexpr double kUnresolvedShare = 0.5;
 
-// What solutions that are `apart` may gain at most.
+// The factor by which solutions that are `apart` may gain at most.
 double least_gain(double apart, int coarse, int fine) {
     const double farther = double(fine) / coarse - 1.0;
     return std::pow(apart, 0.25 * std::min(farther, 0.5));
@@ -229,7 +229,7 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
         raise(now, last_at(k, scale));
     });
     if (coarsest.physical && !slow && now < before && now < 1.0) {
-        // Of closer nodes what is left falls by q again and again.
+        // The error of closer nodes falls by q again and again.
         const double q = now / before;
         const double left = has_many ? std::min(1.0, q / (1.0 - q)) : q;
         gain = std::max(left, least_gain(now, coarse.report.streams, report.streams));
@@ -347,7 +347,7 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     const int coarser = coarser_streams(streams, is_strict);
     const int before_coarser = coarser_streams(coarser, is_strict);
     coarsest.clear();
-    // Of many values it is only needed where the other two alone do not agree.
+    // Many values need it only where the other two alone do not agree.
     bool may_be_spared = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
     if (before_coarser < coarser && !may_be_spared) solve_at(before_coarser, coarsest);
     solve_at(coarser, coarse);
@@ -357,8 +357,8 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     while (true) {
         solve_at(streams, fine);
         const int orders = fine.report.fourier_orders;
-        // Of larger spheres few nodes and what they do not resolve, in closed form, are as good as
-        // more nodes.
+        // For larger spheres few nodes, with what they do not resolve in closed form, are as good
+        // as more nodes.
         const bool can_be_resolved =
             carrying > 0 && work_of(std::max(streams, carrying), orders) <= kPromisingWork;
         const double of_steps = fine.report.error_estimate;
@@ -389,7 +389,7 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         // The two before must carry all moments, too, or the three still differ by them.
         const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
         const bool promising = fewest < carrying && can_be_resolved;
-        // What is claimed of 16 nodes is far from what they err by: a small step shows it.
+        // The estimate of 16 nodes is far above their error: a small step shows it.
         constexpr int before_small_step = 16, small_step = 20;
         const bool is_small = is_strict && streams == before_small_step &&
                               apart * std::sqrt(apart) <= options.tolerance;

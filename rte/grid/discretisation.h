@@ -38,10 +38,10 @@ struct Solution {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
     std::vector<double> polarised_plane_albedo = {};  ///< likewise, of Stokes vectors
-    /// Of each value, the part that the nodes do not resolve and that is known but roughly; empty:
+    /// The part of each value that the nodes do not resolve and that is known but roughly; empty:
     /// none.
     std::vector<double> unresolved = {};
-    /// Of each value, the estimated error relative to the largest of its block; never NaN.
+    /// The estimated error of each value, relative to the largest of its block; never NaN.
     std::vector<double> errors = {};
     SolverReport report;
     bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
@@ -50,7 +50,7 @@ struct Solution {
     void clear();
 };
 
-/// Those that an error estimate compares, ascending in nodes.
+/// The solutions that an error estimate compares, ascending in nodes.
 struct Solutions {
     Solution coarsest, coarse, fine;
 };
@@ -102,11 +102,11 @@ class AzimuthProbes {
 
     /// The directions asked for, with the probes behind the azimuths.
     const Directions& directions() const { return directions_; }
-    /// Of values at directions(), those that were asked for.
+    /// Picks from values at directions() those that were asked for.
     std::vector<double> without(std::vector<double> values) const;
-    /// Of estimated errors at directions(), those of the values asked for. Two solutions may agree
-    /// by accident at single values: none counts as better than its probes or those at the azimuths
-    /// beside it, nor than half of all at its incidence.
+    /// Picks from estimated errors at directions() those of the values asked for. Two solutions may
+    /// agree by accident at single values: none counts as better than its probes or those at the
+    /// azimuths beside it, nor than half of all at its incidence.
     std::vector<double> largest_nearby(const std::vector<double>& errors) const;
     /// Where in those the value at `index` of directions() is, or the one that it is a probe of.
     std::size_t asked_for(std::size_t index) const;

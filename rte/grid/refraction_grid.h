@@ -55,7 +55,7 @@ class RefractionGrid {
 double refracted_cosine(double index, double mu_air);
 /// Directions in air as they are in a medium.
 Directions refracted(const Directions& in_air, double index);
-/// The same cosines of a request in a medium.
+/// The cosines of a request as they are in a medium.
 RequestedDirections refracted(const RequestedDirections& in_air, double index);
 /// @param inside  overwritten; its memory is used again
 void refract(const RequestedDirections& in_air, double index, RequestedDirections& inside);

@@ -115,7 +115,7 @@ void form_sides(const FourierMedium& medium, const FourierMode& mode, const Zeni
     work.opposite_side_rows = kernels.even_rows - kernels.odd_rows;
 }
 
-// What is left to go after a step of the fixed point: each is at most `ratio` of the one before.
+// The steps still to come after one of the fixed point: each is at most `ratio` of the one before.
 double left_after(double step, double ratio) { return step * ratio / (1.0 - ratio); }
 
 // Psi of X into `psi`.
@@ -134,8 +134,8 @@ void fill_nodes(const Eigen::MatrixXd& psi, const FourierWork& work, Eigen::Matr
     X.triangularView<Eigen::StrictlyLower>() = X.transpose();  // reciprocity, exactly
 }
 
-// Of 4 (mu + mu') R = (M/D) Psi (M/D), which stays bounded: R grows like 1/mu at grazing angles and
-// would hide errors everywhere else.
+// The largest element of 4 (mu + mu') R = (M/D) Psi (M/D), which stays bounded: R grows like 1/mu
+// at grazing angles and would hide errors everywhere else.
 double largest_bounded(const Eigen::MatrixXd& psi, const FourierWork& work) {
     double largest = 0.0;
     for (Eigen::Index q = 0; q < psi.cols(); ++q) {

@@ -1,4 +1,4 @@
-// What lies below the layers: anything that reflects, in the forms that layers above it need, and
+// Anything that reflects below the layers, in the forms that layers above it need, and
 // the reflection by a semi-infinite homogeneous medium, a Lambertian ground or nothing.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
@@ -46,11 +46,11 @@ struct Reflector {
     Eigen::VectorXd transmittance_at_requested;
     Eigen::VectorXd transmittance_at_nodes;
     bool has_transmittance = false;
-    /// What comes back of a beam at each requested cosine into the mirror direction, without being
-    /// scattered; `rows` and `multiple` are without it, `nodes` has it on the diagonal. Empty:
-    /// none.
+    /// The share of a beam at each requested cosine that comes back into the mirror direction
+    /// without being scattered; `rows` and `multiple` are without it, `nodes` has it on the
+    /// diagonal. Empty: none.
     Eigen::VectorXd specular;
-    /// Of polarised light with V, `specular` turns U into V: times the row of the other one.
+    /// Polarised light with V: `specular` also turns U into V, by this times the other row.
     Eigen::VectorXd specular_twist;
     int iterations = 0;     ///< of an iterative method, else 0
     double residual = 0.0;  ///< largest (mu + mu') |change of R| in the last step, relative
@@ -61,8 +61,9 @@ struct Reflector {
 /// (W M)^(1/2) of a grid.
 Eigen::VectorXd flux_weights(const ZenithGrid& grid);
 
-/// What one more order of scattering adds to incident light: 2 (-1)^(l-m) mu sum R W Y, so that
-/// Y + this is Ambartsumian's function phi_l. From rows (2 R D) at cosines mu: rows x (L - m).
+/// The light that one more order of scattering adds to incident light: 2 (-1)^(l-m) mu sum R W Y,
+/// so that Y + this is Ambartsumian's function phi_l. From rows (2 R D) at cosines mu: rows x (L -
+/// m).
 void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
                        const Eigen::Ref<const Eigen::MatrixXd>& rows, const FourierMode& mode,
                        math::ScratchMatrix& moments);

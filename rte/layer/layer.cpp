@@ -321,7 +321,7 @@ void put_on(const LayerOperator& layer, const Reflector& base, const RequestedDi
         has_mirror ? Eigen::VectorXd(layer.direct.cwiseProduct(base.specular)) : Eigen::VectorXd();
     result.specular.resize(0);
     if (has_mirror) {
-        // What arrives below of light from a requested cosine, with what the mirror sends back up.
+        // Light from a requested cosine arrives below directly and by way of the mirror.
         work.mirrored = layer.transmission_rows;
         work.mirrored.noalias() += back.asDiagonal() * layer.reflection_rows;
         result.specular = back.cwiseProduct(layer.direct);

@@ -18,8 +18,8 @@ struct LayerOperator {
     Eigen::MatrixXd reflection_rows;    ///< requested x n
     Eigen::MatrixXd transmission_rows;  ///< requested x n, scattered light only
     Eigen::MatrixXd multiple;           ///< R of light scattered more than once, out x in
-    /// The same that leaves on the other side, out x in, where RequestedDirections::beside says
-    /// that it is wanted.
+    /// Transmission of such light, out x in, where RequestedDirections::beside says that it is
+    /// wanted.
     Eigen::MatrixXd transmitted_multiple;
     Eigen::VectorXd direct;          ///< exp(-tau / mu) at the requested cosines
     Eigen::MatrixXd thin_impedance;  ///< Z_p = F k tanh(k tau / 2) F^T

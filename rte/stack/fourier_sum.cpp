@@ -80,7 +80,7 @@ double FourierSizes::relative(const Eigen::VectorXd& largest) const {
 FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
     : strengths_(NarrowStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
 
-// Of P_l near retro-reflection, the orders above m are the share 2/pi acos(m / l).
+// Near retro-reflection the orders above m are the share 2/pi acos(m / l) of P_l.
 double FeatureOrders::beyond(int m) const {
     double sum = 0.0;
     for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
@@ -288,7 +288,7 @@ void note(const StackOrder& order, int fourier_order, const RequestedDirections&
     sum.polarised_plane_albedo = asked(order.polarised_plane_albedo);
 }
 
-/// What is wanted of an order, all directions.
+/// The elements of an order that are wanted, in all directions.
 const Eigen::MatrixXd& shown_part(const StackOrder& order, const SolvedLight& light,
                                   Eigen::MatrixXd& intensity) {
     if (light.shown() == light.components) return order.multiple;

@@ -22,9 +22,9 @@ class FourierSizes {
 
     /// @param reflection  R^m, out x in; m = 0 first
     double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
-    /// The same of an order out of turn.
+    /// The size of an order out of turn.
     double of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const;
-    /// Of 4 (mu + mu') R = 1 near retro-reflection.
+    /// The size of 4 (mu + mu') R = 1 near retro-reflection.
     double of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const;
     /// Order 0 relative to the largest listed value at the same incidence, the largest such ratio,
     /// at least 1. Across a forward peak values are far below order 0 (Henyey-Greenstein 0.95 at mu
@@ -54,7 +54,7 @@ class FourierTail {
     /// Takes the size of the next order. True once the rest no longer matters.
     bool ends_with(double largest);
 
-    /// What the orders still to come amount to, relative to order 0.
+    /// The sum of the orders still to come, relative to order 0.
     double remaining() const { return remaining_; }
 
   private:

@@ -21,7 +21,7 @@
 namespace miebrdf::rte {
 
 struct SolutionMemory::Parts {
-    /// With one number of nodes.
+    /// The matrices and grids of one number of nodes.
     struct AtStreams {
         int streams = 0;
         ScaledStack scaled = {};
@@ -29,7 +29,7 @@ struct SolutionMemory::Parts {
         StackMemory memory = {};
         Eigen::VectorXd let_in = {}, let_out = {};
 
-        /// Of `scaled`.
+        /// The nodes of `scaled`.
         const StackGrids& grids_for(const Discretisation& discretisation) {
             if (!grids || !grids->fit(scaled, discretisation.grid, discretisation.streams))
                 grids.emplace(scaled, discretisation.grid, discretisation.streams);
@@ -43,7 +43,7 @@ struct SolutionMemory::Parts {
     ScaledStack exact = {};
     Solutions solutions_of_albedo = {};
 
-    /// With more nodes one takes the place of the other: 256 of them are 30 MB.
+    /// Beyond 64 nodes one takes the place of the other: 256 of them are 30 MB.
     AtStreams& with_streams(int streams) {
         constexpr int most = 64;
         streams = std::min(streams, most + 1);

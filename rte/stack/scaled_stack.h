@@ -17,12 +17,14 @@ struct ScaledStack {
     BaseKind base = BaseKind::half_space;
     double ground_albedo = 0.0;
     std::complex<double> mirror_index = 1.0;
-    /// Of what lies on the ground or mirror, and of the topmost medium. Both as far as boundaries
-    /// see them: without a boundary the topmost is 1, media have their neighbours' index.
+    /// The indices of what lies on the ground or mirror, and of the topmost medium, as far as
+    /// boundaries see them: without a boundary the topmost is 1, media have their neighbours'
+    /// index.
     double ground_index = 1.0, top_index = 1.0;
     std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
     int moments = 1;                        ///< Legendre moments of the medium that has most
-    /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is left out.
+    /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is
+    /// left out.
     bool transmits = false;
     /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
     /// coat is left out what does not show beside that. 0: nothing is.
@@ -47,7 +49,7 @@ ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m,
 void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart narrow,
                  ScaledStack& scaled);
 
-/// What lies below the layers that are left, as scale_stack finds it.
+/// The kind of base below the layers that are left, as scale_stack finds it.
 BaseKind lowest_kind(const Stack& stack);
 
 /// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
@@ -60,7 +62,7 @@ class StackGrids {
     /// They are what these arguments give.
     bool fit(const ScaledStack& stack, GridKind kind, int count) const;
 
-    /// Of light that enters and leaves.
+    /// The nodes of light that enters and leaves.
     const ZenithGrid& top() const { return grids_.front(); }
     const ZenithGrid& of(double index) const;
     /// Index 1 first, where there are several.

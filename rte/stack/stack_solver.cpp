@@ -189,7 +189,7 @@ bool StackSolver::is_coupled() const {
     return block_->size() > 1 && block_->back() == StokesComponent::V;
 }
 
-// Where what is solved next goes: not on what has been solved so far.
+// The next solution goes here, not on what has been solved so far.
 Reflector& StackSolver::free_reflector(double index) {
     auto& [one, other] = memory_.reflectors[place_of(index)];
     return reflector_ == &one ? other : one;

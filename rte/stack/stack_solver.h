@@ -37,7 +37,7 @@ struct StackOrder {
     /// parallel to the plane of incidence.
     std::vector<double> plane_albedo, polarised_plane_albedo;
     double spherical_albedo = 0.0;  ///< of uniform unpolarised light
-    /// With ScaledStack::transmits: the net flux into the ground, at the incident cosines and then
+    /// ScaledStack::transmits adds the net flux into the ground, at the incident cosines and then
     /// of uniform light.
     std::vector<double> transmittance;
     int iterations = 0;
@@ -112,7 +112,7 @@ class StackSolver {
                      const Eigen::VectorXd* let_out = nullptr);
     void find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out);
     void spread_over_rows(const Eigen::VectorXd& at_nodes, Eigen::VectorXd& rows) const;
-    /// What light sees below the first coat to be put on, whose index is returned: the base, or a
+    /// Solves what lies below the first coat to be put on, whose index is returned: the base, or a
     /// coat so deep for this order that it is a half-space itself.
     std::size_t solve_lowest();
     void solve_base();

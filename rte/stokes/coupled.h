@@ -50,7 +50,8 @@ SmoothBoundary polarised_boundary(const FresnelReflections& matrices, const Stok
 Eigen::VectorXd polarised_mirror(double here, std::complex<double> mirror,
                                  const Eigen::VectorXd& mu, const StokesBlock& block);
 
-/// What the eigenmodes are to symmetric equations, a matrix close to their rates is to these.
+/// A matrix close to the rates of eigenmodes is to these equations what eigenmodes are to
+/// symmetric ones.
 /// With J = diag(1, 1, 1, -1): U^T = J U J, V^T = J V J, and Z V Z = U still has the wanted
 /// solution, J Z symmetric. In the eigenmodes of the symmetric parts, F = diag(F_l, F_c) (l: the
 /// rows of I, Q and U, c: those of V),
@@ -96,8 +97,8 @@ struct CoupledWork {
     FourierWork fourier;  ///< of the pairs
 };
 
-/// What scatters into the requested cosines out of s and a in the coordinates of CoupledModes: E
-/// F^-T and O F Z^ (phase_rows, Z^ = F^-1 Z F^-T), requested x eigenmodes.
+/// The sources of light at the requested cosines out of s and a in the coordinates of CoupledModes:
+/// E F^-T and O F Z^ (ScatteringKernels, Z^ = F^-1 Z F^-T), requested x eigenmodes.
 struct CoupledSources {
     Eigen::MatrixXd even, odd;
 };
@@ -145,8 +146,8 @@ struct TwistedRows {
 /// Reflector::specular and its twist; zeros without.
 TwistedRows specular_of(const Reflector& reflector, Eigen::Index rows);
 
-/// What arrives at the nodes of light at some of the requested cosines, columns, from what leaves
-/// from the nodes there, rows: J rows^T J.
+/// The light that arrives at the nodes from some of the requested cosines, columns, out of the
+/// light that leaves from the nodes there, rows: J rows^T J.
 Eigen::MatrixXd arriving(const Eigen::MatrixXd& rows, const std::vector<int>& which,
                          int rows_per_node);
 

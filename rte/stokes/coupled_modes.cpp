@@ -86,7 +86,7 @@ void CoupledModes::form_couplings(const StokesTables& tables, const StokesBlock&
 bool CoupledModes::iterate(double tolerance) {
     const Eigen::VectorXd& k = linear().rates;
     const Eigen::VectorXd& q = circular().rates;
-    // What rounding leaves in the products; below it steps would not shrink.
+    // Rounding leaves as much in the products; below it steps would not shrink.
     const double goal = std::max(1e-14, 0.1 * tolerance);
     S = k.asDiagonal();
     T = q.asDiagonal();

@@ -1,4 +1,4 @@
-// What a medium scatters in each degree, as the discrete equations for polarised light see it.
+// The scattering of a medium in each degree, as the discrete equations for polarised light see it.
 #pragma once
 
 #include <Eigen/Core>

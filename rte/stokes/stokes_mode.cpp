@@ -26,8 +26,8 @@ void fill_linear(int m, int degrees, const Eigen::VectorXd& mu, StokesTable& tab
     if (m == 0) table.T.setZero();
 }
 
-// As the nodes see them: at the zenith R and T vanish as fast as P does, or faster by whole powers
-// of 1 - mu.
+// R and T as the nodes see them: at the zenith they vanish as fast as P does, or faster by whole
+// powers of 1 - mu.
 void fill_linear_at_nodes(int m, int degrees, const ZenithGrid& grid, StokesTables& tables) {
     if (points_suffice(grid, degrees)) {
         fill_linear(m, degrees, grid.mu, tables.nodes);
@@ -51,7 +51,8 @@ bool contains(const StokesBlock& block, StokesComponent component) {
     return std::find(block.begin(), block.end(), component) != block.end();
 }
 
-// Where the strengths of a parity go: I and Q to the even columns for even l - m, U and V for odd.
+// The strengths of a parity: those of I and Q go to the even columns for even l - m, U and V for
+// odd.
 struct Columns {
     std::vector<Column> even, odd;
 };

@@ -18,7 +18,7 @@ using StokesBlock = std::vector<StokesComponent>;
 /// (I, Q) and (U) in order 0, all three in the others; V beside them, coupled or on its own.
 std::vector<StokesBlock> stokes_blocks(int fourier_order, int components, bool has_b2);
 
-/// The same nodes or cosines, each as often as a block has components. Of cosines beside others the
+/// Nodes or cosines, each as often as a block has components. Of two cosines beside another the
 /// second follows rows_per_node places behind the first.
 ZenithGrid repeated(const ZenithGrid& grid, int rows_per_node);
 RequestedDirections repeated(const RequestedDirections& requested, int rows_per_node);
@@ -44,7 +44,7 @@ void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
 /// ones, a column for each degree and axis of its block (MatrixStrengths). Columns of strength 0
 /// fill up the shorter list.
 ///
-/// Of a block with both U and V the columns are the axes of [[a3, -b2], [-b2, -a4]]: sums are then
+/// In a block with both U and V the columns are the axes of [[a3, -b2], [-b2, -a4]]: sums are then
 /// over strength y y^T J, J = -1 in the rows of V (coupled.h).
 /// @param grid, requested  repeated()
 /// @param medium  degrees that it has no strengths for scatter nothing

@@ -30,7 +30,7 @@ struct SolvedLight {
 /// more of them. Those who estimate the work ahead look in here.
 using RefinementCallback = std::function<bool(const SolverReport& report, int next_streams)>;
 
-/// What stacks solved one after the other use again, in directions that stay the same: matrices,
+/// Memory that stacks solved one after the other in the same directions use again: matrices,
 /// grids and Legendre tables, for each number of nodes up to 64 of their own. Results are the same
 /// to the last bit. Not thread-safe.
 class SolutionMemory {
@@ -68,7 +68,7 @@ struct ReflectionTable {
     /// At each mu_in, c x c, what is reflected into the mirror direction and nowhere else, by
     /// boundaries and mirrors: a delta that `reflection` is without. Empty where there is none.
     std::vector<double> mirror_reflectance;
-    /// Of each value of `reflection`, an estimate relative to the largest value at its incidence.
+    /// The estimated error of each value of `reflection`, relative to the largest at its incidence.
     /// Empty where c > 1.
     std::vector<double> errors;
     bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
@@ -101,7 +101,7 @@ ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options = {}, SolutionMemory* memory = nullptr,
                         const RefinementCallback& refined = {});
 
-/// The same of light with its polarisation. Media are polarising as Optics::polarisation says;
+/// Reflection of light with its polarisation. Media are polarising as Optics::polarisation says;
 /// grounds (Lambertian, black) return unpolarised light; smooth boundaries and mirrors polarise by
 /// Fresnel's equations. Errors are relative to the largest element that is wanted at an incidence.
 /// @param light    3 components: V left out, with b2 (R11 changes by less than 2e-6 with spheres);
@@ -131,7 +131,7 @@ void albedo(const Stack& stack, const std::vector<double>& mu_in, const SolverOp
             const std::function<SurfaceWeights(double mu)>& surface, SolutionMemory& memory,
             AlbedoTable& table);
 
-/// The same of light with its polarisation: order 0 of I and Q.
+/// Albedos of light with its polarisation: order 0 of I and Q.
 /// @throws UsageError  as reflect_polarised
 AlbedoTable polarised_albedo(const Stack& stack, const std::vector<double>& mu_in,
                              const SolverOptions& options = {}, SolutionMemory* memory = nullptr);
