@@ -1,6 +1,7 @@
 #include "materials/database/sqlite.h"
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include <cctype>
 #include <cerrno>
@@ -9,7 +10,6 @@
 #include <thread>
 
 #include <miebrdf/database.h>
-#include "materials/libraries/late_sqlite.h"
 
 namespace miebrdf::materials::sqlite {
 namespace {
@@ -238,7 +238,7 @@ std::string Connection::image() const {
     sqlite3_int64 size = 0;
     const std::unique_ptr<unsigned char, void (*)(void*)> bytes(
         sqlite3_serialize(connection_.get(), "main", &size, 0),
-        MIEBRDF_LATE(libsqlite(), sqlite3_free));
+        sqlite3_free);
     if (bytes == nullptr) fail(SQLITE_NOMEM, nullptr, name());
     return {reinterpret_cast<const char*>(bytes.get()), static_cast<std::size_t>(size)};
 }

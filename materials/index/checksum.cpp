@@ -7,15 +7,12 @@
 #include <bit>
 #include <cstdint>
 
-#include "materials/libraries/late_library.h"
-
 namespace miebrdf::materials {
 
 std::string sha256_hex(std::string_view bytes) {
     std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
-    static const LateLibrary sodium(MIEBRDF_LATE_SODIUM);
-    MIEBRDF_LATE(sodium, crypto_hash_sha256)
-    (digest.data(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    crypto_hash_sha256(digest.data(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                       bytes.size());
     return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 

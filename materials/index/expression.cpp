@@ -4,13 +4,12 @@
 
 #include <miebrdf/error.h>
 
-#ifdef MIEBRDF_LATE_MUPARSER
+#ifdef MIEBRDF_HAS_MUPARSER
 #include <muParserDLL.h>
 
 #include <mutex>
 
 #include <miebrdf/index.h>
-#include "materials/libraries/late_library.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -19,16 +18,10 @@ namespace {
 /// parsers share.
 constexpr std::size_t kLongestFormula = 1000;
 
-const LateLibrary& muparser() {
-    static const LateLibrary library(MIEBRDF_LATE_MUPARSER);
-    return library;
-}
-#define MUPARSER(name) MIEBRDF_LATE(muparser(), name)
-
 std::string take_reason(muParserHandle_t parser) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
-    return MUPARSER(mupGetErrorMsg)(parser);
+    return mupGetErrorMsg(parser);
 }
 
 }  // namespace
@@ -36,24 +29,24 @@ std::string take_reason(muParserHandle_t parser) {
 struct Expression::Parser {
     std::mutex mutex;  // of the variables
     double um = 0.5, nm = 500.0, ev = 2.5;
-    const muParserHandle_t handle = MUPARSER(mupCreate)(muBASETYPE_FLOAT);
+    const muParserHandle_t handle = mupCreate(muBASETYPE_FLOAT);
 
     Parser() = default;
     Parser(const Parser&) = delete;
     Parser& operator=(const Parser&) = delete;
-    ~Parser() { MUPARSER(mupRelease)(handle); }
+    ~Parser() { mupRelease(handle); }
 };
 
 Expression::Expression(const std::string& text) : parser_(std::make_shared<Parser>()) {
     if (text.size() > kLongestFormula)
         throw UsageError(fmt::format("formula '{}...': {} characters; allowed: up to {}",
                                      text.substr(0, 40), text.size(), kLongestFormula));
-    MUPARSER(mupDefineVar)(parser_->handle, "um", &parser_->um);
-    MUPARSER(mupDefineVar)(parser_->handle, "nm", &parser_->nm);
-    MUPARSER(mupDefineVar)(parser_->handle, "eV", &parser_->ev);
-    MUPARSER(mupSetExpr)(parser_->handle, text.c_str());
-    MUPARSER(mupEval)(parser_->handle);  // reads it
-    if (MUPARSER(mupError)(parser_->handle) != 0)
+    mupDefineVar(parser_->handle, "um", &parser_->um);
+    mupDefineVar(parser_->handle, "nm", &parser_->nm);
+    mupDefineVar(parser_->handle, "eV", &parser_->ev);
+    mupSetExpr(parser_->handle, text.c_str());
+    mupEval(parser_->handle);  // reads it
+    if (mupError(parser_->handle) != 0)
         throw UsageError(fmt::format("formula '{}': {}; variables: um, nm, eV", text,
                                      take_reason(parser_->handle)));
 }
@@ -63,10 +56,8 @@ double Expression::at(double wavelength_nm) const {
     parser_->nm = wavelength_nm;
     parser_->um = from_nm(wavelength_nm, Unit::micrometre);
     parser_->ev = from_nm(wavelength_nm, Unit::electronvolt);
-    return MUPARSER(mupEval)(parser_->handle);
+    return mupEval(parser_->handle);
 }
-
-#undef MUPARSER
 
 }  // namespace miebrdf::materials
 

@@ -1,11 +1,11 @@
 #include "materials/readers/yaml_node.h"
 
 #include <fmt/format.h>
+#include <yaml.h>
 
 #include <memory>
 
 #include <miebrdf/database.h>
-#include "materials/libraries/late_yaml.h"
 
 namespace miebrdf::materials {
 namespace {

@@ -10,22 +10,12 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "materials/libraries/late_library.h"
-
 namespace miebrdf {
 namespace {
 
 /// Of pictures that are read; OpenEXR allocates by what the header says.
 constexpr int kLargestWidth = 1 << 16, kLargestHeight = 1 << 20;
 constexpr int kPart = 0;
-
-/// OpenEXR's interface for C is one library, without tables to relocate; that for C++ is four,
-/// which could not be loaded late.
-const LateLibrary& openexr() {
-    static const LateLibrary library(MIEBRDF_LATE_OPENEXR);
-    return library;
-}
-#define EXR(name) MIEBRDF_LATE(openexr(), name)
 
 /// What OpenEXR says last before it returns an error.
 using Reason = std::array<char, 256>;
@@ -39,12 +29,12 @@ struct Context {
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
     ~Context() {
-        if (handle != nullptr) EXR(exr_finish)(&handle);
+        if (handle != nullptr) exr_finish(&handle);
     }
     void require(exr_result_t result) const {
         if (result == EXR_ERR_SUCCESS) return;
         if (reason[0] != '\0') throw std::runtime_error(reason.data());
-        throw std::runtime_error(EXR(exr_get_default_error_message)(result));
+        throw std::runtime_error(exr_get_default_error_message(result));
     }
 };
 
@@ -58,7 +48,7 @@ struct ExrReader::File : Context {
     bool is_decoding = false;
 
     ~File() {
-        if (is_decoding) EXR(exr_decoding_destroy)(handle, &decoder);
+        if (is_decoding) exr_decoding_destroy(handle, &decoder);
     }
     void open();
     void require_compression() const;
@@ -70,7 +60,7 @@ struct ExrReader::File : Context {
 struct ExrWriter::File : Context {
     explicit File(std::ostream& stream) : out(stream) {}
     ~File() {
-        if (is_encoding) EXR(exr_encoding_destroy)(handle, &encoder);
+        if (is_encoding) exr_encoding_destroy(handle, &encoder);
     }
 
     std::ostream& out;
@@ -94,7 +84,7 @@ namespace {
 template <typename File>
 void keep_reason(exr_const_context_t context, exr_result_t, const char* message) {
     void* file = nullptr;
-    if (context == nullptr || EXR(exr_get_user_data)(context, &file) != EXR_ERR_SUCCESS) return;
+    if (context == nullptr || exr_get_user_data(context, &file) != EXR_ERR_SUCCESS) return;
     Reason& reason = static_cast<File*>(file)->reason;
     std::snprintf(reason.data(), reason.size(), "%s", message);
 }
@@ -147,15 +137,15 @@ void ExrReader::File::open() {
     options.size_fn = size_of_content<File>;
     options.max_image_width = kLargestWidth;
     options.max_image_height = kLargestHeight;
-    require(EXR(exr_start_read)(&handle, "exr", &options));
+    require(exr_start_read(&handle, "exr", &options));
     exr_attr_box2i_t window;
-    require(EXR(exr_get_data_window)(handle, kPart, &window));
+    require(exr_get_data_window(handle, kPart, &window));
     x0 = window.min.x;
     y0 = window.min.y;
     width = window.max.x - window.min.x + 1;
     height = window.max.y - window.min.y + 1;
     const exr_attr_chlist_t* list = nullptr;
-    require(EXR(exr_get_channels)(handle, kPart, &list));
+    require(exr_get_channels(handle, kPart, &list));
     for (int c = 0; c < list->num_channels; ++c)
         channels.emplace_back(list->entries[c].name.str, list->entries[c].name.length);
 }
@@ -163,11 +153,11 @@ void ExrReader::File::open() {
 /// Whether OpenEXR's interface for C knows it.
 void ExrReader::File::require_compression() const {
     exr_compression_t compression;
-    require(EXR(exr_get_compression)(handle, kPart, &compression));
+    require(exr_get_compression(handle, kPart, &compression));
     if (compression != EXR_COMPRESSION_DWAA && compression != EXR_COMPRESSION_DWAB) return;
     int major = 0, minor = 0, patch = 0;
     const char* extra = nullptr;
-    EXR(exr_get_library_version)(&major, &minor, &patch, &extra);
+    exr_get_library_version(&major, &minor, &patch, &extra);
     if (major < 3 || (major == 3 && minor < 2))
         throw std::runtime_error(
             "it is compressed by DWA, which needs OpenEXR 3.2; ZIP and PIZ do not");
@@ -184,8 +174,8 @@ void ExrReader::File::decode(int columns, int rows, int chunk_width, int chunk_h
             require(chunk_info(column, row, &chunk));
             unwanted.resize(std::size_t(chunk.width) * std::size_t(chunk.height));
             const bool is_first = !is_decoding;
-            require(is_first ? EXR(exr_decoding_initialize)(handle, kPart, &chunk, &decoder)
-                             : EXR(exr_decoding_update)(handle, kPart, &chunk, &decoder));
+            require(is_first ? exr_decoding_initialize(handle, kPart, &chunk, &decoder)
+                             : exr_decoding_update(handle, kPart, &chunk, &decoder));
             is_decoding = true;
             for (int c = 0; c < decoder.channel_count; ++c) {
                 exr_coding_channel_info_t& channel = decoder.channels[c];
@@ -214,8 +204,8 @@ void ExrReader::File::decode(int columns, int rows, int chunk_width, int chunk_h
                     static_cast<std::int32_t>(plane->line_stride * sizeof(float));
             }
             if (is_first)
-                require(EXR(exr_decoding_choose_default_routines)(handle, kPart, &decoder));
-            require(EXR(exr_decoding_run)(handle, kPart, &decoder));
+                require(exr_decoding_choose_default_routines(handle, kPart, &decoder));
+            require(exr_decoding_run(handle, kPart, &decoder));
         }
     }
 }
@@ -234,7 +224,7 @@ const std::vector<std::string>& ExrReader::channels() const { return file_->chan
 std::optional<std::vector<float>> ExrReader::list(const char* attribute) const {
     std::int32_t size = 0;
     const float* values = nullptr;
-    if (EXR(exr_attr_get_float_vector)(file_->handle, kPart, attribute, &size, &values) !=
+    if (exr_attr_get_float_vector(file_->handle, kPart, attribute, &size, &values) !=
         EXR_ERR_SUCCESS)
         return std::nullopt;
     return std::vector<float>(values, values + size);
@@ -242,7 +232,7 @@ std::optional<std::vector<float>> ExrReader::list(const char* attribute) const {
 
 std::optional<double> ExrReader::number(const char* attribute) const {
     double value = 0.0;
-    if (EXR(exr_attr_get_double)(file_->handle, kPart, attribute, &value) != EXR_ERR_SUCCESS)
+    if (exr_attr_get_double(file_->handle, kPart, attribute, &value) != EXR_ERR_SUCCESS)
         return std::nullopt;
     return value;
 }
@@ -251,13 +241,13 @@ void ExrReader::read(std::span<const ExrPlane<float>> planes) const {
     const Context& file = *file_;
     file_->require_compression();
     exr_storage_t storage;
-    file.require(EXR(exr_get_storage)(file.handle, kPart, &storage));
+    file.require(exr_get_storage(file.handle, kPart, &storage));
     const auto pieces = [](int whole, int piece) { return (whole - 1) / piece + 1; };
     if (storage == EXR_STORAGE_SCANLINE) {
         std::int32_t lines = 0;
-        file.require(EXR(exr_get_scanlines_per_chunk)(file.handle, kPart, &lines));
+        file.require(exr_get_scanlines_per_chunk(file.handle, kPart, &lines));
         const auto chunk_info = [&](int, int row, exr_chunk_info_t* chunk) {
-            return EXR(exr_read_scanline_chunk_info)(file.handle, kPart, file_->y0 + row * lines,
+            return exr_read_scanline_chunk_info(file.handle, kPart, file_->y0 + row * lines,
                                                      chunk);
         };
         file_->decode(1, pieces(file_->height, lines), file_->width, lines, chunk_info, planes);
@@ -265,9 +255,9 @@ void ExrReader::read(std::span<const ExrPlane<float>> planes) const {
         std::int32_t width = 0, height = 0;
         constexpr int kFinest = 0;
         file.require(
-            EXR(exr_get_tile_sizes)(file.handle, kPart, kFinest, kFinest, &width, &height));
+            exr_get_tile_sizes(file.handle, kPart, kFinest, kFinest, &width, &height));
         const auto chunk_info = [&](int column, int row, exr_chunk_info_t* chunk) {
-            return EXR(exr_read_tile_chunk_info)(file.handle, kPart, column, row, kFinest, kFinest,
+            return exr_read_tile_chunk_info(file.handle, kPart, column, row, kFinest, kFinest,
                                                  chunk);
         };
         file_->decode(pieces(file_->width, width), pieces(file_->height, height), width, height,
@@ -282,23 +272,23 @@ void ExrWriter::File::open(const ExrHeader& header) {
     options.error_handler_fn = keep_reason<File>;
     options.user_data = this;
     options.write_fn = write_content<File>;
-    require(EXR(exr_start_write)(&handle, "exr", EXR_WRITE_FILE_DIRECTLY, &options));
+    require(exr_start_write(&handle, "exr", EXR_WRITE_FILE_DIRECTLY, &options));
     int part = 0;
-    require(EXR(exr_add_part)(handle, nullptr, EXR_STORAGE_SCANLINE, &part));
-    require(EXR(exr_initialize_required_attr_simple)(handle, part, header.width, header.height,
+    require(exr_add_part(handle, nullptr, EXR_STORAGE_SCANLINE, &part));
+    require(exr_initialize_required_attr_simple(handle, part, header.width, header.height,
                                                      EXR_COMPRESSION_ZIP));
     for (const std::string& channel : header.channels)
-        require(EXR(exr_add_channel)(handle, part, channel.c_str(), EXR_PIXEL_FLOAT,
+        require(exr_add_channel(handle, part, channel.c_str(), EXR_PIXEL_FLOAT,
                                      EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     for (const auto& [name, text] : header.texts)
-        require(EXR(exr_attr_set_string)(handle, part, name.c_str(), text.c_str()));
+        require(exr_attr_set_string(handle, part, name.c_str(), text.c_str()));
     for (const auto& [name, list] : header.lists)
-        require(EXR(exr_attr_set_float_vector)(
+        require(exr_attr_set_float_vector(
             handle, part, name.c_str(), static_cast<std::int32_t>(list.size()), list.data()));
     for (const auto& [name, number] : header.numbers)
-        require(EXR(exr_attr_set_double)(handle, part, name.c_str(), number));
-    require(EXR(exr_write_header)(handle));
-    require(EXR(exr_get_scanlines_per_chunk)(handle, part, &lines_per_chunk));
+        require(exr_attr_set_double(handle, part, name.c_str(), number));
+    require(exr_write_header(handle));
+    require(exr_get_scanlines_per_chunk(handle, part, &lines_per_chunk));
     width = header.width;
     height = header.height;
     channels = header.channels;
@@ -309,10 +299,10 @@ void ExrWriter::File::open(const ExrHeader& header) {
 /// Compresses and writes the lines that are held.
 void ExrWriter::File::write_chunk() {
     exr_chunk_info_t chunk;
-    require(EXR(exr_write_scanline_chunk_info)(handle, kPart, lines_written, &chunk));
+    require(exr_write_scanline_chunk_info(handle, kPart, lines_written, &chunk));
     const bool is_first = !is_encoding;
-    require(is_first ? EXR(exr_encoding_initialize)(handle, kPart, &chunk, &encoder)
-                     : EXR(exr_encoding_update)(handle, kPart, &chunk, &encoder));
+    require(is_first ? exr_encoding_initialize(handle, kPart, &chunk, &encoder)
+                     : exr_encoding_update(handle, kPart, &chunk, &encoder));
     is_encoding = true;
     for (int c = 0; c < encoder.channel_count; ++c) {
         exr_coding_channel_info_t& channel = encoder.channels[c];
@@ -323,8 +313,8 @@ void ExrWriter::File::write_chunk() {
         channel.user_pixel_stride = sizeof(float);
         channel.user_line_stride = width * static_cast<std::int32_t>(sizeof(float));
     }
-    if (is_first) require(EXR(exr_encoding_choose_default_routines)(handle, kPart, &encoder));
-    require(EXR(exr_encoding_run)(handle, kPart, &encoder));
+    if (is_first) require(exr_encoding_choose_default_routines(handle, kPart, &encoder));
+    require(exr_encoding_run(handle, kPart, &encoder));
     lines_written += lines_held;
     lines_held = 0;
 }
@@ -363,11 +353,11 @@ void ExrWriter::write_lines(int count, std::span<const ExrPlane<const float>> pl
 void ExrWriter::finish() {
     File& file = *file_;
     if (file.lines_written != file.height) throw std::runtime_error("the picture ends early");
-    if (file.is_encoding) EXR(exr_encoding_destroy)(file.handle, &file.encoder);
+    if (file.is_encoding) exr_encoding_destroy(file.handle, &file.encoder);
     file.is_encoding = false;
     exr_context_t closing = file.handle;
     file.handle = nullptr;
-    const exr_result_t result = EXR(exr_finish)(&closing);  // the table of chunks
+    const exr_result_t result = exr_finish(&closing);  // the table of chunks
     file.require(result);
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/render/image.h"
 
 #include <fmt/format.h>
+#include <png.h>
 #include <miebrdf/error.h>
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/io/exr_file.h"
-#include "pipeline/render/late_png.h"
 
 namespace miebrdf::render {
 

@@ -41,12 +41,17 @@ in_root apt-get -qq update || skip "no packages can be fetched in the new root"
 echo "== install"
 in_root sh -c 'apt-get -qq install -y --no-install-recommends /root/*.deb' >"$work/install.log" 2>&1 ||
     { tail -n 20 "$work/install.log"; exit 1; }
-in_root dpkg -l miebrdf libmiebrdf-dev python3-miebrdf | tail -n 3
+in_root dpkg -l miebrdf miebrdf-extras libmiebrdf-dev python3-miebrdf | tail -n 4
 
 echo "== the program"
 in_root miebrdf --version
 in_root miebrdf albedo --base TiO2,radius=0.2 --wavelengths 550 --mu-in 0.5 --quiet
 in_root test -s /usr/share/man/man1/miebrdf.1 -a -s /usr/share/bash-completion/completions/miebrdf
+
+echo "== the plug-ins"
+in_root miebrdf plot nk TiO2 -o /root/nk.png --quiet
+in_root test -s /root/nk.png
+in_root sh -c "ls /usr/lib/*/miebrdf/miebrdf-netcdf.so" >/dev/null
 
 echo "== the arithmetic of each processor"
 for path in x86-64-v3 x86-64-v4; do
@@ -104,7 +109,7 @@ END
 in_root sh -c 'cd /root && g++ -std=c++20 own.cpp -o own $(pkg-config --cflags --libs miebrdf) && ./own'
 
 echo "== purge"
-in_root apt-get -qq purge -y miebrdf libmiebrdf-dev python3-miebrdf >"$work/purge.log" 2>&1
+in_root apt-get -qq purge -y miebrdf miebrdf-extras libmiebrdf-dev python3-miebrdf >"$work/purge.log" 2>&1
 left=$(in_root find /usr /etc /var/lib -name '*miebrdf*' -not -path '*/dpkg/*' -not -path '*/apt/*')
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 if in_root dpkg -l 2>/dev/null | grep miebrdf; then echo "dpkg still knows a package"; exit 1; fi

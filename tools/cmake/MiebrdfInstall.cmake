@@ -35,7 +35,7 @@ if(BUILD_SHARED_LIBS)
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     target_link_libraries(miebrdf_everything PUBLIC ${arithmetic}
                                              PRIVATE ${outside} $<BUILD_INTERFACE:miebrdf_flags>)
-    miebrdf_finds_arithmetic(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
+    miebrdf_finds_libraries(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
 else()
     add_library(miebrdf_everything INTERFACE)
     target_link_libraries(miebrdf_everything INTERFACE ${libraries})

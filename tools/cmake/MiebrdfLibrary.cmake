@@ -125,15 +125,31 @@ function(miebrdf_headers target)
     miebrdf_fast_build(${target} ${ARG_FAST})
 endfunction()
 
-# miebrdf_late_library(TARGET MACRO PREFIX name): the library `name`, which pkg_check_modules has found
-# as PREFIX, is loaded when it is used first (materials/libraries/late_library.h), not linked to. MACRO: what
-# the loader calls it.
-function(miebrdf_late_library target macro prefix name)
-    find_library(${prefix}_FILE NAMES ${name} HINTS ${${prefix}_LIBRARY_DIRS} REQUIRED)
-    mark_as_advanced(${prefix}_FILE)
-    execute_process(COMMAND "${CMAKE_OBJDUMP}" -p "${${prefix}_FILE}" OUTPUT_VARIABLE contents)
-    if(NOT contents MATCHES "SONAME +([^ \n]+)")
-        message(FATAL_ERROR "${${prefix}_FILE} is no shared library: ${CMAKE_OBJDUMP} -p shows no SONAME")
+# miebrdf_plugin(NAME FOR target SOURCES a.cpp ... LINK word ...): miebrdf-NAME.so, a module around a
+# library that few requests need and that takes long to load; TARGET opens it when asked for
+# (pipeline/io/plugin.h).
+function(miebrdf_plugin name)
+    cmake_parse_arguments(ARG "" "FOR" "SOURCES;LINK" ${ARGN})
+    set(plugin miebrdf_${name}_plugin)
+    add_library(${plugin} MODULE ${ARG_SOURCES})
+    target_include_directories(${plugin} PRIVATE "${PROJECT_SOURCE_DIR}")
+    target_link_libraries(${plugin} PRIVATE miebrdf_base ${ARG_LINK} miebrdf_flags)
+    target_link_options(${plugin} PRIVATE LINKER:--no-undefined)
+    set_target_properties(${plugin} PROPERTIES PREFIX "" OUTPUT_NAME miebrdf-${name}
+        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+        LIBRARY_OUTPUT_DIRECTORY "${MIEBRDF_PLUGINS_FOLDER}")
+    add_dependencies(${ARG_FOR} ${plugin})
+    install(TARGETS ${plugin} LIBRARY DESTINATION "${MIEBRDF_INSTALLED_PLUGINS}" COMPONENT extras)
+endfunction()
+
+# miebrdf_finds_libraries(TARGET folder): TARGET, which is installed in this folder below the prefix,
+# finds the plug-ins from there, and the shared libraries of the arithmetic.
+function(miebrdf_finds_libraries target folder)
+    file(RELATIVE_PATH to_plugins "/${folder}" "/${MIEBRDF_INSTALLED_PLUGINS}")
+    set(paths "$ORIGIN/${to_plugins}")
+    if(MIEBRDF_PROCESSOR_PATHS)
+        file(RELATIVE_PATH to_libraries "/${folder}" "/${CMAKE_INSTALL_LIBDIR}")
+        list(APPEND paths "$ORIGIN/${to_libraries}")
     endif()
-    target_compile_definitions(${target} PRIVATE "${macro}=\"${CMAKE_MATCH_1}\"")
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "${paths}")
 endfunction()

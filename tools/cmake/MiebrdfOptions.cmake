@@ -18,11 +18,16 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
-# What is installed belongs to developers, unless it says another component: program, python.
+# What is installed belongs to developers, unless it says another component: program, extras, python.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
 include(CTest)
 include(GNUInstallDirs)
+
+# Plug-ins (miebrdf_plugin): where programs of the build folder and installed ones find them.
+set(MIEBRDF_PLUGINS_FOLDER "${PROJECT_BINARY_DIR}/plugins")
+set(MIEBRDF_INSTALLED_PLUGINS "${CMAKE_INSTALL_LIBDIR}/miebrdf")
+set(CMAKE_BUILD_RPATH "$ORIGIN/../../plugins")  # from tools/miebrdf/, tests/sweep/, ...
 
 # Flags of our own targets only; what users compile against us is theirs to choose.
 add_library(miebrdf_flags INTERFACE)

@@ -1,5 +1,6 @@
-# cpack -G DEB: miebrdf (program and library), libmiebrdf-dev, python3-miebrdf. Build the preset
-# `debian` for it: portable, one shared library, the arithmetic once more for newer processors.
+# cpack -G DEB: miebrdf (program and library), miebrdf-extras (plug-ins), libmiebrdf-dev,
+# python3-miebrdf. Build the preset `debian` for it: portable, one shared library, the arithmetic
+# once more for newer processors.
 # docs/python.md, README.md
 set(CPACK_PACKAGE_NAME miebrdf)
 set(CPACK_PACKAGE_VENDOR miebrdf)
@@ -11,7 +12,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_GENERATOR DEB)
 
-set(CPACK_COMPONENTS_ALL program dev)
+set(CPACK_COMPONENTS_ALL program extras dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -22,10 +23,11 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME miebrdf)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "The program miebrdf, its man page and completions, and the library that other programs load.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_GENERATE_SHLIBS ON)  # ldconfig after installation
-# Loaded late (materials/libraries/late_library.h), so that no file is linked to them.
-set(loaded_late "libmuparser2v5, libopenexr-3-1-30, libsodium23, libsqlite3-0, libyaml-0-2, libzip4")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${loaded_late}")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libembree3-3, libpng16-16, librsvg2-2, libnetcdf19")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "miebrdf-extras")
+
+set(CPACK_DEBIAN_EXTRAS_PACKAGE_NAME miebrdf-extras)
+set(CPACK_COMPONENT_EXTRAS_DESCRIPTION
+    "Plug-ins of miebrdf: charts as PNG (librsvg), tables of sweeps as NetCDF, rendering of meshes (Embree).")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libmiebrdf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -35,7 +37,8 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "miebrdf (= ${PROJECT_VERSION})")
 if(NOT BUILD_SHARED_LIBS)  # archives leave their dependencies to who links them
     string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libeigen3-dev, libboost-dev, libfmt-dev, "
-        "libtbb-dev, nlohmann-json3-dev, libpugixml-dev, ${loaded_late}")
+        "libtbb-dev, nlohmann-json3-dev, libpugixml-dev, libsqlite3-dev, libyaml-dev, libsodium-dev, "
+        "libmuparser-dev, libzip-dev, libopenexr-dev")
 endif()
 
 if(TARGET miebrdf_python)
@@ -46,13 +49,14 @@ if(TARGET miebrdf_python)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
     set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package miebrdf: ${PROJECT_DESCRIPTION}.")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3-numpy, \
-python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next}), ${loaded_late}")
-    set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-xarray")
+python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next})")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "miebrdf-extras, python3-matplotlib, python3-xarray")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm")
 endif()
 
 # Every package of Debian's says under which licence it is.
 set(packages_program miebrdf)
+set(packages_extras miebrdf-extras)
 set(packages_dev libmiebrdf-dev)
 set(packages_python python3-miebrdf)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)

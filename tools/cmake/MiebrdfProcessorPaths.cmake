@@ -83,12 +83,3 @@ function(miebrdf_for_other_processors target)
                 COMPONENT program NAMELINK_SKIP)
     endforeach()
 endfunction()
-
-# miebrdf_finds_arithmetic(TARGET folder): TARGET, which is installed in this folder below the
-# prefix, finds the shared libraries of the arithmetic from there.
-function(miebrdf_finds_arithmetic target folder)
-    if(MIEBRDF_PROCESSOR_PATHS)
-        file(RELATIVE_PATH to_libraries "/${folder}" "/${CMAKE_INSTALL_LIBDIR}")
-        set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_libraries}")
-    endif()
-endfunction()

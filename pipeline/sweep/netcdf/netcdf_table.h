@@ -1,5 +1,5 @@
-// Tables of sweeps as NetCDF-4 files with the CF conventions 1.8. In a build without libnetcdf all
-// of these throw a UsageError that names the package.
+// Tables of sweeps as NetCDF-4 files with the CF conventions 1.8, by the plug-in netcdf. Without it
+// all of these throw a UsageError that names the package.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace miebrdf::sweep {
 
-/// Whether this build has libnetcdf.
+/// Whether the plug-in can be opened.
 bool has_netcdf();
 
 /// One variable for each output over the axes, compressed; error_estimate and converged of each

@@ -2,7 +2,6 @@
 // the pieces (NetCDF: chunks) that are being filled.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <netcdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +9,10 @@
 #include <map>
 
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/io/plugin.h"
 #include "pipeline/sweep/eradiate.h"
 #include "pipeline/sweep/layout.h"
-#include "pipeline/sweep/netcdf/handle.h"
+#include "pipeline/sweep/netcdf/netcdf_file.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 
 namespace miebrdf::sweep {
@@ -53,8 +53,8 @@ std::string long_name_of(const Axis& axis) {
 class NetcdfWriter : public TableWriter {
   public:
     NetcdfWriter(const Sweep& sweep, const Layout& layout, const std::string& file)
-        : sweep_(sweep), layout_(layout), atomic_(file), handle_(file, "write") {
-        handle_.create(atomic_.temporary_path().string());
+        : sweep_(sweep), layout_(layout), atomic_(file), file_(make_netcdf_file(file, "write")) {
+        file_->create(atomic_.temporary_path().string());
         define();
     }
 
@@ -64,17 +64,15 @@ class NetcdfWriter : public TableWriter {
 
     void finish() override {
         put_remarks();
-        handle_.close();
+        file_->close();
         atomic_.commit();
     }
 
   private:
-    int id() const { return handle_.id(); }
-
     void define() {
         put_origin();
         for (const Dimension& dimension : sweep_.dimensions) {
-            const int at = define_dimension(dimension.name, dimension.size());
+            const int at = file_->define_dimension(dimension.name, dimension.size());
             scene_dimensions_.push_back(at);
             scene_shape_.push_back(dimension.size());
             for (const Axis& axis : dimension.axes) {
@@ -89,57 +87,50 @@ class NetcdfWriter : public TableWriter {
                 continue;
             }
             const Axis stored = sweep_.for_eradiate ? eradiate_axis(*axis) : *axis;
-            asked_[axis] = define_dimension(stored.name, stored.size());
+            asked_[axis] = file_->define_dimension(stored.name, stored.size());
             define_axis(stored, asked_[axis]);
         }
         for (const Variable& variable : layout_.variables) define_variable(variable);
         error_estimate_ =
             define_values({"error_estimate",
                            "error estimate, relative to the largest value at its incidence", "1"});
-        converged_ = define_array("converged", NC_BYTE, scene_dimensions_, scene_shape_);
-        handle_.put_text(converged_, "long_name", "whether error_estimate <= the tolerance");
-        const signed char flags[] = {0, 1};
-        handle_.check(nc_put_att_schar(id(), converged_, "flag_values", NC_BYTE, 2, flags));
-        handle_.put_text(converged_, "flag_meanings", "no yes");
-        handle_.put_text(converged_, "coordinates", coordinates_);
-        handle_.check(nc_enddef(id()));
+        converged_ = define_array("converged", NetcdfFile::Type::byte, scene_dimensions_, scene_shape_);
+        file_->put_text(converged_, "long_name", "whether error_estimate <= the tolerance");
+        file_->put_bytes(converged_, "flag_values", {0, 1});
+        file_->put_text(converged_, "flag_meanings", "no yes");
+        file_->put_text(converged_, "coordinates", coordinates_);
+        file_->end_definitions();
     }
 
     void put_origin() {
         const Origin origin = origin_of(sweep_);
-        handle_.put_text(NC_GLOBAL, "Conventions", "CF-1.8");
-        handle_.put_text(NC_GLOBAL, "title", sweep_.title.empty() ? "miebrdf sweep" : sweep_.title);
-        handle_.put_text(NC_GLOBAL, "source", origin.program);
-        handle_.put_text(NC_GLOBAL, "references",
+        file_->put_text(NetcdfFile::kGlobal, "Conventions", "CF-1.8");
+        file_->put_text(NetcdfFile::kGlobal, "title", sweep_.title.empty() ? "miebrdf sweep" : sweep_.title);
+        file_->put_text(NetcdfFile::kGlobal, "source", origin.program);
+        file_->put_text(NetcdfFile::kGlobal, "references",
                          fmt::format("media of the first scene and of texts: {}",
                                      fmt::join(origin.sources, "; ")));
-        handle_.put_text(NC_GLOBAL, "sweep_identity", origin.identity);
-        handle_.put_text(NC_GLOBAL, "sweep_file", sweep_.text);
-    }
-
-    int define_dimension(const std::string& name, std::size_t size) {
-        int dimension = -1;
-        handle_.check(nc_def_dim(id(), name.c_str(), size, &dimension));
-        return dimension;
+        file_->put_text(NetcdfFile::kGlobal, "sweep_identity", origin.identity);
+        file_->put_text(NetcdfFile::kGlobal, "sweep_file", sweep_.text);
     }
 
     void define_axis(const Axis& axis, int dimension) {
-        int variable = -1;
-        handle_.check(nc_def_var(id(), axis.name.c_str(), axis.is_text() ? NC_STRING : NC_DOUBLE, 1,
-                                 &dimension, &variable));
-        handle_.put_text(variable, "long_name", long_name_of(axis));
+        using Type = NetcdfFile::Type;
+        const int variable = file_->define_variable(
+            axis.name, axis.is_text() ? Type::text : Type::number, {dimension});
+        file_->put_text(variable, "long_name", long_name_of(axis));
         if (!axis.is_text())
-            handle_.put_text(variable, "units", axis.unit.empty() ? "1" : axis.unit);
+            file_->put_text(variable, "units", axis.unit.empty() ? "1" : axis.unit);
         if (axis.name == "wavelength_nm" || (sweep_.for_eradiate && axis.name == "w"))
-            handle_.put_text(variable, "standard_name", "radiation_wavelength");
-        if (axis.is_logarithmic) handle_.put_text(variable, "spacing", "logarithmic");
-        handle_.check(nc_enddef(id()));
+            file_->put_text(variable, "standard_name", "radiation_wavelength");
+        if (axis.is_logarithmic) file_->put_text(variable, "spacing", "logarithmic");
+        file_->end_definitions();
         if (axis.is_text()) {
-            handle_.put_strings(variable, axis.words);
+            file_->write(variable, axis.words);
         } else {
-            handle_.check(nc_put_var_double(id(), variable, axis.numbers.data()));
+            file_->write(variable, axis.numbers);
         }
-        handle_.check(nc_redef(id()));
+        file_->begin_definitions();
     }
 
     /// Names and units that Eradiate looks for.
@@ -160,13 +151,12 @@ class NetcdfWriter : public TableWriter {
 
     /// A coordinate without a dimension: Eradiate's check wants three, for one wavelength.
     void define_single(const Axis& axis) {
-        int variable = -1;
-        handle_.check(nc_def_var(id(), axis.name.c_str(), NC_DOUBLE, 0, nullptr, &variable));
-        handle_.put_text(variable, "long_name", long_name_of(axis));
-        handle_.put_text(variable, "units", axis.unit);
-        handle_.check(nc_enddef(id()));
-        handle_.check(nc_put_var_double(id(), variable, axis.numbers.data()));
-        handle_.check(nc_redef(id()));
+        const int variable = file_->define_variable(axis.name, NetcdfFile::Type::number, {});
+        file_->put_text(variable, "long_name", long_name_of(axis));
+        file_->put_text(variable, "units", axis.unit);
+        file_->end_definitions();
+        file_->write(variable, axis.numbers);
+        file_->begin_definitions();
         coordinates_ += (coordinates_.empty() ? "" : " ") + axis.name;
     }
 
@@ -178,14 +168,10 @@ class NetcdfWriter : public TableWriter {
         return axes;
     }
 
-    int define_array(const char* name, nc_type type, const std::vector<int>& dimensions,
+    int define_array(const std::string& name, NetcdfFile::Type type, const std::vector<int>& dimensions,
                      const std::vector<std::size_t>& shape) {
-        int variable = -1;
-        handle_.check(
-            nc_def_var(id(), name, type, int(dimensions.size()), dimensions.data(), &variable));
-        if (shape.empty()) return variable;  // one value
-        handle_.check(nc_def_var_chunking(id(), variable, NC_CHUNKED, piece_of(shape).data()));
-        handle_.check(nc_def_var_deflate(id(), variable, 1, 1, kDeflateLevel));
+        const int variable = file_->define_variable(name, type, dimensions);
+        if (!shape.empty()) file_->compress(variable, piece_of(shape), kDeflateLevel);
         return variable;
     }
 
@@ -196,18 +182,18 @@ class NetcdfWriter : public TableWriter {
             dimensions.push_back(asked_.at(axis));
             shape.push_back(axis->size());
         }
-        const int defined = define_array(variable.name.c_str(), NC_DOUBLE, dimensions, shape);
-        const double none = std::numeric_limits<double>::quiet_NaN();
-        handle_.check(nc_put_att_double(id(), defined, "_FillValue", NC_DOUBLE, 1, &none));
-        handle_.put_text(defined, "long_name", variable.long_name);
-        handle_.put_text(defined, "units", variable.unit);
-        handle_.put_text(defined, "coordinates", coordinates_);
+        const int defined =
+            define_array(variable.name, NetcdfFile::Type::number, dimensions, shape);
+        file_->put_number(defined, "_FillValue", std::numeric_limits<double>::quiet_NaN());
+        file_->put_text(defined, "long_name", variable.long_name);
+        file_->put_text(defined, "units", variable.unit);
+        file_->put_text(defined, "coordinates", coordinates_);
         return defined;
     }
 
     void define_variable(const Variable& variable) {
         variables_.push_back(define_values(variable));
-        handle_.put_text(variables_.back(), "ancillary_variables", "error_estimate converged");
+        file_->put_text(variables_.back(), "ancillary_variables", "error_estimate converged");
     }
 
     void put(std::size_t scene, const SceneResult& result) {
@@ -225,13 +211,11 @@ class NetcdfWriter : public TableWriter {
                 ordered = in_eradiate_order(sweep_, values);
                 values = ordered.data();
             }
-            handle_.check(
-                nc_put_vara_double(id(), variables_[v], start.data(), count.data(), values));
+            file_->write(variables_[v], start, count, values);
         }
-        const signed char converged = result.converged;
-        handle_.check(
-            nc_put_var1_double(id(), error_estimate_, place.data(), &result.error_estimate));
-        handle_.check(nc_put_var1_schar(id(), converged_, place.data(), &converged));
+        file_->write(error_estimate_, place, std::vector<std::size_t>(place.size(), 1),
+                     &result.error_estimate);
+        file_->write(converged_, place, static_cast<signed char>(result.converged));
         if (result.remark.empty()) return;
         remark_scenes_.push_back((long long)(scene));
         remarks_.push_back(result.remark);
@@ -240,23 +224,23 @@ class NetcdfWriter : public TableWriter {
     /// Known when all scenes are; most tables have none.
     void put_remarks() {
         if (remarks_.empty()) return;
-        handle_.check(nc_redef(id()));
-        const int dimension = define_dimension("remark", remarks_.size());
-        int scene = -1, text = -1;
-        handle_.check(nc_def_var(id(), "remark_scene", NC_INT64, 1, &dimension, &scene));
-        handle_.put_text(scene, "long_name",
+        file_->begin_definitions();
+        const int dimension = file_->define_dimension("remark", remarks_.size());
+        const int scene =
+            file_->define_variable("remark_scene", NetcdfFile::Type::integer, {dimension});
+        file_->put_text(scene, "long_name",
                          "number of the scene, from 0; its last dimension advances fastest");
-        handle_.check(nc_def_var(id(), "remark", NC_STRING, 1, &dimension, &text));
-        handle_.put_text(text, "long_name", "why the scene failed or did not converge");
-        handle_.check(nc_enddef(id()));
-        handle_.check(nc_put_var_longlong(id(), scene, remark_scenes_.data()));
-        handle_.put_strings(text, remarks_);
+        const int text = file_->define_variable("remark", NetcdfFile::Type::text, {dimension});
+        file_->put_text(text, "long_name", "why the scene failed or did not converge");
+        file_->end_definitions();
+        file_->write(scene, remark_scenes_);
+        file_->write(text, remarks_);
     }
 
     const Sweep& sweep_;
     const Layout& layout_;
     AtomicFile atomic_;
-    NetcdfHandle handle_;
+    std::unique_ptr<NetcdfFile> file_;
     std::vector<int> scene_dimensions_, variables_;
     std::vector<std::size_t> scene_shape_;
     std::map<const Axis*, int> asked_;
@@ -268,7 +252,13 @@ class NetcdfWriter : public TableWriter {
 
 }  // namespace
 
-bool has_netcdf() { return libnetcdf().is_there(); }
+bool has_netcdf() { return has_plugin("netcdf"); }
+
+std::unique_ptr<NetcdfFile> make_netcdf_file(const std::string& file, const std::string& what) {
+    static const auto make = plugin_function<NetcdfFile*(const std::string&, const std::string&)>(
+        "netcdf", "miebrdf_netcdf_file", "libnetcdf-dev");
+    return std::unique_ptr<NetcdfFile>(make(file, what));
+}
 
 std::unique_ptr<TableWriter> make_netcdf_writer(const Sweep& sweep, const Layout& layout,
                                                 const std::string& file) {

@@ -1,9 +1,10 @@
-#include "pipeline/plot/raster.h"
+// The plug-in rsvg: SVG to PNG by librsvg and cairo.
+#include <cairo.h>
+#include <librsvg/rsvg.h>
 
 #include <memory>
 #include <stdexcept>
-
-#include "pipeline/plot/late_rsvg.h"
+#include <string>
 
 namespace miebrdf::plot {
 namespace {
@@ -29,8 +30,12 @@ cairo_status_t append(void* closure, const unsigned char* data, unsigned int len
 }
 
 }  // namespace
+}  // namespace miebrdf::plot
 
-std::string rasterise(const std::string& svg, int width, int height) {
+extern "C" __attribute__((visibility("default"))) void miebrdf_rasterise(const std::string& svg,
+                                                                         int width, int height,
+                                                                         std::string& png) {
+    using namespace miebrdf::plot;
     GError* error = nullptr;
     const Owned<RsvgHandle> handle(rsvg_handle_new_from_data(
         reinterpret_cast<const guint8*>(svg.data()), static_cast<gsize>(svg.size()), &error));
@@ -40,15 +45,9 @@ std::string rasterise(const std::string& svg, int width, int height) {
     const Owned<cairo_t> context(cairo_create(surface.get()));
     const RsvgRectangle page{0, 0, static_cast<double>(width), static_cast<double>(height)};
     if (!rsvg_handle_render_document(handle.get(), context.get(), &page, &error)) fail(error);
-    std::string png;
     const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), append, &png);
     if (status != CAIRO_STATUS_SUCCESS) {
         throw std::runtime_error(std::string("the chart cannot be drawn: ") +
                                  cairo_status_to_string(status));
     }
-    return png;
 }
-
-bool can_rasterise() { return librsvg().is_there(); }
-
-}  // namespace miebrdf::plot
