@@ -203,8 +203,7 @@ void ExrReader::File::decode(int columns, int rows, int chunk_width, int chunk_h
                 channel.user_line_stride =
                     static_cast<std::int32_t>(plane->line_stride * sizeof(float));
             }
-            if (is_first)
-                require(exr_decoding_choose_default_routines(handle, kPart, &decoder));
+            if (is_first) require(exr_decoding_choose_default_routines(handle, kPart, &decoder));
             require(exr_decoding_run(handle, kPart, &decoder));
         }
     }
@@ -247,18 +246,16 @@ void ExrReader::read(std::span<const ExrPlane<float>> planes) const {
         std::int32_t lines = 0;
         file.require(exr_get_scanlines_per_chunk(file.handle, kPart, &lines));
         const auto chunk_info = [&](int, int row, exr_chunk_info_t* chunk) {
-            return exr_read_scanline_chunk_info(file.handle, kPart, file_->y0 + row * lines,
-                                                     chunk);
+            return exr_read_scanline_chunk_info(file.handle, kPart, file_->y0 + row * lines, chunk);
         };
         file_->decode(1, pieces(file_->height, lines), file_->width, lines, chunk_info, planes);
     } else if (storage == EXR_STORAGE_TILED) {
         std::int32_t width = 0, height = 0;
         constexpr int kFinest = 0;
-        file.require(
-            exr_get_tile_sizes(file.handle, kPart, kFinest, kFinest, &width, &height));
+        file.require(exr_get_tile_sizes(file.handle, kPart, kFinest, kFinest, &width, &height));
         const auto chunk_info = [&](int column, int row, exr_chunk_info_t* chunk) {
             return exr_read_tile_chunk_info(file.handle, kPart, column, row, kFinest, kFinest,
-                                                 chunk);
+                                            chunk);
         };
         file_->decode(pieces(file_->width, width), pieces(file_->height, height), width, height,
                       chunk_info, planes);
@@ -276,15 +273,15 @@ void ExrWriter::File::open(const ExrHeader& header) {
     int part = 0;
     require(exr_add_part(handle, nullptr, EXR_STORAGE_SCANLINE, &part));
     require(exr_initialize_required_attr_simple(handle, part, header.width, header.height,
-                                                     EXR_COMPRESSION_ZIP));
+                                                EXR_COMPRESSION_ZIP));
     for (const std::string& channel : header.channels)
         require(exr_add_channel(handle, part, channel.c_str(), EXR_PIXEL_FLOAT,
-                                     EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+                                EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     for (const auto& [name, text] : header.texts)
         require(exr_attr_set_string(handle, part, name.c_str(), text.c_str()));
     for (const auto& [name, list] : header.lists)
-        require(exr_attr_set_float_vector(
-            handle, part, name.c_str(), static_cast<std::int32_t>(list.size()), list.data()));
+        require(exr_attr_set_float_vector(handle, part, name.c_str(),
+                                          static_cast<std::int32_t>(list.size()), list.data()));
     for (const auto& [name, number] : header.numbers)
         require(exr_attr_set_double(handle, part, name.c_str(), number));
     require(exr_write_header(handle));

@@ -28,10 +28,6 @@ double Planner::transfer_cost(int orders, std::size_t layers) const {
     return orders * order_seconds(size_, layers, cosines()) + values;
 }
 
-double Planner::transfer_cost() const {
-    return rehearsal_.took_place ? rehearsal_.transfer_s : transfer_cost(orders(), layers());
-}
-
 void Planner::radiative_transfer() {
     if (!needs_layers_ || jobs_.empty()) return;
     plan_.steps.push_back(
@@ -43,11 +39,7 @@ void Planner::radiative_transfer() {
                      counted(coats(), shows_substrate() ? "layer" : "coat"),
                      solver_.streams > 0 ? "" : "about ", size_.streams,
                      counted(cosines(), "cosine")),
-         jobs_.size(), jobs() * transfer_cost()});
-    if (rehearsal_.single_angles_s > 0.0) {
-        plan_.steps.push_back({"single angles", "phase functions anew where their noise would show",
-                               jobs_.size(), jobs() * rehearsal_.single_angles_s});
-    }
+         jobs_.size(), jobs() * transfer_cost(orders(), layers())});
     if (!is_albedo()) {
         plan_.steps.push_back({"energy check",
                                "plane albedo at every mu_in, from order 0 of the same solution",
@@ -73,7 +65,6 @@ void Planner::polarisation() {
     // Of three components over one, measured at 16 and 32 nodes.
     constexpr double times_the_work = 10.0;
     if (!needs_layers_ || jobs_.empty()) return;
-    const bool known = rehearsal_.took_place;
     const double more = (times_the_work - 1.0) * transfer_cost(orders(), layers());
     std::map<std::string, std::size_t> scalar, polarised;
     std::size_t unknown = 0;
@@ -84,23 +75,11 @@ void Planner::polarisation() {
         else
             ++(light.components > 1 ? polarised : scalar)[light.reason];
     }
-    std::size_t with_matrices = unknown;
-    for (const auto& [reason, count] : polarised) with_matrices += count;
-    // A rehearsal has the transfer of all components with the rest of it.
-    const double matrices_s = jobs() * rehearsal_.matrices_s /
-                              static_cast<double>(std::max<std::size_t>(1, with_matrices));
     for (const auto& [reason, count] : polarised) {
         plan_.steps.push_back({"polarisation", "light of several components: " + reason, count,
-                               static_cast<double>(count) * (known ? matrices_s : more)});
+                               static_cast<double>(count) * more});
     }
-    if (unknown > 0 && known) {
-        plan_.steps.push_back(
-            {"polarisation",
-             fmt::format("scattering matrices, which tell whether 3 components are needed: so they "
-                         "are at about {:.0f} % of the wavelengths",
-                         100.0 * rehearsal_.polarised),
-             unknown, static_cast<double>(unknown) * matrices_s});
-    } else if (unknown > 0) {
+    if (unknown > 0) {
         plan_.steps.push_back(
             {"polarisation",
              "scattering matrices; with them it is known whether 3 components are needed, which "
@@ -180,7 +159,7 @@ void Planner::boundary() {
             {"boundary",
              fmt::format("{} boundary to an index of {:.4g}",
                          scene_.boundary->is_rough() ? "rough" : "smooth", scene_.top_index(0)),
-             jobs_.size(), rehearsal_.took_place ? 0.0 : cost});
+             jobs_.size(), cost});
     }
 }
 

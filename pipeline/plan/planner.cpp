@@ -64,7 +64,6 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
 
 Plan Planner::plan() {
     list_jobs();
-    rehearse();
     for (const Layer& layer : scene_.empty_layers) leave_out_layer(layer);
     if (scene_.substrate) leave_out("substrate", "a ground in place of a base: no half-space", 0.0);
     hide_layers();
@@ -114,8 +113,7 @@ double Planner::mie_cost(std::size_t medium, std::size_t w) const {
 double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
     if (!species.needs_mie()) return 0.0;
     const Particles& at = species.particles[w];
-    return rehearsal_.mie_factor *
-           mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
+    return mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
                         demand_.tolerance, whole});
 }
 
@@ -138,16 +136,6 @@ double Planner::scene_mie_cost() const {
         if (names.insert(describe(scene_.media[m].medium)).second) sum += mie_cost(m, 0);
     }
     return sum;
-}
-
-void Planner::rehearse() {
-    std::vector<std::size_t> wavelengths;
-    for (const LayerJob& job : jobs_) wavelengths.push_back(job.wavelength);
-    rehearsal_ = miebrdf::rehearse(request_, wavelengths, lowest_);
-    if (!rehearsal_.took_place) return;
-    size_.streams = rehearsal_.streams;
-    // Those that a rule leaves out stay as they are estimated.
-    if (!is_albedo() && !only_zenith(request_.directions)) size_.orders = rehearsal_.orders;
 }
 
 void Planner::leave_out(const std::string& rule, const std::string& reason, double saved_s) {
@@ -231,7 +219,12 @@ void Planner::hide_layers() {
 void Planner::single_scattering() {
     if (jobs_.empty()) return;
     std::set<std::string> given;
-    std::map<std::string, std::pair<const ResolvedSpecies*, std::size_t>> count;  // and jobs
+    struct Work {
+        const ResolvedSpecies* species = nullptr;
+        std::size_t jobs = 0;
+        double seconds = 0.0;
+    };
+    std::map<std::string, Work> work;
     bool mixes = false;
     double repeated_s = 0.0, cached_s = 0.0;
     std::size_t repeated = 0, cached = 0;
@@ -253,24 +246,22 @@ void Planner::single_scattering() {
                     ++cached;
                     cached_s += cost;
                 } else {
-                    auto& [of, jobs] = count[describe(species.species)];
-                    of = &species;
-                    ++jobs;
+                    Work& of = work[describe(species.species)];
+                    of.species = &species;
+                    ++of.jobs;
+                    of.seconds += cost;
                 }
             }
         }
     }
     std::vector<const ResolvedSpecies*> computed;
-    for (const auto& [name, of] : count) {
-        double cost = 0.0;
-        for (const LayerJob& job : jobs_)
-            cost += mie_cost(*of.first, job.wavelength, demand_.whole_phase_function);
+    for (const auto& [name, of] : work) {
         plan_.steps.push_back(
             {"single scattering",
              fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand_.tolerance,
                          demand_.whole_phase_function ? ", every angle" : ", moments only"),
-             of.second, cost});
-        computed.push_back(of.first);
+             of.jobs, of.seconds});
+        computed.push_back(of.species);
     }
     if (!computed.empty() && !mixes) {
         leave_out("one species", "no layer holds more than one species: no mixing", 0.0);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pipeline/plan/cost_model.h"
-#include "pipeline/plan/rehearsal.h"
 #include "pipeline/solve/distinct_directions.h"
 #include "pipeline/solve/layers.h"
 
@@ -26,8 +25,6 @@ class Planner {
   private:
     /// Wavelengths that need work, each job once.
     void list_jobs();
-    /// Does a part of the work, to know what the rest takes.
-    void rehearse();
     void leave_out_layer(const Layer& layer);
     /// Removes what lies below a layer that hides it, as far as that is known before computing.
     void hide_layers();
@@ -63,8 +60,6 @@ class Planner {
     /// Mie theory for all the layers at the first wavelength, each different medium once.
     double scene_mie_cost() const;
     double transfer_cost(int orders, std::size_t layers) const;
-    /// Of one wavelength as it will be solved, several components of light included.
-    double transfer_cost() const;
     double matrix_cost() const;  ///< scattering matrices of all layers at one wavelength
 
     void leave_out(const std::string& rule, const std::string& reason, double saved_s);
@@ -80,7 +75,6 @@ class Planner {
     bool needs_layers_ = true;
     std::size_t lowest_;  ///< index of the lowest medium that shows
     TransferSize size_;
-    Rehearsal rehearsal_;
     std::vector<LayerJob> jobs_;  ///< that need work
     Plan plan_;
 };

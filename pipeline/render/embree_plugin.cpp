@@ -104,12 +104,10 @@ class EmbreeMesh : public MeshRays {
         };
         auto* positions = static_cast<float*>(
             new_buffer(RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), count));
-        auto* normals =
-            static_cast<float*>(new_buffer(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3,
-                                           3 * sizeof(float), count));
-        auto* uv =
-            static_cast<float*>(new_buffer(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1, RTC_FORMAT_FLOAT3,
-                                           3 * sizeof(float), count));
+        auto* normals = static_cast<float*>(new_buffer(
+            RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), count));
+        auto* uv = static_cast<float*>(new_buffer(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1,
+                                                  RTC_FORMAT_FLOAT3, 3 * sizeof(float), count));
         for (std::size_t i = 0; i < count; ++i) {
             for (int axis = 0; axis < 3; ++axis) {
                 *positions++ = mesh.positions[i][axis];

@@ -1,8 +1,8 @@
 #include "pipeline/render/image.h"
 
 #include <fmt/format.h>
-#include <png.h>
 #include <miebrdf/error.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>

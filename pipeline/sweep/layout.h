@@ -44,6 +44,9 @@ struct SceneResult {
     std::string remark = {};  ///< why it failed, or what missed the tolerance
 };
 
+/// @throws UsageError  where transmittances are wanted of a scene that has none
+void require_transmittance(const Sweep& sweep, const Request& request);
+
 /// Solves the scene of this number. Mistakes of the scene are a result, not an exception.
 /// @throws Cancelled
 SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t scene,

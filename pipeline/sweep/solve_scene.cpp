@@ -94,13 +94,6 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
 void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
     const AlbedoValues values = brdf.albedo(sweep.directions().mu_in);
     const std::size_t in = values.mu_in.size();
-    const bool wants_transmittance =
-        sweep.wants(Output::plane_transmittance) || sweep.wants(Output::spherical_transmittance);
-    if (wants_transmittance && values.spherical_transmittance.empty()) {
-        throw UsageError(
-            "there is no transmittance of this scene; it needs a substrate in place of "
-            "the base, and no rough surface");
-    }
     for (std::size_t w = 0; w < values.spherical_albedo.size(); ++w) {
         if (sweep.wants(Output::plane_albedo))
             record.set("plane_albedo", w * in, values.plane_albedo[w]);
@@ -117,12 +110,26 @@ void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
 
 }  // namespace
 
+void require_transmittance(const Sweep& sweep, const Request& request) {
+    const bool is_wanted =
+        sweep.wants(Output::plane_transmittance) || sweep.wants(Output::spherical_transmittance);
+    if (!is_wanted) return;
+    const Scene& scene = request.scene;
+    if (!scene.substrate || scene.surface ||
+        request.solver.coat_method != rte::CoatMethod::automatic) {
+        throw UsageError(
+            "there is no transmittance of this scene; it needs a substrate in place of "
+            "the base, no rough surface, and the automatic coat method");
+    }
+}
+
 SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t scene,
                         const Control& control) {
     SceneResult result;
     Record record(layout, result);
     try {
         const Request request = request_of(sweep, scene);
+        require_transmittance(sweep, request);
         const Brdf brdf = solve(request.scene, sweep.wavelength.numbers, request.solver, control);
         if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep.directions(), record);
         if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);

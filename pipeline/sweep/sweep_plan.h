@@ -1,7 +1,9 @@
-// What a sweep will cost, from a timed sample of its scenes.
+// What a sweep will cost, and which of its scenes cannot be computed, before it runs.
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <vector>
 
 namespace miebrdf {
 struct Control;
@@ -14,24 +16,20 @@ struct Sweep;
 
 struct SweepPlan {
     std::size_t scenes = 0, groups = 0, chunks = 0;
-    double values = 0.0;             ///< numbers in the table
-    double netcdf_bytes = 0.0;       ///< before compression
-    double csv_bytes = 0.0;          ///< about
-    double memory_bytes = 0.0;       ///< at most, of shared single scattering and one chunk
-    std::size_t sampled = 0;         ///< pairs of a group and a wavelength that were timed
-    double sample_seconds = 0.0;     ///< processor time that they took
-    double processor_seconds = 0.0;  ///< of the whole, all threads together
-    /// Standard error of `processor_seconds` from the spread of the sample; not-a-number for a
-    /// single pair.
-    double processor_seconds_error = 0.0;
-    std::size_t processors = 1;  ///< as many threads as the sweep would have
+    double values = 0.0;        ///< numbers in the table
+    double netcdf_bytes = 0.0;  ///< before compression
+    double csv_bytes = 0.0;     ///< about
+    double memory_bytes = 0.0;  ///< at most, of shared single scattering and one chunk
+    std::size_t looked_at = 0;  ///< scenes, spread evenly; all of them where that is soon done
+    std::size_t refused = 0;    ///< scenes of those that cannot be computed
+    std::vector<std::string> refusals = {};  ///< the first of them, each with its values and why
+    double processor_seconds = 0.0;          ///< of the whole, all threads together
+    std::size_t processors = 1;              ///< as many threads as the sweep would have
 };
 
-/// Times single wavelengths of groups on one thread: a low-discrepancy sequence over both, ended
-/// after about `budget_s` of processor time, with at least two of them. Of each: every species'
-/// Mie theory, which counts once for all groups that share it; what the first scene of the group
-/// costs besides; and another scene of it. Processor time does not feel what else the machine does,
-/// but for its share of caches. Nothing is stored.
+/// Puts the rules and formulas of `plan` (miebrdf/plan.h) to the scenes of a sweep. Mie theory that
+/// several scenes share counts once. Computes nothing and stores nothing.
+/// @param budget_s  no more scenes are looked at than take about this processor time
 /// @throws Cancelled
 SweepPlan plan_sweep(const Sweep& sweep, const Layout& layout, double budget_s,
                      const Control& control);

@@ -153,16 +153,26 @@ TEST_CASE("a folder that cannot be written is named", "[sweep][errors]") {
     CHECK_THROWS_WITH(sweep::Parts(sweep, layout, file + "/parts"), Contains("file/parts"));
 }
 
-TEST_CASE("a plan counts everything and times a sample", "[sweep]") {
+TEST_CASE("a plan counts everything, and names the scenes that cannot be computed", "[sweep]") {
     const support::TemporaryFolder folder;
-    const Work work(folder, "work");
+    Work work(folder, "work", text_of_sweep("[0.1, 0.5, 1.5]"));
     const auto plan = sweep::plan_sweep(work.sweep, work.layout, 10.0, Control());
     CHECK(plan.scenes == 6);
     CHECK(plan.values == 18);
     CHECK(plan.chunks == 3);
-    CHECK(plan.sampled >= 2);
+    CHECK(plan.looked_at == 6);
     CHECK(plan.processor_seconds > 0.0);
-    CHECK(plan.processor_seconds_error >= 0.0);
+    // Those that failed when they were computed (the test above), with their values and the reason.
+    std::size_t failed = 0;
+    work.run();
+    for (std::size_t chunk = 0; chunk < plan.chunks; ++chunk) {
+        const auto results = work.parts.read(work.parts.chunks()[chunk]);
+        REQUIRE(results);
+        for (const auto& scene : *results) failed += std::isnan(scene.error_estimate) ? 1 : 0;
+    }
+    CHECK(plan.refused == failed);
+    REQUIRE(plan.refusals.size() == 2);
+    CHECK_THAT(plan.refusals[0], Contains("scene 4 (a = 1.5, g = 0)") && Contains("[0, 1]"));
 }
 
 TEST_CASE("the script for Slurm computes shares and merges them", "[sweep]") {

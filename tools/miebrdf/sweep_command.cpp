@@ -27,7 +27,7 @@ struct SweepArguments {
     std::string costs;
     std::size_t sbatch_parts = 0;
     bool plan = false, merge = false, keep_parts = false;
-    double sample_s = 30.0;
+    double sample_s = 2.0;
 };
 
 bool is_netcdf(const std::string& table) { return fs::path(table).extension() == ".nc"; }
@@ -74,15 +74,16 @@ Table plan_table(const sweep::SweepPlan& plan) {
     add("NetCDF file before compression", std::ceil(plan.netcdf_bytes / 1e3), "kB");
     add("CSV file, about", std::ceil(plan.csv_bytes / 1e3), "kB");
     add("memory, at most", std::ceil(plan.memory_bytes / 1e6), "MB");
-    add("groups and wavelengths timed", double(plan.sampled), "");
-    add("processor time for them", rounded(plan.sample_seconds, 3), "s");
-    add("processor time of the sweep", rounded(plan.processor_seconds, 3), "s");
-    add("standard error of it", rounded(plan.processor_seconds_error, 2), "s");
+    add("scenes looked at", double(plan.looked_at), "");
+    add("scenes of these that cannot be computed", double(plan.refused), "");
+    add("processor time of the sweep", rounded(plan.processor_seconds, 2), "s");
     add("processors", double(plan.processors), "");
-    add("time on them", rounded(plan.processor_seconds / double(plan.processors), 3), "s");
+    add("time on them", rounded(plan.processor_seconds / double(plan.processors), 2), "s");
     table.facts.emplace_back("estimate",
-                             "from single wavelengths of groups, spread over the sweep; the time "
-                             "is that of processors that nothing else uses");
+                             "by the rules and formulas of miebrdf plan, mostly within a factor of "
+                             "3; on processors that nothing else uses");
+    for (const std::string& refusal : plan.refusals)
+        table.facts.emplace_back("cannot be computed", refusal);
     return table;
 }
 
@@ -205,12 +206,13 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
     command.add_option("sweep", arguments.file, "sweep file (TOML): scene, axes, outputs")
         ->type_name("SWEEP.toml")
         ->required();
-    command.add_flag("--plan", arguments.plan,
-                     "tell number of scenes, time from a timed sample, memory and file size; "
-                     "compute nothing else");
+    command.add_flag(
+        "--plan", arguments.plan,
+        "tell number of scenes, which of them cannot be computed, time, memory and file "
+        "size; compute nothing");
     command
         .add_option("--sample-seconds", arguments.sample_s,
-                    "of --plan: no more is timed after this processor time")
+                    "of --plan: look at no more scenes than take about this processor time")
         ->type_name("S")
         ->check(CLI::Range(0.0, 1e6))
         ->capture_default_str();

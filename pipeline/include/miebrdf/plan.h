@@ -1,5 +1,5 @@
 // What a request will cost, what of it is left out, and why, before it is computed: the rules that
-// the solver itself asks, and a rehearsal in small for the times.
+// the solver itself asks, and rough formulas for the times.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -39,9 +39,8 @@ struct EarlierWork {
     std::set<std::string> optics;  ///< names of Mie jobs
 };
 
-/// What brdf.evaluate(directions, parts) would do; the cache of its Control is looked into. Takes
-/// some hundredths of a second, seldom more than 0.2 s, of processor time; times are measured anew
-/// by every call, and differ by what the machine does beside it.
+/// What brdf.evaluate(directions, parts) would do; the cache of its Control is looked into. Nothing
+/// is computed for it: milliseconds.
 /// @param earlier  of the same run; this request's own work is added. Null: it is the only one
 Plan plan_evaluate(const Brdf& brdf, const Directions& directions, const BrdfParts& parts = {},
                    EarlierWork* earlier = nullptr);

@@ -47,9 +47,7 @@ class LibraryFile : public NetcdfFile {
         let_hdf5_rest_at_exit();
         check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_));
     }
-    void open(const std::string& path) override {
-        check(nc_open(path.c_str(), NC_NOWRITE, &id_));
-    }
+    void open(const std::string& path) override { check(nc_open(path.c_str(), NC_NOWRITE, &id_)); }
     void close() override { check(nc_close(std::exchange(id_, -1))); }
 
     void begin_definitions() override { check(nc_redef(id_)); }

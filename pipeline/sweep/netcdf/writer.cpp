@@ -94,7 +94,8 @@ class NetcdfWriter : public TableWriter {
         error_estimate_ =
             define_values({"error_estimate",
                            "error estimate, relative to the largest value at its incidence", "1"});
-        converged_ = define_array("converged", NetcdfFile::Type::byte, scene_dimensions_, scene_shape_);
+        converged_ =
+            define_array("converged", NetcdfFile::Type::byte, scene_dimensions_, scene_shape_);
         file_->put_text(converged_, "long_name", "whether error_estimate <= the tolerance");
         file_->put_bytes(converged_, "flag_values", {0, 1});
         file_->put_text(converged_, "flag_meanings", "no yes");
@@ -105,11 +106,12 @@ class NetcdfWriter : public TableWriter {
     void put_origin() {
         const Origin origin = origin_of(sweep_);
         file_->put_text(NetcdfFile::kGlobal, "Conventions", "CF-1.8");
-        file_->put_text(NetcdfFile::kGlobal, "title", sweep_.title.empty() ? "miebrdf sweep" : sweep_.title);
+        file_->put_text(NetcdfFile::kGlobal, "title",
+                        sweep_.title.empty() ? "miebrdf sweep" : sweep_.title);
         file_->put_text(NetcdfFile::kGlobal, "source", origin.program);
         file_->put_text(NetcdfFile::kGlobal, "references",
-                         fmt::format("media of the first scene and of texts: {}",
-                                     fmt::join(origin.sources, "; ")));
+                        fmt::format("media of the first scene and of texts: {}",
+                                    fmt::join(origin.sources, "; ")));
         file_->put_text(NetcdfFile::kGlobal, "sweep_identity", origin.identity);
         file_->put_text(NetcdfFile::kGlobal, "sweep_file", sweep_.text);
     }
@@ -168,8 +170,8 @@ class NetcdfWriter : public TableWriter {
         return axes;
     }
 
-    int define_array(const std::string& name, NetcdfFile::Type type, const std::vector<int>& dimensions,
-                     const std::vector<std::size_t>& shape) {
+    int define_array(const std::string& name, NetcdfFile::Type type,
+                     const std::vector<int>& dimensions, const std::vector<std::size_t>& shape) {
         const int variable = file_->define_variable(name, type, dimensions);
         if (!shape.empty()) file_->compress(variable, piece_of(shape), kDeflateLevel);
         return variable;
@@ -229,7 +231,7 @@ class NetcdfWriter : public TableWriter {
         const int scene =
             file_->define_variable("remark_scene", NetcdfFile::Type::integer, {dimension});
         file_->put_text(scene, "long_name",
-                         "number of the scene, from 0; its last dimension advances fastest");
+                        "number of the scene, from 0; its last dimension advances fastest");
         const int text = file_->define_variable("remark", NetcdfFile::Type::text, {dimension});
         file_->put_text(text, "long_name", "why the scene failed or did not converge");
         file_->end_definitions();
