@@ -1,13 +1,10 @@
-// What a run found: files, comparisons, the page in a browser, if there is one.
+// What a run found: files, comparisons, plots and the page.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <sstream>
 
 #include <miebrdf/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/bench/curve_plot.h"
 #include "tools/bench/report.h"
 #include "tools/bench/results.h"
 
@@ -130,96 +127,34 @@ std::size_t count(const std::string& text, const std::string& what) {
     return n;
 }
 
-std::string output_of(const std::string& command) {
-    std::string text;
-    FILE* pipe = popen(command.c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    char buffer[4096];
-    while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, n);
-    pclose(pipe);
-    return text;
-}
-
 }  // namespace
 
-TEST_CASE("a plot labels every point with its knob and lists methods without an answer",
+TEST_CASE("a plot has a curve for each method, the front, and bars for methods of chance",
           "[bench][page]") {
-    const auto results = some_results();
-    const auto svg =
-        bench::curve_plot_svg("t", results.measurements, bench::MethodStyles(results.measurements));
-    CHECK(count(svg, "class='knob'") == 8);
-    CHECK(count(svg, "class='curve'") == 3);  // one of them empty
-    CHECK(count(svg, "<circle class='front'") == bench::pareto_front(results.measurements).size());
-    CHECK_THAT(svg, Catch::Contains("no answer: silent -"));
-    CHECK_THAT(svg, Catch::Contains("rough &amp; &lt;ready&gt;"));
+    auto results = some_results();
+    const auto svg = bench::case_plot(results, "suite", "first");
+    CHECK(count(svg, "<circle") == 8 + 2);  // points, and those of the legend
+    for (const char* word : {"suite: first", "exact", "rough &amp; &lt;ready&gt;", "Pareto front",
+                             "CPU time", "largest relative error"})
+        CHECK(count(svg, word) >= 1);
+    CHECK(count(svg, "silent") == 0);  // it has no answer
+    const std::size_t lines = count(svg, "<polyline");
+    results.measurements[1].half_width = 0.3 * results.measurements[1].error;
+    results.measurements[3].half_width = 3 * results.measurements[3].error;
+    CHECK(count(bench::case_plot(results, "suite", "first"), "<polyline") == lines + 2);
+    results.measurements = {point("a", std::nan(""), 1)};
+    CHECK(bench::case_plot(results, "suite", "case, with comma").empty());
+    CHECK(bench::plot_file_name("suite", "case, with comma") == "suite-case-with-comma.svg");
 }
 
-TEST_CASE("whiskers stand on points of chance alone, open where they hold 0", "[bench][page]") {
-    auto points = some_results().measurements;
-    CHECK(count(bench::curve_plot_svg("t", points, bench::MethodStyles(points)),
-                "class='whisker'") == 0);
-    points[1].half_width = 0.3 * points[1].error;
-    points[3].half_width = 3 * points[3].error;
-    const auto svg = bench::curve_plot_svg("t", points, bench::MethodStyles(points));
-    CHECK(count(svg, "class='whisker'") == 2);
-    CHECK(count(svg, "m-3 0h6' stroke") == 1);  // the lower end of the first
-    CHECK(count(svg, "(95 %)") == 2);
-}
-
-TEST_CASE("axes of a plot have labels of times and decades, between them where there are few",
+TEST_CASE("the page has every point, escaped, and refers to nothing but its plots",
           "[bench][page]") {
-    const auto drawn = [](double shortest, double longest, double least, double largest) {
-        const std::vector<bench::Measurement> points = {
-            {"s", "c", "m", "n=1", least, longest, 0, 0},
-            {"s", "c", "m", "n=2", largest, shortest, 0, 0}};
-        return bench::curve_plot_svg("t", points, bench::MethodStyles(points));
-    };
-    const auto svg = drawn(1e-6, 20, 1e-5, 1e-2);
-    for (const char* label :
-         {">1 us<", ">100 us<", ">1 s<", ">10\u207b\u2075<", ">10\u207b\u00b2<"}) {
-        CAPTURE(label, svg);
-        CHECK(count(svg, label) == 1);
-    }
-    const auto close = drawn(1.5e-3, 6e-3, 1e-5, 1e-2);
-    CHECK(count(close, ">2 ms<") == 1);
-    CHECK(count(close, ">5 ms<") == 1);
-    CHECK(count(close, "nan") == 0);
-}
-
-TEST_CASE("the page refers to nothing outside itself", "[bench][page]") {
     const auto page = bench::report_page(some_results());
-    CHECK(count(page, "http://") == count(page, "http://www.w3.org/2000/svg"));
-    CHECK(count(page, "https://") == 0);
-    CHECK(count(page, "<link") == count(page, "href=\"data:,\""));
-}
-
-TEST_CASE("a browser draws the curves and no script fails", "[bench][page]") {
-    if (std::system("command -v chromium >/dev/null 2>&1") != 0) {
-        WARN("skipped: no chromium here");
-        return;
-    }
-    const support::TemporaryFolder folder;
-    // The page's own script first; then one that says what it sees and whether clicking works.
-    std::string page = bench::report_page(some_results());
-    page.insert(page.find("<style>"),
-                "<script>window.failed=0;window.onerror=()=>{window.failed++}</script>");
-    page.insert(
-        page.find("</body>"),
-        "<script>const e=document.querySelector('.legend');e.dispatchEvent(new Event('click'));"
-        "document.body.setAttribute('data-seen',[...document.querySelectorAll('.curve')].filter("
-        "c=>c.getTotalLength()>50).length+' curves, '+document.querySelectorAll('.point').length+' "
-        "points, '"
-        "+[...document.querySelectorAll('.series')].filter(s=>s.style.display==='none').length+' "
-        "hidden, '"
-        "+window.failed+' failed')</script>");
-    const auto path = folder.write("page.html", page);
-    const std::string dom = output_of(
-        "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-        "--disable-background-networking --disable-component-update --disable-sync "
-        "--enable-logging=stderr "
-        "--user-data-dir=" +
-        (folder / "profile") + " --dump-dom file://" + path + " 2>" + (folder / "log"));
-    CAPTURE(dom.substr(0, 200));
-    CHECK_THAT(dom, Catch::Contains("2 curves, 8 points, 1 hidden, 0 failed"));
-    CHECK(count(support::read_file(folder / "log"), "CONSOLE") == 0);
+    CHECK(count(page, "<tr><td>exact</td><td>n=") == 4);
+    CHECK(count(page, "<td>silent</td><td>-</td><td>nan</td>") == 1);
+    CHECK(count(page, "rough &amp; &lt;ready&gt;") >= 4);
+    CHECK(count(page, "miebrdf &lt;test&gt;") == 1);
+    CHECK(count(page, "http") == 0);
+    CHECK(count(page, "src=") == 1);
+    CHECK(count(page, "src=\"suite-first.svg\"") == 1);
 }

@@ -10,7 +10,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
-#include "tools/bench/process_memory.h"
+#include "tests/support/process_memory.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kCountsMemory = false;  // freed memory stays in quarantine
@@ -56,9 +56,9 @@ TEST_CASE("an export takes at most twice its file in memory", "[formats][memory]
     malloc_trim(0);  // else the child begins with free memory that no count shows
     const pid_t child = support::in_child(
         [&] {
-            const double before = bench::resident_bytes();
+            const double before = support::resident_bytes();
             export_brdf(material, find_format(large.format), path, options, {.threads = 1});
-            std::ofstream(folder / "memory") << bench::peak_bytes() - before;
+            std::ofstream(folder / "memory") << support::peak_bytes() - before;
         },
         [](const std::exception&) { return 1; });
     REQUIRE(support::exit_code(child) == 0);

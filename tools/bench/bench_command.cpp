@@ -7,7 +7,6 @@
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/scene/number_list.h"
-#include "tools/bench/curve_plot.h"
 #include "tools/bench/peers.h"
 #include "tools/bench/report.h"
 #include "tools/bench/results.h"
@@ -34,20 +33,6 @@ void write_file(const fs::path& path, const std::function<void(std::ostream&)>& 
     AtomicFile file(path);
     write(file.stream());
     file.commit();
-}
-
-/// "half-space", "g 0.9, albedo 1" -> "half-space-g-0.9-albedo-1.svg"
-std::string file_name(const std::string& suite, const std::string& test_case) {
-    std::string name;
-    for (const char c : fmt::format("{} {}", suite, test_case)) {
-        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.';
-        if (plain) {
-            name += c;
-        } else if (!name.empty() && name.back() != '-') {
-            name += '-';
-        }
-    }
-    return name + ".svg";
 }
 
 bench::Results measured(const BenchArguments& arguments, const Shell& shell) {
@@ -77,14 +62,11 @@ void write_folder(const fs::path& folder, const bench::Results& results,
                [&](std::ostream& out) { bench::write_results(results, out); });
     write_file(folder / "index.html",
                [&](std::ostream& out) { out << bench::report_page(results, changes); });
-    const bench::MethodStyles styles(results.measurements);
     for (const auto& [suite, name] : bench::cases_of(results)) {
         if (bench::is_about_rules(suite)) continue;  // a table, no curve
-        const auto points = bench::of_case(results, suite, name);
-        write_file(
-            folder / file_name(suite, name), [&, suite = suite, name = name](std::ostream& out) {
-                out << bench::curve_plot_svg(fmt::format("{}: {}", suite, name), points, styles);
-            });
+        const std::string plot = bench::case_plot(results, suite, name);
+        write_file(folder / bench::plot_file_name(suite, name),
+                   [&](std::ostream& out) { out << plot; });
     }
     if (!changes.empty()) {
         write_file(folder / "comparison.csv",

@@ -1,47 +1,86 @@
 #include "tools/bench/report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/io/markup.h"
-#include "tools/bench/curve_plot.h"
+#include "pipeline/plot/chart.h"
 
 namespace miebrdf::bench {
 namespace {
 
 constexpr char kHead[] = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>miebrdf: error against run time</title>
-<link rel="icon" href="data:,">
-<style>
-body{font:15px/1.45 Helvetica,Arial,sans-serif;color:#222;max-width:960px;margin:2em auto;padding:0 1em}
-h1{margin-bottom:.2em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}h3{margin:1.6em 0 .3em}
-table{border-collapse:collapse;margin:.6em 0;font-size:13px}td,th{padding:3px 9px;text-align:left;border-bottom:1px solid #e4e4e4}
-svg{max-width:100%;height:auto;border:1px solid #e4e4e4}.legend{cursor:pointer}.off{opacity:.12}
-.faint{color:#777}.faster,.better{color:#00734f}.slower,.worse{color:#b34700}nav a{margin-right:1em}
-</style></head><body>
+<style>body{font:15px sans-serif;max-width:960px;margin:2em auto}
+td,th{padding:2px 9px;text-align:left;border-bottom:1px solid #ddd}</style></head><body>
 )";
 
-constexpr char kScript[] = R"(<script>
-// Click a legend entry to hide or show its curve; move over it to bring it out.
-for (const entry of document.querySelectorAll('svg .legend')) {
-  const svg = entry.ownerSVGElement, method = entry.dataset.method;
-  const all = [...svg.querySelectorAll('.series')], mine = all.filter(s => s.dataset.method === method);
-  entry.addEventListener('click', () => {
-    const hide = entry.classList.toggle('off');
-    for (const s of mine) s.style.display = hide ? 'none' : '';
-  });
-  entry.addEventListener('mouseenter', () => all.forEach(s => s.classList.toggle('off', !mine.includes(s))));
-  entry.addEventListener('mouseleave', () => all.forEach(s => s.classList.remove('off')));
+// Beyond these points are drawn at the edge; the table has the numbers.
+constexpr double kLowestError = 1e-17, kHighestError = 10, kShortestTime = 1e-6;
+
+double drawn_error(double error) { return std::clamp(error, kLowestError, kHighestError); }
+double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
+
+/// The place of a method among all of the results: its colour.
+int colour_of(const Results& results, const std::string& method) {
+    std::vector<std::string> methods;
+    for (const Measurement& m : results.measurements) {
+        if (m.method == method) break;
+        if (std::find(methods.begin(), methods.end(), m.method) == methods.end())
+            methods.push_back(m.method);
+    }
+    return static_cast<int>(methods.size());
 }
-</script>
-)";
+
+/// Stairs along the points that no other one beats in both error and time.
+plot::Curve front_of(const std::vector<Measurement>& points) {
+    plot::Curve front{"Pareto front", {}, {}};
+    for (const std::size_t i : pareto_front(points)) {
+        if (!front.y.empty()) {
+            front.x.push_back(drawn_time(points[i]));
+            front.y.push_back(front.y.back());
+        }
+        front.x.push_back(drawn_time(points[i]));
+        front.y.push_back(drawn_error(points[i].error));
+    }
+    return front;
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+/// Of texts that are not escaped yet; the first row is the head.
+std::string html_table(const Rows& rows) {
+    std::string html = "<table>\n";
+    const char* cell = "th";
+    for (const auto& row : rows) {
+        html += "<tr>";
+        for (const std::string& text : row)
+            html += fmt::format("<{0}>{1}</{0}>", cell, escape_markup(text));
+        html += "</tr>\n";
+        cell = "td";
+    }
+    return html + "</table>\n";
+}
+
+std::string markdown_table(const Rows& rows) {
+    std::string text;
+    for (const auto& row : rows) {
+        text += fmt::format("| {} |\n", fmt::join(row, " | "));
+        if (&row != &rows.front()) continue;
+        for (std::size_t i = 0; i < row.size(); ++i) text += "|---";
+        text += "|\n";
+    }
+    return text;
+}
 
 std::string choice_text(const std::vector<Measurement>& points, double error) {
     const Measurement* best = best_for(points, error);
@@ -57,70 +96,44 @@ std::vector<std::string> suites_of(const Results& results) {
     return suites;
 }
 
-std::string choice_table_html(const Results& results, const std::string& suite) {
-    std::string html = "<table class='choice'><tr><th>case</th>";
-    for (const double e : wanted_errors()) html += fmt::format("<th>error &le; {:.0e}</th>", e);
-    html += "</tr>\n";
+Rows choice_rows(const Results& results, const std::string& suite) {
+    Rows rows = {{"case"}};
+    for (const double e : wanted_errors())
+        rows.front().push_back(fmt::format("error <= {:.0e}", e));
     for (const auto& [s, name] : cases_of(results)) {
         if (s != suite) continue;
         const auto points = of_case(results, s, name);
-        html += "<tr><td>" + escape_markup(name) + "</td>";
-        for (const double e : wanted_errors())
-            html += "<td>" + escape_markup(choice_text(points, e)) + "</td>";
-        html += "</tr>\n";
+        rows.push_back({name});
+        for (const double e : wanted_errors()) rows.back().push_back(choice_text(points, e));
     }
-    return html + "</table>\n";
+    return rows;
 }
 
-std::string rules_html(const Results& results) {
-    std::string html = "<table class='choice'>";
-    const char* cell = "th";
-    for (const auto& row : rule_table(results)) {
-        html += "<tr>";
-        for (const std::string& text : row)
-            html += fmt::format("<{0}>{1}</{0}>", cell, escape_markup(text));
-        html += "</tr>\n";
-        cell = "td";
+Rows point_rows(const std::vector<Measurement>& points) {
+    Rows rows = {{"method", "knob", "error", "95 %", "CPU time", "spread", "memory"}};
+    for (const Measurement& m : points) {
+        rows.push_back({m.method, m.parameter, fmt::format("{:.2e}", m.error),
+                        std::isnan(m.half_width) ? "" : fmt::format("+- {:.1e}", m.half_width),
+                        time_text(m.seconds), fmt::format("{:.0f} %", 100 * m.spread),
+                        fmt::format("{:.3g} MiB", m.memory / 1048576)});
     }
-    return "<p>The same values from a request with all the work, and without what a rule of "
-           "<code>plan</code> leaves out.</p>\n" +
-           html + "</table>\n";
+    return rows;
 }
 
 std::string changes_html(const std::vector<Change>& changes) {
     if (changes.empty()) return {};
-    std::string rows;
-    std::size_t same = 0;
+    Rows rows = {{"case", "method", "time", "error", ""}};
     for (const Change& c : changes) {
-        if (c.verdict == "same") {
-            ++same;
-            continue;
-        }
-        const std::string first_word = c.verdict.substr(0, c.verdict.find(';'));
-        rows += fmt::format(
-            "<tr><td>{} / {}</td><td>{} {}</td><td>{} &rarr; {}</td><td>{:.2e} &rarr; "
-            "{:.2e}</td><td class='{}'>{}</td></tr>\n",
-            escape_markup(c.after.suite), escape_markup(c.after.test_case),
-            escape_markup(c.after.method), escape_markup(c.after.parameter),
-            time_text(c.before.seconds), time_text(c.after.seconds), c.before.error, c.after.error,
-            first_word, c.verdict);
+        if (c.verdict == "same") continue;
+        rows.push_back({c.after.suite + " / " + c.after.test_case,
+                        c.after.method + " " + c.after.parameter,
+                        time_text(c.before.seconds) + " -> " + time_text(c.after.seconds),
+                        fmt::format("{:.2e} -> {:.2e}", c.before.error, c.after.error), c.verdict});
     }
     return fmt::format(
-        "<h2 id='changes'>Since the earlier run</h2>\n<p>{} points compared, {} the same within 10 "
-        "% and their spread.</p>\n"
-        "<table><tr><th>case</th><th>method</th><th>time</th><th>error</th><th></th></tr>\n{}</"
-        "table>\n",
-        changes.size(), same, rows);
-}
-
-std::string facts_html(const Results& results) {
-    std::string rows;
-    for (const auto& [name, value] : results.facts) {
-        if (name.rfind("case ", 0) == 0) continue;
-        rows +=
-            "<tr><td>" + escape_markup(name) + "</td><td>" + escape_markup(value) + "</td></tr>\n";
-    }
-    return "<h2>Machine and versions</h2>\n<table>" + rows + "</table>\n";
+        "<h2>Since the earlier run</h2>\n<p>{} points compared, {} the same within 10 % and their "
+        "spread.</p>\n{}",
+        changes.size(), changes.size() + 1 - rows.size(), html_table(rows));
 }
 
 }  // namespace
@@ -130,51 +143,87 @@ const std::vector<double>& wanted_errors() {
     return errors;
 }
 
+std::string case_plot(const Results& results, const std::string& suite,
+                      const std::string& test_case) {
+    std::vector<Measurement> drawn;
+    for (const Measurement& m : of_case(results, suite, test_case)) {
+        if (std::isfinite(m.error) && m.seconds > 0) drawn.push_back(m);
+    }
+    if (drawn.empty()) return {};
+    plot::Panel panel{{"CPU time of one run (s)", plot::Scale::logarithmic},
+                      {"largest relative error", plot::Scale::logarithmic},
+                      {},
+                      360.0};
+    std::map<std::string, std::size_t> curves;
+    for (const Measurement& m : drawn) {
+        const int colour = colour_of(results, m.method);
+        const auto [place, is_new] = curves.try_emplace(m.method, panel.curves.size());
+        if (is_new) {
+            panel.curves.push_back({m.method, {}, {}, plot::Mark::line_and_points});
+            panel.curves.back().colour = colour;
+        }
+        panel.curves[place->second].x.push_back(drawn_time(m));
+        panel.curves[place->second].y.push_back(drawn_error(m.error));
+    }
+    for (const Measurement& m : drawn) {
+        if (std::isnan(m.half_width)) continue;
+        plot::Curve bar{"", {drawn_time(m), drawn_time(m)}, {}};
+        bar.y = {drawn_error(m.error - m.half_width), drawn_error(m.error + m.half_width)};
+        bar.colour = colour_of(results, m.method);
+        panel.curves.push_back(std::move(bar));
+    }
+    panel.curves.push_back(front_of(drawn));
+    panel.curves.back().shade = 0.0;
+    constexpr double width = 640.0;
+    return plot::draw_chart({panel}, {suite + ": " + test_case, ""}, width).svg;
+}
+
+std::string plot_file_name(const std::string& suite, const std::string& test_case) {
+    std::string name;
+    for (const char c : suite + " " + test_case) {
+        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.';
+        if (plain) {
+            name += c;
+        } else if (!name.empty() && name.back() != '-') {
+            name += '-';
+        }
+    }
+    return name + ".svg";
+}
+
 std::string report_page(const Results& results, const std::vector<Change>& changes) {
     std::string html = kHead;
     html +=
         "<h1>Error against run time</h1>\n<p>Every point is one method at one setting of its knob. "
-        "Lower is more accurate, left is quicker. Rings and the dotted stairs: the Pareto front, "
-        "what no other point beats in both. Whiskers: the 95 % confidence interval of methods that "
-        "use "
-        "chance. Click a method to hide it.</p>\n<nav>";
-    for (const std::string& suite : suites_of(results))
-        html += fmt::format("<a href='#{0}'>{0}</a>", suite);
-    html += "</nav>\n" + changes_html(changes);
-    const MethodStyles styles(results.measurements);
+        "Lower is more accurate, left is quicker.</p>\n" +
+        changes_html(changes);
     for (const std::string& suite : suites_of(results)) {
+        html += fmt::format("<h2>{}</h2>\n", suite);
         if (is_about_rules(suite)) {
-            html += fmt::format("<h2 id='{0}'>{0}</h2>\n{1}", suite, rules_html(results));
+            html +=
+                "<p>The same values from a request with all the work, and without what a rule "
+                "of plan leaves out.</p>\n" +
+                html_table(rule_table(results));
             continue;
         }
-        html += fmt::format("<h2 id='{0}'>{0}</h2>\n<p>What to choose:</p>\n{1}", suite,
-                            choice_table_html(results, suite));
+        html += "<p>What to choose:</p>\n" + html_table(choice_rows(results, suite));
         for (const auto& [s, name] : cases_of(results)) {
             if (s != suite) continue;
             html += fmt::format(
-                "<h3>{}</h3>\n<p class='faint'>{}</p>\n{}", escape_markup(name),
-                escape_markup(description_of(results, s, name)),
-                curve_plot_svg(fmt::format("{}: {}", s, name), of_case(results, s, name), styles));
+                "<h3>{}</h3>\n<p>{}</p>\n<img src=\"{}\" alt=\"\">\n{}", escape_markup(name),
+                escape_markup(description_of(results, s, name)), plot_file_name(s, name),
+                html_table(point_rows(of_case(results, s, name))));
         }
     }
-    return html + facts_html(results) + kScript + "</body></html>\n";
+    Rows facts = {{"machine and versions", ""}};
+    for (const auto& [name, value] : results.facts) {
+        if (name.rfind("case ", 0) != 0) facts.push_back({name, value});
+    }
+    return html + html_table(facts) + "</body></html>\n";
 }
 
 std::string choice_table_markdown(const Results& results, const std::string& suite) {
-    std::string text = "| case |", line = "|---|";
-    for (const double e : wanted_errors()) {
-        text += fmt::format(" error <= {:.0e} |", e);
-        line += "---|";
-    }
-    text += "\n" + line + "\n";
-    for (const auto& [s, name] : cases_of(results)) {
-        if (s != suite) continue;
-        const auto points = of_case(results, s, name);
-        text += "| " + name + " |";
-        for (const double e : wanted_errors()) text += fmt::format(" {} |", choice_text(points, e));
-        text += "\n";
-    }
-    return text;
+    return markdown_table(choice_rows(results, suite));
 }
 
 namespace {
@@ -211,7 +260,7 @@ std::string smallest_error(const std::vector<Measurement>& points, const std::st
 // What the cases of a suite are, and the smallest errors: a row for each method, a column for each
 // case.
 std::string error_table(const Results& results, const std::string& suite) {
-    std::string head = "| method |", line = "|---|";
+    Rows rows = {{"method"}};
     std::vector<std::pair<std::string, std::string>> explained;  // description, names that have it
     std::vector<std::vector<Measurement>> cases;
     std::vector<std::string> methods;
@@ -225,8 +274,7 @@ std::string error_table(const Results& results, const std::string& suite) {
         } else {
             same->second += "; **" + name + "**";
         }
-        head += " " + name + " |";
-        line += "---|";
+        rows.front().push_back(name);
         cases.push_back(of_case(results, suite, name));
         for (const Measurement& point : cases.back()) {
             if (std::find(methods.begin(), methods.end(), point.method) == methods.end())
@@ -236,25 +284,11 @@ std::string error_table(const Results& results, const std::string& suite) {
     std::string text;
     for (const auto& [description, names] : explained)
         text += fmt::format("- {}: {}\n", names, description);
-    text += fmt::format("\n{}\n{}\n", head, line);
     for (const std::string& method : methods) {
-        text += "| " + method + " |";
-        for (const auto& points : cases)
-            text += fmt::format(" {} |", smallest_error(points, method));
-        text += "\n";
+        rows.push_back({method});
+        for (const auto& points : cases) rows.back().push_back(smallest_error(points, method));
     }
-    return text;
-}
-
-std::string rule_markdown(const Results& results) {
-    std::string text;
-    bool head = true;
-    for (const auto& row : rule_table(results)) {
-        text += fmt::format("| {} |\n", fmt::join(row, " | "));
-        if (head) text += "|---|---|---|---|---|---|\n";
-        head = false;
-    }
-    return text;
+    return text + "\n" + markdown_table(rows);
 }
 
 std::string plot_name(std::size_t index, const std::string& suite) {
@@ -287,7 +321,6 @@ void update_document(const std::filesystem::path& path, const std::string& name,
 
 void update_bench_documents(const std::filesystem::path& folder, const Results& results) {
     std::string accuracy = machine_text(results), performance = accuracy, suite_before;
-    const MethodStyles styles(results.measurements);
     std::filesystem::create_directories(folder / "plots");
     std::size_t index = 0;
     for (const auto& [suite, name] : cases_of(results)) {
@@ -300,12 +333,11 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         }
         suite_before = suite;
         const std::string plot = plot_name(index++, suite);
-        write_text(folder / "plots" / plot,
-                   curve_plot_svg(suite + ": " + name, of_case(results, suite, name), styles));
+        write_text(folder / "plots" / plot, case_plot(results, suite, name));
         performance += fmt::format("![{} {}](plots/{})\n\n", suite, name, plot);
     }
     if (!rule_savings(results).empty())
-        performance += fmt::format("### rules\n\n{}\n", rule_markdown(results));
+        performance += fmt::format("### rules\n\n{}\n", markdown_table(rule_table(results)));
     update_document(folder / "accuracy.md", "bench", accuracy);
     update_document(folder / "performance.md", "bench", performance);
 }

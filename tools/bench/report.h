@@ -12,9 +12,18 @@ namespace miebrdf::bench {
 /// The errors that the "what to choose" tables answer for.
 const std::vector<double>& wanted_errors();
 
-/// Curves of every case (inline SVG), what to choose for a wanted error, the comparison with an
-/// earlier run if there is one, machine and versions. Opens without network; a small inline script
-/// shows and hides methods.
+/// Error over time of the points of one case: a curve for each method, in its colour of all cases
+/// of these results; the Pareto front; the 95 % confidence intervals of methods of chance. Errors
+/// below 1e-17 (exact zeros too) and above 10, and times below 1 us, are drawn at these limits.
+/// Empty where no point has an answer.
+std::string case_plot(const Results& results, const std::string& suite,
+                      const std::string& test_case);
+
+/// "half-space", "g 0.9, albedo 1" -> "half-space-g-0.9-albedo-1.svg": where the page expects it.
+std::string plot_file_name(const std::string& suite, const std::string& test_case);
+
+/// HTML: the plot and the points of every case, what to choose for a wanted error, the comparison
+/// with an earlier run if there is one, machine and versions.
 std::string report_page(const Results& results, const std::vector<Change>& changes = {});
 
 /// Markdown of the "what to choose" table of one suite, for the documentation.

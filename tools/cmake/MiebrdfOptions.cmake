@@ -8,7 +8,6 @@ option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ON)
 option(MIEBRDF_BUILD_PYTHON "The Python package, where pybind11 and NumPy are found" ON)
 option(MIEBRDF_PRECOMPILE "Precompiled headers" ON)
 option(MIEBRDF_UNITY "Several sources are compiled as one" OFF)
-option(MIEBRDF_BUILD_BENCHMARKS "Micro-benchmarks (needs Google Benchmark)" OFF)
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-namespace miebrdf::bench {
+namespace miebrdf::support {
 
 inline double resident_bytes() {
     long size = 0, resident = 0;
@@ -20,4 +20,4 @@ inline double peak_bytes() {
     return 1024.0 * double(usage.ru_maxrss);
 }
 
-}  // namespace miebrdf::bench
+}  // namespace miebrdf::support
