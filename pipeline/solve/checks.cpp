@@ -61,16 +61,14 @@ std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
 }
 
 void judge(WavelengthReport& report, double with_transfer, double mie_error_estimate,
-           bool mie_converged, double tolerance) {
+           double tolerance) {
     report.mie_error_estimate = mie_error_estimate;
     report.error_estimate = with_transfer + mie_error_estimate;
-    report.converged =
-        has_converged(report.error_estimate, tolerance, report.solver.converged, mie_converged);
+    report.converged = has_converged(report.error_estimate, tolerance, report.solver.converged);
 }
 
-void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
-           double tolerance) {
-    judge(report, report.solver.error_estimate, mie_error_estimate, mie_converged, tolerance);
+void judge(WavelengthReport& report, double mie_error_estimate, double tolerance) {
+    judge(report, report.solver.error_estimate, mie_error_estimate, tolerance);
 }
 
 }  // namespace miebrdf

@@ -29,12 +29,12 @@ std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
                                    const std::vector<double>& transfer_errors);
 
 /// The one place that decides whether values are converged: all estimates together (transfer, size
-/// averages, points of the phase function) are within `tolerance`, and every step says so.
+/// averages, points of the phase function) are within `tolerance`, and transfer says so. A size
+/// average that missed its own share of the tolerance matters by its estimate alone.
 /// @param report         its solver's part is set
 /// @param with_transfer  of PhaseErrors; of values without points of P the solver's own estimate
 void judge(WavelengthReport& report, double with_transfer, double mie_error_estimate,
-           bool mie_converged, double tolerance);
-void judge(WavelengthReport& report, double mie_error_estimate, bool mie_converged,
            double tolerance);
+void judge(WavelengthReport& report, double mie_error_estimate, double tolerance);
 
 }  // namespace miebrdf

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -98,6 +99,14 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
+/// A value that is no number has no error that an estimate could tell.
+void refuse_lost_values(LayerSlice& slice) {
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    if (std::all_of(slice.values.begin(), slice.values.end(), is_finite)) return;
+    slice.report.error_estimate = std::numeric_limits<double>::infinity();
+    slice.report.converged = false;
+}
+
 /// Fills in the reflection.
 /// @return the error that points of P and transfer have together
 double solve_reflection(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
@@ -169,7 +178,8 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
             ? solve_reflection(request, optics, w, demand, light.components, solver, run, memory,
                                slice)
             : solve_albedos(request, optics, w, light.components, solver, memory, slice);
-    judge(slice.report, with_transfer, optics.mie_error_estimate, optics.converged, tolerance);
+    judge(slice.report, with_transfer, optics.mie_error_estimate, tolerance);
+    refuse_lost_values(slice);
     return slice;
 }
 

@@ -106,7 +106,7 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
             Eigen::Map<const Eigen::VectorXd>(nodes.data(), Eigen::Index(nodes.size())));
         lobe_scale_.assign(scale.begin(), scale.end());
     }
-    judge(report_, optics.mie_error_estimate, optics.converged, solver.tolerance);
+    judge(report_, optics.mie_error_estimate, solver.tolerance);
 }
 
 double WavelengthTable::lobe(const Direction& direction) const {

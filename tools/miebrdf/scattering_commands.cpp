@@ -16,16 +16,17 @@ struct SphereArguments {
     std::string angles;
 };
 
-Table efficiencies(std::complex<double> index, const std::vector<double>& size_parameters,
-                   bool& all_reached) {
+Table efficiencies(std::complex<double> index, const std::vector<double>& size_parameters) {
     Table table;
+    std::string status;  // a word on rounding, the same for all sizes above the smallest
     table.columns = {"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"};
     for (const double x : size_parameters) {
         const mie::SphereOptics sphere = mie::scatter_by_sphere(index, x);
-        all_reached = all_reached && sphere.reached;
+        if (!sphere.reached) status = sphere.status;
         table.rows.push_back({index.real(), index.imag(), x, sphere.q_ext, sphere.q_sca,
                               sphere.q_abs, sphere.q_back, sphere.asymmetry});
     }
+    if (!status.empty()) table.facts.emplace_back("note", status);
     return table;
 }
 
@@ -48,16 +49,13 @@ int run(const SphereArguments& arguments, const Shell& shell) {
     const std::complex<double> index =
         parse_index(std::vector<WordValue>{arguments.index}, "index");
     const auto sizes = parse_number_list(arguments.size_parameters, "size parameter");
-    bool all_reached = true;
     Table table = arguments.angles.empty()
-                      ? efficiencies(index, sizes, all_reached)
+                      ? efficiencies(index, sizes)
                       : amplitudes(index, sizes,
                                    parse_number_list(arguments.angles, "scattering angle (degrees)",
                                                      0.0, 180.0));
-    if (!all_reached)
-        table.facts.emplace_back("not converged", "some series were not summed to rounding");
     shell.write(std::move(table));
-    return all_reached ? kGood : kNotConverged;
+    return kGood;
 }
 
 constexpr double kDefaultMieTolerance = 1e-4;
