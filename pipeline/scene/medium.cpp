@@ -238,9 +238,9 @@ Host host(const std::string& text) {
 
 void validate(const Host& host) {
     const double n = host.index.real(), k = host.index.imag();
-    if (!(n > 0.0 && std::isfinite(n))) throw UsageError("host_index", n, "finite and > 0");
-    if (!(k >= 0.0 && std::isfinite(k)))
-        throw UsageError("host_index, its k", k, "finite and >= 0");
+    if (!(n > 0.0 && n <= kLargestIndex)) throw UsageError("host_index", n, "> 0, up to 1e6");
+    if (!(k >= 0.0 && k <= kLargestIndex))
+        throw UsageError("host_index, its k", k, ">= 0, up to 1e6");
 }
 
 void validate(const Species& species) {

@@ -8,6 +8,7 @@
 
 #include "pipeline/scene/matrix_file.h"
 #include "pipeline/scene/moments_file.h"
+#include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
 namespace {
@@ -32,11 +33,12 @@ MediumKind index() {
             .form = "index:N,K",
             .example = "index:1.5,0.01",
             .help = "spheres of a constant refractive index n + ik; index:N absorbs nothing",
-            .parameters = {{"n", "n > 0", [](double n) { return n > 0.0; }},
-                           {.name = "k",
-                            .allowed = "k >= 0",
-                            .is_allowed = [](double k) { return k >= 0.0; },
-                            .by_default = 0.0}}};
+            .parameters = {
+                {"n", "n > 0, up to 1e6", [](double n) { return n > 0.0 && n <= kLargestIndex; }},
+                {.name = "k",
+                 .allowed = "k >= 0, up to 1e6",
+                 .is_allowed = [](double k) { return k >= 0.0 && k <= kLargestIndex; },
+                 .by_default = 0.0}}};
 }
 
 MediumKind table() {

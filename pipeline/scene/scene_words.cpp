@@ -6,6 +6,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
+#include "pipeline/scene/scene_parts.h"
 #include "pipeline/scene/word_setters.h"
 
 namespace miebrdf {
@@ -95,9 +96,9 @@ std::complex<double> parse_index(std::span<const WordValue> values, const std::s
             fmt::format("{}: {} numbers; write N,K, e.g. 1.5,0, or N alone", what, parts.size()));
     }
     const double n = parts[0], k = parts.size() == 2 ? parts[1] : 0.0;
-    if (!(n > 0.0 && k >= 0.0)) {
-        throw UsageError(
-            fmt::format("{}: {} + {}i is out of range; allowed: n > 0, k >= 0", what, n, k));
+    if (!(n > 0.0 && n <= kLargestIndex && k >= 0.0 && k <= kLargestIndex)) {
+        throw UsageError(fmt::format(
+            "{}: {} + {}i is out of range; allowed: n > 0, k >= 0, both up to 1e6", what, n, k));
     }
     return {n, k};
 }
