@@ -156,15 +156,15 @@ void write_csv(const Table& table, std::ostream& out) {
         out << "# " << name << ": " << line << '\n';
     }
     Pieces pieces(out);
-    if (!table.report_columns.empty()) {
-        write_names(pieces, "# report: ", table.report_columns);
-        RowWriter lines(pieces, "# report: ");
-        for (const auto& row : table.report) lines.write(row);
+    if (!table.columns.empty()) {
+        write_names(pieces, "", table.columns);
+        RowWriter lines(pieces);
+        for_each_row(table, [&](const auto& row) { lines.write(row); });
     }
-    if (table.columns.empty()) return;
-    write_names(pieces, "", table.columns);
-    RowWriter lines(pieces);
-    for_each_row(table, [&](const auto& row) { lines.write(row); });
+    if (table.report_columns.empty()) return;
+    write_names(pieces, "# report: ", table.report_columns);
+    RowWriter lines(pieces, "# report: ");
+    for (const auto& row : table.report) lines.write(row);
 }
 
 // The rows are put between what comes before and after them, as one document would be written with

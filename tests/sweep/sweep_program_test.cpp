@@ -135,6 +135,19 @@ TEST_CASE("look-ups find nodes and what lies between", "[sweep][program]") {
     CHECK(run_program("lookup " + folder.write("no.nc", "no table")).exit_code == 3);
 }
 
+TEST_CASE("a sweep with scenes that cannot be computed says so, not that a tolerance is missed",
+          "[sweep][program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("s.toml",
+                                          "outputs = [\"spherical_albedo\"]\n[scene]\nbase = "
+                                          "\"isotropic:{a}\"\n[axes]\na = [0.5, 1.5]\n"
+                                          "wavelength_nm = 550\n");
+    const auto run = run_program("sweep " + file + " -o " + (folder / "t.csv"));
+    CHECK(run.exit_code == 4);
+    CHECK_THAT(run.err, Contains("1 of 2 scenes could not be computed") && Contains("remark") &&
+                            !Contains("--tolerance"));
+}
+
 TEST_CASE("sweeps refuse what they cannot do before they begin", "[sweep][program][errors]") {
     const support::TemporaryFolder folder;
     const std::string file = folder.write("s.toml", kProgramSweep);

@@ -50,6 +50,10 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
         {"sphere --index 1.5,0 --size-parameter -1", {"-1"}},
         {"sphere --index 1.5,0 --size-parameter 1 --angles 200", {"200", "180"}},
         {"optics index:0,0", {"n > 0"}},
+        // Squares of such numbers overflow: the albedo had no value, and exit code 0.
+        {"albedo --substrate mirror:index:1e155,1 --coat isotropic:0.5@1", {"1e+155", "1e6"}},
+        {"brdf --base TiO2 --roughness 0.3 --surface-index 1,1e155 --mu-in 1 --mu-out 1",
+         {"1e+155", "1e6"}},
         {"phase hg:0.9,0.5 --angles -1", {"-1", "[0, 180]"}},
         {"table1 --convention 9", {"9"}},
     };
@@ -157,6 +161,54 @@ TEST_CASE("an output that cannot be written leaves nothing behind", "[program][e
         kBadInput, {"/no/such/dir/x.csv", "no folder '/no/such/dir'"});
     check_one_line(support::run_program("brdf --base isotropic:0.9" + kDirections + "-o /dev/full"),
                    kBadInput, {"/dev/full"});
+}
+
+TEST_CASE("no command replaces a file that it reads", "[program][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string text =
+        "base = \"isotropic:0.9\"\nwavelengths = 550\n[[result]]\ncommand = \"albedo\"\nmu-in = "
+        "0.5\n";
+    const std::string scene = folder.write("scene.toml", text);
+    for (const char* command : {"plan ", "report "}) {
+        CAPTURE(command);
+        check_one_line(support::run_program(command + scene + " -o " + scene), kUsage,
+                       {"scene.toml", "is read", "-o"});
+    }
+    const std::string own =
+        folder.write("own.toml", text + "output = \"" + (folder / "own.toml") + "\"\n");
+    const std::string before = support::read_file(own);
+    check_one_line(support::run_program("run " + own), kUsage, {"own.toml", "is read"});
+    CHECK(support::read_file(own) == before);
+    CHECK(support::read_file(scene) == text);
+    // An earlier result is no input.
+    const std::string old = folder.write("old.csv", "");
+    for (const std::string option : {"-o ", "--output=", "--output "}) {
+        CAPTURE(option);
+        CHECK(support::run_program("albedo --base isotropic:0.9 --wavelengths 550 --mu-in 0.5 " +
+                                   option + old)
+                  .exit_code == 0);
+    }
+}
+
+TEST_CASE("an unknown command is one with --help, too", "[program][errors]") {
+    check_one_line(support::run_program("albeod --help"), kUsage, {"albeod", "albedo"});
+    check_one_line(support::run_program("materials serch --help"), kUsage, {"serch", "search"});
+    CHECK(support::run_program("materials --help").exit_code == 0);
+    CHECK(support::run_program("--help").exit_code == 0);
+}
+
+TEST_CASE("what is within the tolerance is converged, whichever step took more than its share",
+          "[program]") {
+    // Mie theory alone has 2.5e-5 of 1e-4 here, more than its share.
+    const auto ice = support::run_program(
+        "albedo --base H2O_ice,radius=31.5 --wavelengths 1300 --mu-in .5 --tolerance 1e-4");
+    CHECK(ice.exit_code == 0);
+    CHECK_THAT(ice.out, !Catch::Contains("not converged"));
+    // 11 digits are all that 1.003 has to the host; the series themselves are whole.
+    const auto sphere = support::run_program("sphere --index 1.003 --size-parameter 1");
+    CHECK(sphere.exit_code == 0);
+    CHECK_THAT(sphere.out, Catch::Contains("# note: index within 3.0e-03 of the host's: about 11"));
+    CHECK(sphere.err.empty());
 }
 
 TEST_CASE("an error after the output was named leaves no partial file and keeps the old one",

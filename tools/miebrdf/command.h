@@ -80,6 +80,10 @@ class Shell {
     /// The same, once, when the command has succeeded: bad input is answered with one line alone.
     void note_at_end(const std::string& line) const;
 
+    /// What the program says where a command ends with kNotConverged.
+    const std::string& advice() const { return advice_; }
+    void set_advice(std::string advice) const { advice_ = std::move(advice); }
+
     /// Threads, progress on a terminal's stderr, Ctrl-C and the cache for a computation.
     Control control() const;
 
@@ -105,6 +109,10 @@ class Shell {
     mutable std::shared_ptr<ResultCache> cache_;  ///< opened when first wanted, like the next
     mutable std::shared_ptr<ProgressLine> progress_;
     mutable std::vector<std::string> notes_at_end_;
+    mutable std::string advice_ =
+        "not converged: the estimated error is above the tolerance; what was written says where "
+        "('not converged'). Accept it by a larger --tolerance, or lower it by more --streams (at "
+        "most 256; twice as many take up to eight times as long)";
     std::vector<std::string> scene_words_;
     std::function<Job()> prepare_;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -182,6 +183,18 @@ int complain(int code, const std::string& message) {
     return code;
 }
 
+/// The word that stands where a command should, if none of them is called so.
+std::optional<std::string> unknown_command(const CLI::App& command, const std::string& path) {
+    if (const CLI::App* next = typed_subcommand(command))
+        return unknown_command(*next, path + " " + next->get_name());
+    if (command_names(command).empty()) return std::nullopt;
+    const std::vector<std::string> words = command.remaining();
+    const auto word = std::find_if(words.begin(), words.end(),
+                                   [](const std::string& w) { return !w.empty() && w[0] != '-'; });
+    if (word == words.end()) return std::nullopt;
+    return fmt::format("{} (see {} --help)", unknown_word(*word, command), path);
+}
+
 /// The commands that these arguments can be about: describing all of them takes longer than many a
 /// command. All where a word is not known, so that near ones can be named, and for --help.
 std::span<const Command> commands_for(const std::vector<std::string>& arguments,
@@ -205,18 +218,15 @@ int parse_and_run(std::span<const Command> commands, const std::vector<std::stri
         // CLI11 takes its arguments from the back.
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
     } catch (const CLI::Success& success) {
+        if (const auto unknown = unknown_command(program, program.get_name()))
+            return complain(kUsage, *unknown);
         return program.exit(success);  // --help, --version
     } catch (const CLI::ParseError& error) {
         return complain(kUsage, explain(program, error));
     }
+    refuse_to_overwrite(shell.common().output, arguments);
     const int code = shell.prepare()();
-    if (code == kNotConverged) {
-        shell.note(
-            "not converged: the estimated error is above the tolerance; what was written says "
-            "where "
-            "('not converged'). Accept it by a larger --tolerance, or lower it by more --streams "
-            "(at most 256; twice as many take up to eight times as long); exit code 4");
-    }
+    if (code == kNotConverged) shell.note(shell.advice() + "; exit code 4");
     return code;
 }
 
@@ -225,6 +235,25 @@ int parse_and_run(std::span<const Command> commands, const std::vector<std::stri
 void add_commands(CLI::App& parent, Shell& shell, std::span<const Command> commands) {
     for (const Command& command : commands)
         command.add(*parent.add_subcommand(command.name, command.help), shell);
+}
+
+void refuse_to_overwrite(const std::string& output, const std::vector<std::string>& read) {
+    namespace fs = std::filesystem;
+    std::error_code unknown;
+    if (!fs::is_regular_file(output, unknown)) return;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+        const bool is_output = read[i].starts_with("--output=") ||
+                               (i > 0 && (read[i - 1] == "-o" || read[i - 1] == "--output"));
+        if (is_output) continue;
+        // FILE, FILE#2, name=FILE, kind:FILE
+        const std::string word = read[i].substr(0, read[i].rfind('#'));
+        for (const std::size_t begin : {std::size_t{0}, word.find('=') + 1, word.find(':') + 1}) {
+            if (!fs::equivalent(word.substr(begin), output, unknown) || unknown) continue;
+            throw UsageError(fmt::format(
+                "'{}' is read by this command, which would replace it; give -o another file",
+                output));
+        }
+    }
 }
 
 std::string command_line_of(const std::vector<std::string>& arguments) {

@@ -33,6 +33,12 @@ int run_main(std::span<const Command> commands, int argc, char** argv);
 /// Adds subcommands to a program, or to a command that has some.
 void add_commands(CLI::App& parent, Shell& shell, std::span<const Command> commands);
 
+/// @param read  words of a command line or scene file, of which some are names of files; what
+/// stands
+///              behind -o is none of them
+/// @throws UsageError  for an output that is one of these files
+void refuse_to_overwrite(const std::string& output, const std::vector<std::string>& read);
+
 /// The command line as a shell would read it back: "miebrdf brdf --base TiO2 ...".
 std::string command_line_of(const std::vector<std::string>& arguments);
 

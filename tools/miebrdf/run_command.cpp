@@ -47,12 +47,14 @@ SceneFileCommand file_command(const Command& command) {
     return known;
 }
 
+bool is_output(const SceneFileKey& key) { return key.name == "output" || key.name == "exr"; }
+
 /// Two results that name one file: the second would replace the first.
 void refuse_one_file_twice(const std::vector<SceneFileResult>& results) {
     std::map<std::filesystem::path, std::size_t> owner;
     for (std::size_t i = 0; i < results.size(); ++i) {
         for (const SceneFileKey& key : results[i].keys) {
-            if (key.name != "output" && key.name != "exr") continue;
+            if (!is_output(key)) continue;
             const std::string file = text_of(key.values.front());
             if (file == "-") continue;
             const auto path = std::filesystem::weakly_canonical(file);
@@ -152,6 +154,16 @@ int run(const std::string& path, const Shell& shell) {
     }
     const std::vector<SceneFileResult> results = read_scene_results(path);
     refuse_one_file_twice(results);
+    for (const SceneFileResult& result : results) {
+        std::vector<std::string> read = {path};
+        for (const SceneFileKey& key : result.keys) {
+            if (is_output(key)) continue;
+            for (const WordValue& value : key.values) read.push_back(text_of(value));
+        }
+        for (const SceneFileKey& key : result.keys) {
+            if (is_output(key)) refuse_to_overwrite(text_of(key.values.front()), read);
+        }
+    }
     // Mistakes in any result come to light here, before the first is computed.
     const std::shared_ptr<OpticsMemo> memo = make_optics_memo();
     std::vector<Running> all;

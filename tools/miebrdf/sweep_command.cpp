@@ -98,6 +98,15 @@ int tell_report(const sweep::TableReport& report, const std::string& table, cons
     files.rows.push_back({table, double(report.scenes), double(report.failed),
                           double(report.not_converged), report.error_estimate});
     shell.tell_written(std::move(files));
+    if (report.failed > 0) {
+        shell.set_advice(fmt::format(
+            "{} of {} scenes could not be computed and have no values; 'remark' in the table says "
+            "why{}",
+            report.failed, report.scenes,
+            report.not_converged > 0
+                ? fmt::format("; {} others are above the tolerance", report.not_converged)
+                : ""));
+    }
     return report.failed + report.not_converged == 0 ? kGood : kNotConverged;
 }
 
