@@ -120,8 +120,9 @@ TEST_CASE("every saving is an estimate above or equal to zero", "[pipeline][plan
     }
 }
 
-TEST_CASE("a plan knows the number of nodes that the solution will end with", "[pipeline][plan]") {
-    // Spheres that take the first numbers of nodes, and some that take more.
+TEST_CASE("a plan knows about how many nodes the solution will end with", "[pipeline][plan]") {
+    // Spheres that take the first numbers of nodes, and some that take more. The formula has an rms
+    // of .38 in the logarithm (cost_model.cpp), and numbers of nodes go in steps of up to 1.5.
     const double radius_um = GENERATE(0.05, 1.0, 6.0);
     Scene scene = support::scene_of("TiO2", {"AlGaAs7@0.1"});
     scene.particles.sizes.effective_radius_um = radius_um;
@@ -131,25 +132,30 @@ TEST_CASE("a plan knows the number of nodes that the solution will end with", "[
         std::find_if(plan.steps.begin(), plan.steps.end(),
                      [](const PlannedStep& s) { return s.stage == "radiative transfer"; });
     REQUIRE(transfer != plan.steps.end());
-    const int streams = brdf.evaluate(kDirections).wavelengths[0].solver.streams;
-    CAPTURE(radius_um, streams);
-    CHECK_THAT(transfer->what, Catch::Contains("about " + std::to_string(streams) + " streams"));
+    const std::size_t place = transfer->what.rfind(" streams");
+    REQUIRE(place != std::string::npos);
+    const double planned =
+        std::stod(transfer->what.substr(transfer->what.rfind(' ', place - 1) + 1));
+    const double streams = brdf.evaluate(kDirections).wavelengths[0].solver.streams;
+    CAPTURE(radius_um, streams, transfer->what);
+    CHECK(planned <= 2 * streams);
+    CHECK(streams <= 2 * planned);
 }
 
-TEST_CASE("a plan tells the time of a run", "[pipeline][plan]") {
-    // Both are processor time of the same code: a factor of 3 is for wavelengths that take other
-    // numbers of nodes or sizes than the one that is looked at.
+TEST_CASE("a plan tells about the time of a run", "[pipeline][plan]") {
+    // A factor of 3 is what formulas reach for most scenes, another is for machines and builds that
+    // are faster or slower than the one they were fitted to.
     Scene scene = support::scene_of("TiO2", {"AlGaAs7@0.1"});
     scene.particles.sizes.effective_radius_um = 4;
     const Brdf brdf = solve(scene, {450, 500, 550, 600, 650}, {}, {.threads = 1});
-    double planned_s = std::numeric_limits<double>::infinity(), taken_s = planned_s;
+    const double planned_s = plan_evaluate(brdf, kDirections).seconds();
+    double taken_s = std::numeric_limits<double>::infinity();
     for (int round = 0; round < 3; ++round) {
-        planned_s = std::min(planned_s, plan_evaluate(brdf, kDirections).seconds());
         const std::clock_t start = std::clock();
         brdf.evaluate(kDirections);
         taken_s = std::min(taken_s, double(std::clock() - start) / CLOCKS_PER_SEC);
     }
     CAPTURE(planned_s, taken_s);
-    CHECK(planned_s <= 3 * taken_s);
-    CHECK(taken_s <= 3 * planned_s);
+    CHECK(planned_s <= 9 * taken_s);
+    CHECK(taken_s <= 9 * planned_s);
 }
