@@ -87,7 +87,7 @@ double seconds_of(const MieFit& fit, const MieWork& work) {
 // size averages of random scenes (tools/bench/plan_against_runs.py; those that take 0.3 ms or more,
 // native build). Of 313 others that take 2 ms or more 76 % lie within a factor of 2 where the phase
 // function is wanted, of 74 others 49 % where it is not: there narrow resonances decide, which no
-// smooth formula knows. A rehearsal does (rehearsal.h); this is for what it leaves out.
+// smooth formula knows.
 double mie_seconds(const MieWork& work) {
     constexpr MieFit kWhole = {1.13e-3, 0.621, 0.331, 0.129, 0.189, -0.172,
                                0.58,    1.76,  1.14,  0.335, 0.667, 0.515};

@@ -62,10 +62,13 @@ void Planner::radiative_transfer() {
 }
 
 void Planner::polarisation() {
-    // Of three components over one, measured at 16 and 32 nodes.
+    // Of solutions with three components over one, measured at 16 and 32 nodes; the sum over orders
+    // is of one component more.
     constexpr double times_the_work = 10.0;
     if (!needs_layers_ || jobs_.empty()) return;
-    const double more = (times_the_work - 1.0) * transfer_cost(orders(), layers());
+    const double solution_s = orders() * order_seconds(size_, layers(), cosines());
+    const double more = (times_the_work - 1.0) * solution_s +
+                        (transfer_cost(orders(), layers()) - solution_s);
     std::map<std::string, std::size_t> scalar, polarised;
     std::size_t unknown = 0;
     for (const LayerJob& job : jobs_) {
