@@ -22,7 +22,7 @@ template <typename Law>
 RadiusRange between_tails(const Law& area, const Law& scattering, double mean_fourth_power,
                           double tail, double saturation) {
     double largest = 0;
-    // As if all were small, and what is scattered really: mean of x^4 and of min(1, x^4).
+    // Two means: of x^4, as if all spheres were small, and of min(1, x^4), as they really scatter.
     const double as_small = saturation > 0 ? mean_fourth_power / std::pow(saturation, 4) : 0;
     if (!(saturation > 0)) {
         largest = quantile(complement(area, tail));

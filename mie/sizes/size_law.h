@@ -1,4 +1,4 @@
-// What a law of size distributions has to say for averages over it. A new law is a file that fills
+// A law of size distributions tells averages this much. A new law is a file that fills
 // in a SizeLaw, and its name in the list of size_laws.cpp.
 #pragma once
 
@@ -50,7 +50,7 @@ struct SizeLaw {
 
     /// @throws UsageError
     void (*validate)(const SizeDistribution&) = require_radius_and_variance;
-    /// As radius_range(); laws that have ends ignore tail and saturation radius.
+    /// Works as radius_range() does; laws that have ends ignore tail and saturation radius.
     RadiusRange (*range)(const SizeDistribution&, double tail, double saturation_radius_um);
     std::unique_ptr<const AreaDensity> (*area_density)(const SizeDistribution&) = nullptr;
     double (*area_share_within)(const SizeDistribution&, const RadiusRange&) =

@@ -1,4 +1,4 @@
-// Which sizes an average is taken over: rules of nodes, and pass after pass of more of them.
+// The sizes that an average is taken over: rules of nodes, and pass after pass of more of them.
 #pragma once
 
 #include <vector>

@@ -159,7 +159,7 @@ class InsideOrders {
     /// Upward, where upward_is_stable.
     static InsideOrders upward(Number z, int terms);
 
-    /// What has been computed upward elsewhere: psi_n(z), n = 0 ... terms.
+    /// Takes waves that were computed upward elsewhere: psi_n(z), n = 0 ... terms.
     static InsideOrders of_upward(KeptVector<double> psi, int terms);
 
     Values here(int n) const { return here_.at(n); }  ///< psi_n ... psi_{n+7}

@@ -41,7 +41,7 @@ RadialFunctions radial_functions(double size_parameter, int highest_order, doubl
 std::vector<std::complex<double>> logarithmic_derivatives(std::complex<double> z,
                                                           int highest_order);
 
-/// The same for real z, in real arithmetic.
+/// Logarithmic derivatives for real z, in real arithmetic.
 std::vector<double> logarithmic_derivatives(double z, int highest_order);
 
 /// D_n(z) at one order by the WKB expansion of its Riccati equation, to rounding; empty where the

@@ -23,7 +23,7 @@ struct WavePair {
     ComplexVector here, before;
 };
 
-// What the waves inside are multiplied by: first X_{n-1} - second X_n.
+// Factors of the waves inside: first X_{n-1} - second X_n.
 struct InsidePair {
     ComplexVector first, second;
 
@@ -32,7 +32,7 @@ struct InsidePair {
     }
 };
 
-// Of a_n, times m.
+// The pair of a_n, times m.
 // @param slope  m - 1 / m
 template <typename Number>
 MIEBRDF_VECTOR InsidePair electric(Number m, Number slope, const WavePair& z,

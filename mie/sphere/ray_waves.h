@@ -7,7 +7,7 @@
 
 namespace miebrdf::mie {
 
-/// What the boundary does to a partial wave of one polarisation, for eight sizes:
+/// The response of the boundary to a partial wave of one polarisation, for eight sizes:
 ///     a_n = 1/2 [1 - outer - sum_{p>=1} through inner^(p-1)]
 /// (Debye 1909; Hovenac & Lock 1992, J. Opt. Soc. Am. A 9, 781, eq. 5-8).
 struct RayResponse {

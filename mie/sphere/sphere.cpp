@@ -145,7 +145,7 @@ OrderSums sums_of(Complex m, double x) {
     return sum_orders(m.imag() == 0 ? by_vectors(m.real(), x) : by_vectors(m, x));
 }
 
-// What rounding leaves: the coefficients hang on m^2 - 1, formed from parts of size 1.
+// The accuracy that rounding leaves: the coefficients hang on m^2 - 1, formed from parts of size 1.
 double estimated_accuracy(Complex m, double x) {
     const double rounding = std::numeric_limits<double>::epsilon();
     const bool cancels = x >= 0.5;  // below, the contrast is taken in closed form

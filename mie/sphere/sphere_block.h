@@ -27,17 +27,17 @@ struct SphereBlockOf {
     struct Orders {
         int first, last;
     };
-    /// Of each eight columns [8 i, 8 i + 8) and their imaginary parts: rows below and above are
-    /// zero, or too little to count.
+    /// Rows of each eight columns [8 i, 8 i + 8) and their imaginary parts: those below and above
+    /// are zero, or too little to count.
     std::vector<Orders> orders;
 
     /// Makes room, and lets all columns have all orders; memory grows, and is reused while the
     /// number of spheres stays. Rows may be more than terms + 1.
     void make_room(int terms, int size);
 
-    /// Of all columns [first_column, first_column + count), and of those that the widest register
-    /// of any machine holds together with them: what is too little to count is then the same
-    /// whatever the width of vectors.
+    /// Rows of all columns [first_column, first_column + count), and of those that the widest
+    /// register of any machine holds together with them: what is too little to count is then the
+    /// same whatever the width of vectors.
     Orders orders_of(int first_column, int count) const;
 };
 

@@ -19,7 +19,7 @@ constexpr int kVectorSize = 2;
 #endif
 using Vector = double __attribute__((vector_size(kVectorSize * sizeof(double))));
 using FloatVector = float __attribute__((vector_size(kVectorSize * sizeof(float))));
-/// As many bytes as Vector: the same lanes of two numbers, say of both polarisations.
+/// A vector of as many bytes as Vector: the same lanes of two numbers, say of both polarisations.
 using FloatPair = float __attribute__((vector_size(kVectorSize * sizeof(double))));
 
 #define MIEBRDF_VECTOR [[gnu::always_inline]] inline

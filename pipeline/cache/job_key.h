@@ -1,4 +1,4 @@
-// What identifies a computation, so that its result can be found again.
+// A key identifies a computation, so that its result can be found again.
 #pragma once
 
 #include <complex>

@@ -94,7 +94,7 @@ int next_finer(const Format& format, const ExportJob& job, int resolution) {
     return next;
 }
 
-/// How often the bound of its region a deviation is.
+/// A deviation divided by the bound of its region.
 double excess_of(const RegionDeviation& region, const AcceptedErrors& accepted) {
     return region.rms / accepted.of(region.kind);
 }

@@ -66,8 +66,8 @@ void check(const HemisphereMap& map) {
     }
 }
 
-/// Those that choose the ends of the colours: at the horizon a BRDF may fall or grow without bound,
-/// and the rest of the picture would be of one colour.
+/// Values that choose the ends of the colours: at the horizon a BRDF may fall or grow without
+/// bound, and the rest of the picture would be of one colour.
 std::vector<double> shown_values(const HemisphereMap& map) {
     std::vector<double> values;
     for (int y = 0; y < map.size / 2; ++y) {

@@ -27,8 +27,8 @@ struct HemisphereMap {
     Scale scale = Scale::linear;
 };
 
-/// Where the centre of a pixel looks: the distance from the centre is the zenith angle, up to 90
-/// degrees at the rim. Nothing outside the disk.
+/// The direction at the centre of a pixel: the distance from the centre is the zenith angle, up to
+/// 90 degrees at the rim. Nothing outside the disk.
 std::optional<ViewAngles> pixel_angles(int size, int x, int y);
 
 /// The colours of the whole disk.

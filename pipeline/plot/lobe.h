@@ -22,7 +22,7 @@ class RadialScale {
         const double position = axis_.position(value);
         return std::isfinite(position) ? std::clamp(position, 0.0, 1.0) : 0.0;
     }
-    /// Those with a number, without the centre.
+    /// Circles with a number, without the centre.
     std::vector<Tick> circles() const {
         std::vector<Tick> circles;
         for (const Tick& tick : axis_.ticks()) {

@@ -39,8 +39,8 @@ struct Curve {
     Mark mark = Mark::line;
     std::optional<int> colour = {};         ///< index into the palette; empty: next in order
     std::optional<LinearSrgb> swatch = {};  ///< a patch of this colour in the legend
-    /// Of the members of a family: 0 for the first, 1 for the last; from dark to light instead of
-    /// the palette.
+    /// Place among the members of a family: 0 for the first, 1 for the last; from dark to light
+    /// instead of the palette.
     std::optional<double> shade = {};
 };
 

@@ -27,7 +27,7 @@ std::string with_subscripts(const std::string& text, double size) {
         if (end == at + 1) continue;
         std::string before = text.substr(done, at - done);
         if (lowered && !before.empty() && before.front() == ' ') before.replace(0, 1, "\u00a0");
-        // What follows a subscript goes up again, in an element of its own.
+        // Text after a subscript goes up again, in an element of its own.
         out +=
             lowered ? fmt::format("<tspan dy=\"{:.1f}\">{}</tspan>", -0.25 * size, before) : before;
         out += fmt::format("<tspan dy=\"{:.1f}\" font-size=\"{:.1f}\">{}</tspan>", 0.25 * size,

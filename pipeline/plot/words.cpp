@@ -13,7 +13,7 @@ constexpr double kTitleLine = 18.0;
 constexpr double kTitleMargin = 12.0;
 constexpr double kNoTitle = 8.0;
 
-/// As many lines as the full width needs, of about the same length.
+/// Makes as many lines as the full width needs, of about the same length.
 std::vector<std::string> balanced(const std::string& text, double size, double width) {
     std::vector<std::string> lines = wrapped(text, size, width);
     for (double narrower = 0.95 * width; narrower > 0.4 * width; narrower -= 0.05 * width) {

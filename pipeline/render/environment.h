@@ -25,7 +25,7 @@ class Environment {
         double density = 0.0;  ///< per solid angle
     };
 
-    /// The same radiance from everywhere.
+    /// Sends the same radiance from everywhere.
     static Environment uniform(Spectrum radiance);
 
     /// @param map    width = 2 height, three channels: weights of the basis spectra

@@ -1,4 +1,4 @@
-// Which material lies where on an object.
+// Says which material lies where on an object.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What the renderer asks of a material. Symbols, signs and normalisation: docs/conventions.md.
+// The renderer asks this of a material. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
 #include <cstddef>

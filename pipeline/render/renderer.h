@@ -38,7 +38,7 @@ class Camera {
 
 // Spectral path tracing of one object: light transport between lights, object and camera.
 
-/// What is in the picture. All spectra have one value for each wavelength of the materials.
+/// Everything in the picture. All spectra have one value for each wavelength of the materials.
 struct RenderScene {
     RayScene object;
     MaterialMap map;
@@ -46,7 +46,7 @@ struct RenderScene {
     Lighting lighting;
 };
 
-/// Of a picture, in pixels: their numbers must fit the samples' sequence.
+/// Limit of a picture's sides, in pixels: their numbers must fit the samples' sequence.
 inline constexpr int kLongestSide = 16384;
 
 struct RenderOptions {

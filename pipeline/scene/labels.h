@@ -17,7 +17,7 @@ std::string label_of(const Substrate& substrate);
 /// From the top down: "AlGaAs7 (τ = 0.1) on TiO2, roughness 0.3".
 std::string label_of(const Scene& scene);
 
-/// The same without depths: "AlGaAs7 on TiO2, roughness 0.3".
+/// The label without depths: "AlGaAs7 on TiO2, roughness 0.3".
 std::string media_of(const Scene& scene);
 
 /// One label for each scene, which says no more than what tells them apart: "τ = 0.1" and "τ = 1"

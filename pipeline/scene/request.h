@@ -1,4 +1,4 @@
-// What a command or a scene file asks to be solved.
+// A request: what a command or a scene file asks to be solved.
 #pragma once
 
 #include <miebrdf/scene.h>

@@ -1,4 +1,4 @@
-// What a species says of itself after its name: sizes, density and amount, as `key=value`.
+// The keys of a species after its name: sizes, density and amount, as `key=value`.
 #pragma once
 
 #include <miebrdf/scene.h>

@@ -36,7 +36,7 @@ Layout layout_of(const Sweep& sweep);
 /// reflections, azimuths.
 std::vector<const Axis*> asked_axes(const Sweep& sweep);
 
-/// What is known of one scene.
+/// The results of one scene.
 struct SceneResult {
     std::vector<double> values = {};  ///< laid out by a Layout; not-a-number of scenes that failed
     double error_estimate = 0.0;      ///< relative, the largest; not-a-number of scenes that failed

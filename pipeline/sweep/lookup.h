@@ -22,7 +22,7 @@ struct StoredAxis {
 class StoredTable {
   public:
     virtual ~StoredTable() = default;
-    /// Those that hold results, in the order of the file.
+    /// Variables that hold results, in the order of the file.
     virtual std::vector<std::string> variables() const = 0;
     virtual std::string unit_of(const std::string& variable) const = 0;
     /// The slowest first.
@@ -55,8 +55,8 @@ struct LookedUp {
     /// Axes that nothing was asked of: values at all of their nodes, the last one fastest.
     std::vector<StoredAxis> listed = {};
     std::vector<double> values = {};  ///< not-a-number where a node that it needs is
-    /// Of each value, absolute: what nodes that were left out show (NodeWeights); not-a-number
-    /// where an axis has no node to leave out.
+    /// Absolute error of each value, as nodes that were left out show it (NodeWeights);
+    /// not-a-number where an axis has no node to leave out.
     std::vector<double> errors = {};
 };
 

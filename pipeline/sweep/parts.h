@@ -19,7 +19,7 @@ struct Chunk {
     std::size_t first = 0, count = 0;
 };
 
-/// How a sweep is divided; the same for every process that works on it.
+/// The division of a sweep; the same for every process that works on it.
 class Chunks {
   public:
     /// Whole groups of scenes that share Mie theory where these are small, pieces of them where
@@ -64,11 +64,11 @@ class Parts {
     /// @throws InputError  when it cannot be written; what is there stays
     void write(const Chunk& chunk, const std::vector<SceneResult>& results) const;
 
-    /// Where processes that work on the sweep together share single scattering.
+    /// The folder where processes that work on the sweep together share single scattering.
     std::filesystem::path optics_folder() const { return folder_ / "optics"; }
 
-    /// Where a table is written before it appears beside the folder; remove() takes what a killed
-    /// process leaves of it.
+    /// The place where a table is written before it appears beside the folder; remove() takes what
+    /// a killed process leaves of it.
     std::filesystem::path unfinished_table(const std::filesystem::path& table) const;
 
     /// Removes the files of this folder that parts have names of and shared single scattering, then

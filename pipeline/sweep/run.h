@@ -21,7 +21,7 @@ struct Share {
 /// Reads `3/8`. @throws UsageError
 Share parse_share(const std::string& text);
 
-/// What a chunk took.
+/// The processor time that a chunk took.
 struct ChunkCost {
     Chunk chunk;
     double processor_seconds = 0.0;  ///< of all threads together
@@ -61,7 +61,7 @@ class ChunkWorker {
 
     /// @throws Cancelled; InputError  when the part cannot be written
     void compute(const Chunk& chunk, RunReport& report);
-    /// The same, but stops when somebody else has stored it.
+    /// Computes a chunk unless somebody else stores it meanwhile.
     void compute_unless(const Chunk& chunk, RunReport& report,
                         const std::function<bool()>& is_there);
 
@@ -78,7 +78,7 @@ class ChunkWorker {
 RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts,
                     const Share& share, const Control& control);
 
-/// What the scenes of a table have in common.
+/// Summary over the scenes of a table.
 struct TableReport {
     std::size_t scenes = 0, failed = 0, not_converged = 0;
     double error_estimate = 0.0;    ///< largest of those that did not fail

@@ -9,7 +9,7 @@
 
 namespace miebrdf::sweep {
 
-/// What a column of samples spans.
+/// The range that a column of samples spans.
 struct SampleRange {
     std::string name;
     double first = 0.0, last = 1.0;

@@ -58,10 +58,10 @@ struct Sweep {
     std::string title = {};
     std::vector<TemplateWord> words = {};
     std::vector<Dimension> dimensions = {};  ///< of scenes, the slowest first
-    /// How many of the dimensions, the first ones, change single scattering (order_for_sharing).
+    /// The number of dimensions, the first ones, that change single scattering (order_for_sharing).
     std::size_t optical_dimensions = 0;
-    /// What one solution is asked at; axes without values are not wanted. Angles of incidence and
-    /// reflection are cosines or, by their names, degrees.
+    /// The points that one solution is asked at; axes without values are not wanted. Angles of
+    /// incidence and reflection are cosines or, by their names, degrees.
     Axis wavelength, incidence, reflection, azimuth;
     std::vector<Output> outputs = {};
     Viewing viewing = {};

@@ -73,7 +73,7 @@ void require_range_of_name(const Axis& axis, bool for_eradiate) {
     }
 }
 
-/// Where an axis of this name belongs that one solution is asked at; null: a dimension.
+/// The place of an axis of this name that one solution is asked at; null: it is a dimension.
 Axis* asked_axis(Sweep& sweep, const std::string& name) {
     if (name == "wavelength_nm") return &sweep.wavelength;
     if (name == "mu_in" || name == "theta_in_deg") return &sweep.incidence;

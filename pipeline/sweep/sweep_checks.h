@@ -1,4 +1,4 @@
-// What makes axes, a scene with gaps and outputs one sweep.
+// Checks that make axes, a scene with gaps and outputs one sweep.
 #pragma once
 
 #include <string>

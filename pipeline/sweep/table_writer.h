@@ -1,4 +1,4 @@
-// Where the scenes of a sweep go: a file that appears whole or not at all.
+// The scenes of a sweep go to a file that appears whole or not at all.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class TableWriter {
     virtual void finish() = 0;
 };
 
-/// What a file says of itself, the same from run to run: no times, no command lines.
+/// A file says this of itself, the same from run to run: no times, no command lines.
 struct Origin {
     std::string program;               ///< "miebrdf 0.1.0"
     std::string identity;              ///< of the sweep

@@ -8,7 +8,7 @@
 
 namespace miebrdf::bench {
 
-/// What short cuts know of a layer: the phase function only through its asymmetry.
+/// Short cuts know this of a layer: the phase function only through its asymmetry.
 struct SimpleLayer {
     double single_scattering_albedo = 0.0;
     double asymmetry = 0.0;
@@ -26,7 +26,7 @@ struct SimpleStack {
 /// Meant for diffuse light and weak absorption; nothing (empty) where S <= 0.
 std::optional<double> kubelka_munk_reflectance(const SimpleStack& stack);
 
-/// The same for a film on a ground of the given diffuse reflectance.
+/// Applies it to a film on a ground of the given diffuse reflectance.
 std::optional<double> kubelka_munk_film(const SimpleLayer& film, double ground);
 
 /// Saunderson 1942: a boundary over a body that reflects `body` of diffuse light inside:

@@ -24,7 +24,7 @@ struct BenchScene {
     SimpleStack for_approximations() const { return {base, coat}; }
 };
 
-/// What is wanted of it: R at every combination, or (no mu_out) the plane albedo at mu_in.
+/// Directions: R is wanted at every combination, or (no mu_out) the plane albedo at mu_in.
 struct Wanted {
     std::vector<double> mu_in, mu_out, azimuth_deg;
     bool is_albedo() const { return mu_out.empty(); }

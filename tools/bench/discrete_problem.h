@@ -1,4 +1,4 @@
-// What textbook solvers of the equation of transfer share: Gauss nodes, a truncated phase function,
+// Textbook solvers of the equation of transfer share this: Gauss nodes, a truncated phase function,
 // azimuthal orders and the exact first order. Written anew, so that nothing of rte/ is in it.
 #pragma once
 

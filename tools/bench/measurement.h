@@ -24,7 +24,7 @@ struct Measurement {
     double half_width = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What a method says.
+/// The answer of a method.
 struct Answer {
     std::vector<double> values;
     std::vector<double>
@@ -50,8 +50,8 @@ struct Contender {
     std::function<Answer()> run;
 };
 
-/// How far an answer is from the truth: largest |value / truth - 1|; absolute where truth is 0.
-/// Infinite for answers of another length, NaN for a value that is none.
+/// The distance of an answer from the truth: largest |value / truth - 1|; absolute where truth is
+/// 0. Infinite for answers of another length, NaN for a value that is none.
 double largest_relative_error(const std::vector<double>& values, const std::vector<double>& truth);
 
 /// A quantity, its truth from outside, and everyone who computes it.
@@ -63,7 +63,7 @@ struct BenchCase {
     std::vector<double> true_values;
     std::vector<Contender> contenders;
     std::string question = {};  ///< to other programs (peers.h); empty: they are not asked
-    /// How answers are judged; empty: largest_relative_error.
+    /// The measure of an answer's error; empty: largest_relative_error.
     std::function<double(const std::vector<double>&, const std::vector<double>&)> error = {};
 };
 

@@ -10,7 +10,7 @@
 
 namespace miebrdf::bench {
 
-/// What a case asks of a peer, as a JSON object in one line.
+/// The question of a case to a peer, as a JSON object in one line.
 std::string question_of(const BenchScene& scene, const Wanted& wanted);
 
 struct PeerWords {

@@ -110,8 +110,8 @@ class Tracer {
         const double n = options_.photons;
         TracedReflection result;
         result.plane_albedo = left.estimate(n, given_up / n);
-        // What is given up is deep inside; from there light leaves with a radiance of at most 1.3
-        // times its mean (the escape function at the zenith, van de Hulst 1980, table 12).
+        // Photons that are given up are deep inside; from there light leaves with a radiance of at
+        // most 1.3 times its mean (the escape function at the zenith, van de Hulst 1980, table 12).
         for (const Sums& s : sums) result.reflection.push_back(s.estimate(n, 1.3 * given_up / n));
         return result;
     }

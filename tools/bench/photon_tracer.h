@@ -52,7 +52,7 @@ struct TracedStack {
     TracedLayer base;
     std::vector<TracedLayer> coats;  ///< in painting order: the last one is on top
     TracedBoundary boundary = {};    ///< on top; all layers have its index
-    /// Of a Lambertian ground in place of the base; 0: black.
+    /// Albedo of a Lambertian ground in place of the base; 0: black.
     std::optional<double> ground_albedo = {};
 };
 

@@ -23,7 +23,7 @@ LIST = ["--mu-in", "0.2,0.5,0.8,1", "--mu-out", "0.1:1:0.1"]
 EVEN = "0.03125:1:0.03125"
 SPECTRUM = ["--wavelengths", "400:700:10"]
 
-# What is computed, the words, and the exit code.
+# The name of each request, its words, and the exit codes that it may have.
 REQUESTS = [
     ("the pair: 31 wavelengths, 280 directions, exact retro-reflection among them",
      ["brdf", *PAIR, *SPECTRUM, *LIST, "--azimuth", "0:180:30"], (0, 4)),

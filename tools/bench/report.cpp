@@ -257,8 +257,8 @@ std::string smallest_error(const std::vector<Measurement>& points, const std::st
     return std::isfinite(smallest) ? fmt::format("{:.1e}", smallest) : "no answer";
 }
 
-// What the cases of a suite are, and the smallest errors: a row for each method, a column for each
-// case.
+// Describes the cases of a suite, and gives the smallest errors: a row for each method, a column
+// for each case.
 std::string error_table(const Results& results, const std::string& suite) {
     Rows rows = {{"method"}};
     std::vector<std::pair<std::string, std::string>> explained;  // description, names that have it

@@ -1,4 +1,4 @@
-// What a run found, for people: one HTML page, and the generated parts of pages in docs/.
+// The results of a run for people: one HTML page, and the generated parts of pages in docs/.
 #pragma once
 
 #include <filesystem>

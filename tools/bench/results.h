@@ -1,4 +1,4 @@
-// What was measured: the table, its file, the best of it, and what changed since another time.
+// The measurements: the table, its file, the best of it, and what changed since another time.
 #pragma once
 
 #include <filesystem>
@@ -38,7 +38,7 @@ std::vector<Measurement> of_case(const Results& results, const std::string& suit
                                  const std::string& test_case);
 std::vector<std::pair<std::string, std::string>> cases_of(const Results& results);
 
-/// What a case computes and where its truth is from, as kept in the facts ("case suite/name").
+/// A case's description and the source of its truth, as kept in the facts ("case suite/name").
 std::string description_of(const Results& results, const std::string& suite,
                            const std::string& test_case);
 
@@ -76,7 +76,7 @@ struct RuleSaving {
 /// All rules that were measured, in order.
 std::vector<RuleSaving> rule_savings(const Results& results);
 
-/// The same as rows of text: a head, then one row for each rule.
+/// The savings as rows of text: a head, then one row for each rule.
 std::vector<std::vector<std::string>> rule_table(const Results& results);
 
 }  // namespace miebrdf::bench

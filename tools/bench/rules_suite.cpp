@@ -1,5 +1,6 @@
-// What each rule of `plan` saves: the same values from a request with all the work and from one
-// without what the rule leaves out. The error here is their difference, not that of the method.
+// Measures what each rule of `plan` saves: the same values from a request with all the work and
+// from one without what the rule leaves out. The error here is their difference, not that of the
+// method.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -52,7 +53,7 @@ Question matrix_question() {
     return question;
 }
 
-/// The same with spheres of 10 um, one direction.
+/// A request for spheres of 10 um at one direction.
 Question spheres_question(const std::string& base) {
     Question question = matrix_question();
     question.scene.base = medium(base);

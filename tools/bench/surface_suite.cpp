@@ -1,4 +1,4 @@
-// What a rough surface reflects of light from one direction: an integral over its lobe.
+// The share that a rough surface reflects of light from one direction: an integral over its lobe.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -32,7 +32,7 @@ struct BoundaryExit {
     RayDirection direction;
 };
 
-/// Where one ray goes that meets the boundary. A smooth one reflects or refracts it once. A rough
+/// Follows one ray that meets the boundary. A smooth one reflects or refracts it once. A rough
 /// one is the random walk of Heitz, Hanika, d'Eon & Dachsbacher 2016 (ACM Trans. Graph. 35, 58):
 /// free paths between facets by Smith's Lambda, facets by their visible area, until it leaves.
 BoundaryExit meet_boundary(const TracedBoundary& boundary, bool from_air, const RayDirection& ray,

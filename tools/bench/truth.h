@@ -1,4 +1,4 @@
-// What measurements are judged by: tables of tests/reference, which the benchmark carries so that
+// Measurements are judged by these: tables of tests/reference, which the benchmark carries so that
 // it can judge anywhere, and the reflectance of a rough surface once more, from the textbook.
 #pragma once
 

@@ -29,7 +29,8 @@ void add_physics(Table& table, const BrdfValues& values) {
     }
 }
 
-/// What a smooth boundary sends into the mirror direction is no value of the BRDF: it is said.
+/// The mirror reflection of a smooth boundary is no value of the BRDF; the facts say how much it
+/// is.
 void add_mirror(Table& table, const BrdfValues& values) {
     const std::vector<double>& mu_in = values.directions.mu_in;
     for (std::size_t i = 0; i < mu_in.size(); ++i) {

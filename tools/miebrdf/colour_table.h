@@ -50,7 +50,7 @@ class ColourColumns {
     /// Adds the cells of a reflectance to the last row; the n-th call is for row n.
     /// @return Y
     double add_cells(Table& table, const std::vector<double>& reflectance);
-    /// What they mean, and how far the wavelengths settle them.
+    /// Facts that explain the colours, and say how well the wavelengths determine them.
     void add_facts(Table& table) const;
     std::string units() const;
 

@@ -29,7 +29,7 @@ void require_folder_of(const std::string& file) {
         fmt::format("cannot write '{}': there is no folder '{}'", file, folder.string()));
 }
 
-/// What a name promises that a table is not: `brdf -o brdf.npz` writes CSV. Empty: nothing.
+/// A note where a file's name promises another format (`brdf -o brdf.npz` writes CSV); else empty.
 std::string misnamed(const std::string& file, bool is_json) {
     const std::string ending = std::filesystem::path(file).extension().string();
     constexpr std::array any_text = {"", ".txt", ".dat", ".out", ".log"};

@@ -1,4 +1,4 @@
-// What every subcommand shares: its common options, how it writes a table, and its exit codes.
+// Every subcommand shares this: common options, how a table is written, and exit codes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@ namespace miebrdf::program {
 /// Exit codes of the program; scripts depend on them (docs/command-line.md).
 enum ExitCode { kGood = 0, kCheckFailed = 1, kUsage = 2, kBadInput = 3, kNotConverged = 4 };
 
-/// What --version says: the version, then the processor path in use and those that are there.
+/// The text of --version: the version, then the processor path in use and those that are there.
 std::string version_text();
 
 /// Options that every command has.
@@ -35,10 +35,10 @@ struct CommonOptions {
 /// folder, which it creates.
 enum class Writes { table, file, folder };
 
-/// What is left to do of a command; returns its exit code.
+/// The work that is left to do of a command; returns its exit code.
 using Job = std::function<int()>;
 
-/// What main() gives to commands and takes from them.
+/// main() gives this to commands, and takes their job from it.
 class Shell {
   public:
     /// @param command_line  as typed, for the header of every file written

@@ -10,7 +10,7 @@
 namespace miebrdf::program {
 namespace {
 
-/// What a table of single scattering, without light transfer, leaves unread.
+/// Options that a table of single scattering, without light transfer, leaves unread.
 constexpr const char* kOfTransfer[] = {
     "--coat",        "--roughness",     "--coupling",   "--surface-index",
     "--tolerance",   "--streams",       "--grid",       "--half-space-method",
@@ -179,7 +179,7 @@ ExportOptions ExportArguments::file() const {
     if (!azimuth_.empty()) {
         directions.azimuth_deg = parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0);
     }
-    // What was not typed, or is another format's, has no say.
+    // Options that were not typed, or belong to another format, are not looked at.
     std::erase_if(options.extra, [&](const auto& extra) {
         return command_->get_option(option_of(extra.first))->count() == 0;
     });

@@ -62,7 +62,7 @@ std::string command_in_comment(std::string_view text) {
 std::string command_in_stream(std::istream& stream) {
     std::string text;
     while (stream) {
-        // What a block may have cut off is looked at again with the next one.
+        // A match that the end of a block cut off is looked at again with the next one.
         if (text.size() > kLongestCommand) text.erase(0, text.size() - kLongestCommand);
         const std::size_t kept = text.size();
         text.resize(kept + kBlock);

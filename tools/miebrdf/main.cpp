@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr char kBenchProgram[] = "miebrdf-bench";
 
-/// Where it lies beside this program or where both were installed; else the bare name, which execvp
+/// Its path beside this program or where both were installed; else the bare name, which execvp
 /// looks for along PATH.
 std::string bench_program() {
     std::error_code unknown;  // without /proc only PATH is left

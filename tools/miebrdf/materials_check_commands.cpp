@@ -44,7 +44,8 @@ materials::Dataset sampled(materials::Dataset dataset, const Database& database,
     return dataset;
 }
 
-// What both halves are named after: NAME, whether NAME, NAME.spd or one of the halves was given.
+// The name that both halves begin with: NAME, whether NAME, NAME.spd or one of the halves was
+// given.
 std::string common_beginning(std::string_view output) {
     for (const std::string_view end : {".spd", ".eta", ".k"}) {
         if (output.ends_with(end)) output.remove_suffix(end.size());

@@ -14,20 +14,20 @@ namespace miebrdf::program {
 /// @throws InputError
 materials::Database open_database(const std::string& file);
 
-/// Which database a subcommand reads or writes.
+/// The database that a subcommand reads or writes.
 class DatabaseArgument {
   public:
     void add_to(CLI::App& command);
     /// @throws InputError
     materials::Database open() const { return open_database(file_); }
-    /// Where changes go: --database, $MIEBRDF_DATABASE or the default place.
+    /// The file that changes go to: --database, $MIEBRDF_DATABASE or the default place.
     std::filesystem::path file() const;
 
   private:
     std::string file_;
 };
 
-/// How n and k are taken between and beyond the rows.
+/// Options for n and k between and beyond the rows.
 class IndexArguments {
   public:
     void add_to(CLI::App& command);

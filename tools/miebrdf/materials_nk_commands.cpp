@@ -95,7 +95,7 @@ struct IndexPlotArguments {
     IndexArguments index;
 };
 
-/// As many points as make a smooth curve, the ends of the data among them.
+/// Wavelengths that make a smooth curve, the ends of the data among them.
 std::vector<double> wavelengths_of(const materials::RefractiveIndex& index, double from,
                                    double to) {
     constexpr int kPoints = 400;

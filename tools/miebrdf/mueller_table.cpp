@@ -44,7 +44,7 @@ void add_physics(Table& table, const MuellerValues& values) {
     }
 }
 
-// What goes into the mirror direction alone is no value of the matrices: it is said.
+// The mirror reflection is no value of the matrices; the facts say it.
 void add_mirror(Table& table, const MuellerValues& values) {
     const auto c = static_cast<std::size_t>(values.components);
     for (std::size_t w = 0; w < values.mirror_mueller.size(); ++w) {

@@ -87,7 +87,7 @@ void add_component_options(CLI::App& command, const ScenePlot& arguments) {
 
 namespace {
 
-/// Of 89.9 degrees, the lowest incidence of a chart.
+/// The cosine of 89.9 degrees, the lowest incidence of a chart.
 constexpr double kLeastCosine = 0.001746;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What the kinds of `miebrdf plot` share, and those that take a scene.
+// The kinds of `miebrdf plot` share these options; some of them take a scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -33,7 +33,7 @@ class PlotArguments {
 void add_medium_plots(CLI::App& plot, Shell& shell);
 /// Curves of a scene: lobe, spectrum.
 void add_scene_plots(CLI::App& plot, Shell& shell);
-/// What a scene does to the polarisation of light: polarisation.
+/// Draws what a scene does to the polarisation of light: polarisation.
 void add_polarisation_plot(CLI::App& plot, Shell& shell);
 /// A scene's BRDF by several methods: profile.
 void add_profile_plot(CLI::App& plot, Shell& shell);
@@ -63,7 +63,7 @@ using ScenePlot = std::shared_ptr<ScenePlotArguments>;
 CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
                          const std::string& title, const ScenePlot& arguments,
                          const std::string& default_wavelengths = "rgb");
-/// Of kinds that show one.
+/// The default of kinds that show one wavelength.
 inline constexpr char kOneWavelength[] = "550";
 void add_incidence_option(CLI::App& command, const std::string& incidence,
                           const ScenePlot& arguments);

@@ -52,7 +52,7 @@ Request changed(Request request, const SaidWords& said) {
     return request;
 }
 
-/// What --compare says, at the wavelengths and by the methods of the first scene.
+/// Reads --compare: a scene at the wavelengths and by the methods of the first one.
 Request compared(const std::string& text, const Request& first,
                  const ScenePlotArguments& arguments) {
     Request request = first;
@@ -97,7 +97,7 @@ void label_all(std::vector<ShownScene>& scenes, const std::vector<std::string>& 
     const std::vector<std::string> labels = labels_of(plain);
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const bool is_known = std::count(labels.begin(), labels.end(), labels[i]) > 1;
-        // What differs has no words of its own: those of the option tell it.
+        // The difference has no words of its own, so those of the option tell it.
         scenes[i].label = is_known && i > 0 ? compare[i - 1] : labels[i];
     }
 }

@@ -64,7 +64,7 @@ std::string names(const std::vector<ProcessorPath>& paths, bool that_run_here) {
     return fmt::format("{}", fmt::join(chosen, ", "));
 }
 
-/// What LD_PRELOAD has to begin with for this path. LD_LIBRARY_PATH would not do: of the libraries
+/// LD_PRELOAD has to begin with this for the path. LD_LIBRARY_PATH would not do: of the libraries
 /// for every processor the loader looks for better ones in the folders below.
 std::string preloaded(const ProcessorPath& path) {
     const std::string file = arithmetic_file().filename();

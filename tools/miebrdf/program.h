@@ -18,8 +18,8 @@ namespace miebrdf::program {
 /// @param arguments  without the program's name
 int run_program(std::span<const Command> commands, const std::vector<std::string>& arguments);
 
-/// What an exception says, in the words of this program: a field of the library becomes the option
-/// that sets it ("effective_radius_um" is "--effective-radius (um)").
+/// The message of an exception in the words of this program: a field of the library becomes the
+/// option that sets it ("effective_radius_um" is "--effective-radius (um)").
 std::string message_of(const Error& error);
 
 /// Memory that was freed stays with the process. By default glibc gives every matrix above 128 kB
@@ -48,7 +48,7 @@ std::string did_you_mean(std::string_view asked, const std::vector<std::string>&
 /// The long names of a command's options without their dashes, those of its groups included.
 std::vector<std::string> option_names(const CLI::App& command);
 
-/// What to say of a command line that could not be read. A word that no command knows comes first:
+/// The message for a command line that could not be read. A word that no command knows comes first:
 /// what else is missing often follows from it.
 std::string explain(const CLI::App& program, const CLI::ParseError& error);
 

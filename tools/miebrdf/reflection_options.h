@@ -27,14 +27,14 @@ class ColourArguments {
     std::string reference_;
 };
 
-/// What `brdf` was asked.
+/// The request of `brdf`.
 struct BrdfQuestion {
     Request request;
     Directions directions;
     std::vector<BrdfPart> columns;  ///< in the order typed
     BrdfParts parts;                ///< the same as a set
     bool as_reflection = false;     ///< pi times the BRDF
-    /// Of the hemispherical-directional reflectance factor that takes its place.
+    /// The sky's share, for the reflectance factor (HDRF) that takes the BRDF's place.
     std::optional<double> diffuse_fraction;
     std::optional<Viewing> viewing;  ///< of the colours that take the place of spectra
     std::string reference;           ///< file to compare colours with; empty: none
@@ -57,7 +57,7 @@ class BrdfArguments {
     ColourArguments colour_;
 };
 
-/// What `albedo` was asked.
+/// The request of `albedo`.
 struct AlbedoQuestion {
     Request request;
     std::vector<double> mu_in;

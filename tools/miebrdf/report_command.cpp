@@ -77,7 +77,7 @@ std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
     return all;
 }
 
-/// What the page says of a variant.
+/// The page's text about a variant.
 report::Facts page_facts(const Scene& scene, const ResultReport& result,
                          const std::string& command_line) {
     Table table;

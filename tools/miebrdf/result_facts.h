@@ -1,4 +1,4 @@
-// What every table of results says about how it was computed.
+// Every table of results says how it was computed.
 #pragma once
 
 #include <string>

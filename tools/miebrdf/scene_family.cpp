@@ -70,7 +70,7 @@ const SceneWord& number_word(const std::string& name) {
     return *word;
 }
 
-/// What is varied and its unit.
+/// The quantity that is varied, and its unit.
 DepthWords words_of(const std::string& name, Request request) {
     if (name == "depth") return depth_words(top_layer(request, name).depth);
     if (name == "concentration") return amount_words(amount_of(request, name));

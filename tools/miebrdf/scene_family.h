@@ -14,7 +14,7 @@ struct Family {
 
     /// `values`, or a single 0 where nothing is varied.
     std::vector<double> values_or_one() const;
-    /// What is varied, with its unit: "optical depth of the top layer".
+    /// The quantity that is varied, with its unit: "optical depth of the top layer".
     std::string label(const Request& request) const;
     /// Changes the request. @return the value in words: "optical depth 0.5"; empty: nothing varied
     /// @throws UsageError  for a scene that has no such number, and values that it cannot have

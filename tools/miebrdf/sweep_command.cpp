@@ -136,7 +136,7 @@ int merge(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::P
     return tell_report(report, table, shell);
 }
 
-/// Which scenes are expensive: a row for each chunk that was computed.
+/// Writes which scenes are expensive: a row for each chunk that was computed.
 void write_costs(const sweep::RunReport& report, const std::string& file, const Shell& shell) {
     if (file.empty()) return;
     Table table;
@@ -160,7 +160,7 @@ int tell_complete(const sweep::Sweep& sweep, const sweep::Layout& layout,
     return kGood;
 }
 
-/// As one of several processes of mpirun or srun; the first of them writes the table.
+/// Runs as one of several processes of mpirun or srun; the first of them writes the table.
 int run_in_crew(const sweep::Sweep& sweep, const sweep::Layout& layout, const sweep::Parts& parts,
                 const sweep::Crew& crew, const SweepArguments& arguments, const Shell& shell) {
     const auto is_there = [&] { return is_complete(sweep, shell.common().output); };

@@ -1,4 +1,4 @@
-// What the binding files share. Each of them binds one area of the public C++ API as the private
+// The binding files share this. Each of them binds one area of the public C++ API as the private
 // module miebrdf._core; the package's Python files make it convenient (miebrdf/*.py).
 #pragma once
 

@@ -87,7 +87,7 @@ py::dict check(const std::string& path) {
     return facts;
 }
 
-/// Of each row of reflectances: XYZ, Lab, linear sRGB, LCh and the colour's error estimate, as the
+/// For each row of reflectances: XYZ, Lab, linear sRGB, LCh and the colour's error estimate, as the
 /// program's --colour computes them.
 /// @param reflectance  rows of one number for each wavelength
 /// @param viewed       as for `viewing`

@@ -12,7 +12,7 @@
 
 namespace miebrdf::python {
 
-/// What a caller may say of every long call.
+/// Options that every long call takes.
 struct CallOptions {
     int threads = 0;      ///< 0: one for each processor
     py::object progress;  ///< called as progress(stage, done, total) in the calling thread; or None

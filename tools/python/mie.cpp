@@ -19,7 +19,7 @@ using namespace mie;
 using Complexes = std::vector<std::complex<double>>;
 using Numbers = std::vector<double>;
 
-/// Of each pair (index, size parameter): its efficiencies, all pairs of one quantity together.
+/// Efficiencies of each pair (index, size parameter), all pairs of one quantity together.
 py::dict spheres(const Complexes& index, const Numbers& size_parameter,
                  const CallOptions& options) {
     LongCall call(options);

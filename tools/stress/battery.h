@@ -39,7 +39,7 @@ class Log {
     std::vector<Check>& checks_;
 };
 
-/// How far `value` is outside [low, high]; NaN stays NaN.
+/// The distance of `value` from [low, high]; NaN stays NaN.
 double outside(double value, double low, double high);
 
 /// Largest of |a - b| / max(|a|, |b|); 0 where both are 0.

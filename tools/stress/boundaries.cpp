@@ -35,7 +35,7 @@ rte::Stack film(const rte::Optics& medium, double depth, double index, rte::Base
     return stack;
 }
 
-/// What 32 nodes reach: the reflectance has a root next to grazing as the index tends to 1.
+/// 32 nodes reach this: the reflectance has a root next to grazing as the index tends to 1.
 double rounding(double index) {
     if (index >= 1.1) return 1e-12;
     return index >= 1.01 ? 1e-10 : 1e-6;

@@ -216,7 +216,7 @@ void compare(Log& log, const std::string& name, const BenchScene& scene, int pho
             const auto traced = bench::trace_photons(scene.for_photons(), cosines[i], detectors,
                                                      {.photons = photons});
             const auto sigmas = [](const Estimate& e, double truth) {
-                // What was given up can only have made the estimate too small.
+                // Giving something up can only have made the estimate too small.
                 const double missing = truth - e.value;
                 return std::max(-missing, missing - e.unfinished) / e.standard_error;
             };

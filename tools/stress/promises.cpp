@@ -1,7 +1,7 @@
-// What "converged" promises, over random scenes: the true error is within the tolerance. Smooth
-// media against many more nodes and, some of them, against adding-doubling; scenes of spheres
-// against far more sizes, partial waves and nodes. And what the error of points of P promises,
-// against single spheres.
+// Tests over random scenes what "converged" promises: the true error is within the tolerance.
+// Smooth media against many more nodes and, some of them, against adding-doubling; scenes of
+// spheres against far more sizes, partial waves and nodes. And what the error of points of P
+// promises, against single spheres.
 #include <fmt/format.h>
 #include <miebrdf/brdf.h>
 #include <miebrdf/ensemble.h>
@@ -24,7 +24,7 @@
 namespace miebrdf::stress {
 namespace {
 
-// The same draws with every standard library: distributions of <random> are not.
+// Draws that are the same with every standard library; the distributions of <random> are not.
 class Dice {
   public:
     explicit Dice(unsigned seed) : engine_(seed) {}
@@ -183,7 +183,8 @@ void smooth(const Options& options, Log& log, bool coated) {
         const auto least = [](const std::vector<double>& list) {
             return *std::min_element(list.begin(), list.end());
         };
-        // Where Gauss nodes and 64 moments are enough; the first doubled layer loses 1e-8 or so.
+        // Adding-doubling is asked where Gauss nodes and 64 moments are enough; the first doubled
+        // layer loses 1e-8 or so.
         if (s % 20 == 0 && least(directions.mu_in) > 0.1 && least(directions.mu_out) > 0.1) {
             const auto other = bench::sum_orders(
                 moments_of(stack), 32, directions.mu_in, directions.mu_out, directions.azimuth_deg,
@@ -338,7 +339,7 @@ void points_of_phase(const Options& options, Log& log) {
             request.phase_tolerance = tolerance;
             const auto optics = mie::average_over_sizes(request);
             for (std::size_t a = 0; a < truth.size(); ++a) {
-                // What the reference cannot tell.
+                // The reference is too noisy to tell.
                 if (2 * truth[a].noise > optics.phase_error[a]) continue;
                 const double error = std::abs(optics.phase[a] - truth[a].value);
                 promises[tolerance].take(

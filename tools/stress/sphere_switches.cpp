@@ -40,7 +40,7 @@ void compare_spheres(Log& log, const std::string& what, Index m, const SwitchPoi
     });
 }
 
-// Which recurrence gives the wave inside: damped, upward or downward (logarithmic_derivatives).
+// The recurrence that gives the wave inside: damped, upward or downward (logarithmic_derivatives).
 long way_inside(Index m, double x) {
     const int terms = mie::number_of_terms(x);
     if (m.imag() == 0) return mie::upward_is_stable(m * x, terms) ? 1 : 0;

@@ -37,7 +37,7 @@ void require(const std::map<std::string, std::string>& entries, const char* name
         throw InputError(fmt::format("ssdd: {} is '{}'; only '{}' is read", name, value, wanted));
 }
 
-/// As many numbers in text.
+/// Reads as many numbers from text.
 std::vector<double> text_values(TextLines& lines, std::size_t count) {
     std::vector<double> values;
     for (std::string_view line; lines.next(line) && values.size() < count;) {

@@ -1,4 +1,4 @@
-// What `check` and the comparison after an export are made of.
+// Parts of `check` and of the comparison after an export.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +47,8 @@ double albedo_error(const BrdfFile& file, const BrdfSource& source);
 struct TableAlbedo {
     double mu_in = 0.0;
     std::vector<double> albedo;
-    /// What taking every second direction changes: a table of a few cosines does not say what a
-    /// rainbow between two of them reflects.
+    /// The change when every second direction is left out: a table of a few cosines does not say
+    /// what a rainbow between two of them reflects.
     std::vector<double> error_estimate;
 };
 

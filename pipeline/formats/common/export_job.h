@@ -1,4 +1,4 @@
-// What the writer of a format gets, and what every file says besides its numbers.
+// Input of a format's writer, and facts that every file states besides its numbers.
 #pragma once
 
 #include <iosfwd>
@@ -22,7 +22,7 @@ struct ExportJob {
 /// @throws UsageError  for a number out of range, or an extra that the format does not have
 ExportOptions ready_options(const Format& format, const ExportOptions& options);
 
-/// What a format makes colours of. @throws UsageError  also for a source without wavelengths
+/// The source of a format's colours. @throws UsageError  also for a source without wavelengths
 RgbWeights colours_of(const Format& format, const ExportOptions& options, const BrdfSource& source);
 
 /// One file of a format as it is written, not read back.
@@ -30,7 +30,7 @@ RgbWeights colours_of(const Format& format, const ExportOptions& options, const 
 void write_format(const Format& format, const FormatFile& file, const BrdfSource& source,
                   const ExportOptions& options, std::ostream& out, const Control& control = {});
 
-/// How a format writes what is the same in all of them.
+/// Choices of a format for what all of them write.
 struct Conventions {
     std::string format;            ///< name on the command line
     bool cosine_included = false;  ///< of stored values; what readers return is the BRDF
@@ -38,7 +38,7 @@ struct Conventions {
     std::string colour;            ///< primaries, illuminant, observer; empty: spectral
 };
 
-/// What a file must say besides its numbers: units, cosine, azimuth zero, wavelengths, colour,
+/// A file must say this besides its numbers: units, cosine, azimuth zero, wavelengths, colour,
 /// version, command line, sources. Inside the file where the format has room for it, else in
 /// FILE.json.
 nlohmann::ordered_json metadata(const BrdfSource& source, const Conventions& conventions);

@@ -7,7 +7,7 @@
 
 namespace miebrdf {
 
-/// How a program interpolates between listed elevations.
+/// The rule by which a program interpolates between listed elevations.
 enum class Elevation { cosine, angle_deg };
 
 struct GridTable {

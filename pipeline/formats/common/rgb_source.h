@@ -16,7 +16,7 @@ struct RgbWeights {
 /// docs/conventions.md): no colorimetry, each channel is the reflectance at its wavelength.
 RgbWeights nearest_wavelengths(const std::vector<double>& wavelength_nm);
 
-/// Which colours RGB formats get. `cie`: linear sRGB of the CIE 1931 observer under D65.
+/// Colours of RGB formats. `cie`: linear sRGB of the CIE 1931 observer under D65.
 /// `wavelengths`: nearest_wavelengths. `auto`: cie where they cover the visible, else wavelengths.
 /// @throws UsageError  for another word, or cie with wavelengths that do not ascend
 RgbWeights rgb_weights(const std::string& mode, const std::vector<double>& wavelength_nm);

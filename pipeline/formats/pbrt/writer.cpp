@@ -23,7 +23,7 @@ constexpr double kHorizonCosine = 1e-9;
 /// pbrt-v3's luminance of linear sRGB (core/spectrum.h); its reader rebuilds G from Y, R and B.
 constexpr double kLuminance[3] = {0.212671, 0.715160, 0.072169};
 
-/// Where a series of one pair of nodes lies in the block of coefficients.
+/// The place of one pair's series in the block of coefficients.
 struct Extent {
     std::uint32_t offset = 0;
     std::uint32_t length = 0;

@@ -56,7 +56,7 @@ class TreePlane {
                 std::sqrt(std::max(1e-12, 1 - dx * dx - dy * dy)), std::atan2(dy, dx) / kDegree};
     }
 
-    /// The same cell on the other side of the plane of incidence.
+    /// The mirror image of a cell on the other side of the plane of incidence.
     std::size_t across(std::size_t cell) const { return cell - cell % n_ + (n_ - 1 - cell % n_); }
 
     /// Cells in which, or beside which, something narrower than a cell may hide: where neighbours

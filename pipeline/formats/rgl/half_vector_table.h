@@ -28,7 +28,7 @@ class HalfVectorTable {
     /// Nodes whose value the fit reads: all but those far below the horizon.
     const std::vector<std::size_t>& needed() const { return needed_; }
 
-    /// What to store so that the table, interpolated, holds all the light of `values` and nothing
+    /// Values to store so that the table, interpolated, holds all the light of `values` and nothing
     /// negative.
     /// @param values  one for each node; below the horizon those of an odd continuation,
     ///                f(-cosine) = -f(cosine)

@@ -1,5 +1,5 @@
-// What is in one of RGL's measured materials, read without trusting it: the checked tables that an
-// evaluation may rely on, and densities to draw from.
+// The content of one of RGL's measured materials, read without trusting it: the checked tables that
+// an evaluation may rely on, and densities to draw from.
 #pragma once
 
 #include <algorithm>

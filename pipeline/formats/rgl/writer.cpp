@@ -29,7 +29,7 @@ constexpr double kHorizon = 1e-9;
 /// Every half vector stays reachable by importance sampling, however dark it is.
 constexpr double kLuminanceFloor = 1e-6;
 
-/// What is stored at half vector (x, y) of incident angle t: BRDF * cos(theta_out), as readers
+/// The value stored at half vector (x, y) of incident angle t: BRDF * cos(theta_out), as readers
 /// compute it with ndf = 1, sigma = 1/4 and an identity warp (vndf = 1).
 class RglGrid {
   public:
@@ -136,7 +136,7 @@ void write_rgl_rgb(const ExportJob& job, std::ostream& out) {
     write_rgl(job.rgb, job.rgb.weights().description, job, out);
 }
 
-/// Of the spectral file: a slice for each wavelength and one of luminance at every incidence.
+/// The spectral file has a slice for each wavelength and one of luminance at every incidence.
 std::uintmax_t rgl_bytes(const ExportOptions& options, std::size_t wavelengths) {
     const auto n = static_cast<std::uintmax_t>(options.resolution);
     const auto angles = static_cast<std::uintmax_t>(options.extra.at("incident_angles"));

@@ -67,8 +67,8 @@ bool fits_type(std::string_view type, std::string_view value) {
     return type == "string";
 }
 
-/// What the header claims, before the library believes it: it is a list of name, type, size and
-/// that many bytes, up to an empty name. OpenEXR allocates what a size claims before it reads:
+/// Checks what the header claims before the library believes it: it is a list of name, type, size
+/// and that many bytes, up to an empty name. OpenEXR allocates what a size claims before it reads:
 /// sizes beyond the file are refused here. Files of several parts, which have several headers, are
 /// none of ours.
 void check_exr_header(std::string_view content) {
@@ -108,7 +108,7 @@ std::vector<double> list_attribute(const ExrReader& file, const char* name) {
     return {list->begin(), list->end()};
 }
 
-/// What values are the BRDF times of: pi in reflectance factors; 1 where nothing is said, as in
+/// Values are the BRDF times this: pi in reflectance factors; 1 where nothing is said, as in
 /// files of before.
 double brdf_factor(const ExrReader& file) {
     const double factor = file.number("brdf_factor").value_or(1.0);

@@ -22,7 +22,7 @@ class NpzArchive {
     /// A text as an array of unsigned bytes: bytes(archive["meta"]).decode() in Python.
     void add_bytes(const std::string& name, const std::string& bytes);
 
-    /// The same arrays give the same bytes: time stamps are those of 1980-01-01, zip's zero.
+    /// Equal arrays give equal bytes: time stamps are those of 1980-01-01, zip's zero.
     /// @param out  empty, and able to seek: libzip goes back to fill in checksums
     /// @throws InputError  when it cannot be written
     void write(std::ostream& out) const;

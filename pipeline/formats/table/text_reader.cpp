@@ -12,7 +12,7 @@ namespace miebrdf {
 namespace {
 
 constexpr std::string_view kHeader = "wavelength_nm,mu_in,mu_out,azimuth_deg,brdf";
-/// Of a Mueller matrix, of which element 11 is the BRDF: more columns follow.
+/// Begins tables of Mueller matrices, whose element 11 is the BRDF; more columns follow.
 constexpr std::string_view kMuellerHeader = "wavelength_nm,mu_in,mu_out,azimuth_deg,m11,m12";
 /// A parsed JSON number takes 16 bytes and can be written in two: larger files take too much
 /// memory.

@@ -219,7 +219,7 @@ const ObjectView = (() => {
     }
   }
 
-  // The same sphere without WebGL, coarser.
+  // Draws the sphere without WebGL, more coarsely.
   class DrawnFlat {
     constructor(canvas) {
       this.canvas = canvas;
@@ -249,7 +249,7 @@ const ObjectView = (() => {
     }
   }
 
-  // What is drawn on, and how: { drawn, is3d }.
+  // The canvas and how it is drawn on: { drawn, is3d }.
   function make(canvas, wants3d) {
     try {
       if (wants3d) return { drawn: new Drawn3d(canvas), is3d: true };

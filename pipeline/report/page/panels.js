@@ -16,7 +16,7 @@ const Panels = (() => {
     return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
   };
   const labText = (lab) => lab.map((v) => fixed(v, 1)).join(', ');
-  // What a curve is called: with its scene where there are two.
+  // The name of a curve, with its scene where there are two.
   const called = (scene, what) => (scene.alone ? what : what ? `${scene.name}: ${what}` : scene.name);
 
   // Values of each scene at the chosen directions.

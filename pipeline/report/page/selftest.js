@@ -82,7 +82,7 @@ const SelfTest = (() => {
       await frame();
       result.values.push({ thetaIn, thetaOut, azimuth, shown: data('[data-key=brdf]'), lab: data('[data-key=lab]'), de2000: data('#de2000'),
         spectra: scenes.map((scene) => Array.from(scene.spectrumAt(view))),
-        // What cuts and lobes are made of.
+        // Cuts and lobes are made of this.
         single: scenes.map((s) => s.solved.evaluateAt(s.near(view.wavelength), Panels.cosine(view.thetaIn), Panels.cosine(view.thetaOut), view.azimuth)) });
     }
     result.wavelength_nm = view.wavelength;

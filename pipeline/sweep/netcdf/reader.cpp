@@ -13,7 +13,7 @@ class NetcdfTable : public StoredTable {
     explicit NetcdfTable(const std::string& file) : file_(make_netcdf_file(file, "read")) {
         file_->open(file);
         for (int v = 0; v < file_->variables(); ++v) {
-            // What a sweep writes as a result says which variables belong to it.
+            // Results of a sweep are the variables that name ancillary ones.
             if (!file_->text(v, "ancillary_variables").empty() ||
                 file_->name_of(v) == "error_estimate")
                 variables_.push_back(file_->name_of(v));

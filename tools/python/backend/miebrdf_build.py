@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[3]
-# What a source distribution leaves out.
+# A source distribution leaves these out.
 _NOT_SOURCES = {".git", "build", "out", "__pycache__", ".mypy_cache", ".ruff_cache"}
 # Entries of wheels have a date; one that does not change makes builds reproducible.
 _DATE = (2020, 1, 1, 0, 0, 0)
