@@ -218,7 +218,7 @@ const App = (() => {
       lobes.forEach(({ lobe }, i) => lobe.draw(amounts[i], view.thetaIn, view, view));
     }
 
-    // Parts below the screen are drawn when it is nearly there, or printed: the first picture comes sooner.
+    // Parts below the screen are drawn when they are nearly there, or printed: the first picture comes sooner.
     const sectionOf = { lobe: 'lobes', albedo: 'albedo-charts', media: 'media-charts' }, unseen = new Set(Object.keys(sectionOf));
     function draw(...what) {
       what.forEach((w) => { unseen.delete(w); dirty.add(w); });
