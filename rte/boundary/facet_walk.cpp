@@ -8,7 +8,7 @@
 namespace miebrdf::rte {
 namespace {
 
-// As coarse as the distribution over directions allows; totals need less.
+// The walk is as coarse as the distribution over directions allows; totals need less.
 constexpr double kWalkRefinement = 0.9;
 // It ends when this share of all beams is left.
 constexpr double kForgotten = 1e-5;

@@ -1,4 +1,4 @@
-// What smooth boundaries and mirrors do to polarised light: Fresnel's Mueller matrices between the
+// Smooth boundaries and mirrors for polarised light: Fresnel's Mueller matrices between the
 // meridian planes, which are the plane of incidence.
 #pragma once
 
@@ -54,8 +54,8 @@ FresnelMatrix fresnel_reflection(double here, std::complex<double> beyond, doubl
 /// The reflection of light known to be totally reflected, whatever rounding says of its angle.
 FresnelMatrix total_reflection(double here, double beyond, double mu);
 
-/// Of the same light, what passes between two transparent media: 1 - r; U and V keep (t_p t_s) of
-/// their flux. The same in both directions.
+/// The share of the same light that passes between two transparent media: 1 - r; U and V keep (t_p
+/// t_s) of their flux. The same in both directions.
 FresnelMatrix passing(const FresnelMatrix& reflection);
 
 }  // namespace miebrdf::rte

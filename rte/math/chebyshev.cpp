@@ -43,8 +43,8 @@ bool has_converged(const Eigen::MatrixXd& coefficients, const AngleTolerance& to
 
 using ChebyshevValues = Eigen::Array<double, kNodes, 1>;
 
-// Of all degrees at t, by products of lower ones (T_a T_b = (T_{a+b} + T_{a-b}) / 2): what is
-// needed next is ready sooner than after steps of one degree.
+// Polynomials of all degrees at t, by products of lower ones (T_a T_b = (T_{a+b} + T_{a-b}) / 2):
+// what is needed next is ready sooner than after steps of one degree.
 ChebyshevValues chebyshev_values(double t) {
     static_assert(kNodes == 8);
     const double t2 = 2.0 * t * t - 1.0, t3 = 2.0 * t * t2 - t;

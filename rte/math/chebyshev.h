@@ -71,8 +71,8 @@ class AngleTable {
     std::vector<Place> places_;  ///< of the panels
     /// [(panel * kNodes + degree) * function_count() + function]
     std::vector<double> coefficients_;
-    /// Of equal cells of [0, pi], each within one panel unless there would be too many: the first
-    /// panel that reaches into it.
+    /// For each of equal cells of [0, pi], each within one panel unless there would be too many:
+    /// the first panel that reaches into it.
     std::vector<std::uint32_t> first_of_cell_;
 };
 

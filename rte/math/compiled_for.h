@@ -3,7 +3,7 @@
 
 namespace miebrdf {
 
-// Of internal linkage: libraries and programs may be compiled for different ones.
+// The linkage is internal: libraries and programs may be compiled for different ones.
 #if defined(__AVX512F__) && defined(__AVX512BW__) && defined(__AVX512CD__) && \
     defined(__AVX512DQ__) && defined(__AVX512VL__)
 static constexpr char kCompiledFor[] = "x86-64-v4";

@@ -37,7 +37,7 @@ using FactorByColumns = FactorMap<Eigen::MatrixXd>;
 using FactorByRows =
     FactorMap<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-/// What is multiplied here: all but the factors of compiled_products.cpp itself.
+/// Factors that are multiplied here: all but the factors of compiled_products.cpp itself.
 template <typename Expression>
 concept IsCompiledFactor =
     std::same_as<typename Expression::Scalar, double> &&

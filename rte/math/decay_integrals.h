@@ -16,7 +16,7 @@ struct DecayIntegrals {
 /// integrals, each used where nothing cancels.
 DecayIntegrals decay_integrals(double x, double y);
 
-/// The same for the cosines of a layer and one y after the other. All that depends on x alone is
+/// Integrals for the cosines of a layer and one y after the other. All that depends on x alone is
 /// found once, and once for all y.
 class DecayIntegrator {
   public:

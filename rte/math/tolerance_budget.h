@@ -17,7 +17,7 @@ inline constexpr double kCoarserOrdersShare = 0.01;
 /// The equations of one Fourier order: iterated half-spaces, refined eigenmodes, and what lies
 /// below a coat that counts as a half-space in that order.
 inline constexpr double kEquationShare = 0.01;
-/// What lies below a coat that hides it (rte/stack/hidden_layers.h).
+/// Layers below a coat that hides them (rte/stack/hidden_layers.h).
 inline constexpr double kHiddenLayersShare = 0.1;
 /// Narrow features of the first order: interpolation and the terms left out.
 inline constexpr double kNarrowFeaturesShare = 0.1;
@@ -34,11 +34,11 @@ inline constexpr double kPhaseTableShare = 0.01;
 inline constexpr double kPhasePerMoment = 50.0;
 inline constexpr double kLeastPhaseTolerance = 2e-4;
 inline constexpr double kMostPhaseTolerance = 3e-2;
-/// What errors of P may do to single directions, as an error estimate.
+/// The error that P may cause in single directions, as an error estimate.
 inline constexpr double kPhaseShare = 0.4;
 /// The least that is asked of P at listed angles.
 inline constexpr double kLeastAngleTolerance = 1e-6;
-/// Of the error that points of P may have, the part that interpolation between them may.
+/// The part of the error of points of P that interpolation between them may have.
 inline constexpr double kPhaseInterpolationShare = 0.5;
 
 /// Albedos and transmittances are relative to themselves, but to no less than this share of the

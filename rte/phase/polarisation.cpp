@@ -14,7 +14,7 @@ namespace miebrdf::rte {
 namespace {
 
 void require_coefficients(const std::vector<double>& list, const char* name, int first_degree) {
-    // What quadratures over noisy matrices leave.
+    // Noise that quadratures over noisy matrices leave.
     constexpr double noise = 1e-6;
     for (std::size_t l = 0; l < list.size(); ++l) {
         const bool exists = l >= std::size_t(first_degree);

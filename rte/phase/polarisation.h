@@ -18,7 +18,8 @@ ScatteringMatrix exact_matrix(const Optics& optics, double cos_theta);
 /// Rayleigh scattering by molecules; rho in [0, 6/7].
 std::shared_ptr<const Polarisation> rayleigh_polarisation(double depolarisation_factor);
 
-/// Of a mixture: those of its components by their shares of the scattering; null if none has any.
+/// Coefficients of a mixture: those of its components by their shares of the scattering; null if
+/// none has any.
 /// @param share  as MixedPhase::share
 std::shared_ptr<const Polarisation> mix_polarisation(std::span<const Optics> components,
                                                      std::span<const double> share);

@@ -162,7 +162,7 @@ struct MultipleScattering {
     FourierOrders by_fourier_order;  ///< as KeptOrders says
 };
 
-/// Which orders the sum keeps in by_fourier_order.
+/// The orders that the sum keeps in by_fourier_order.
 enum class KeptOrders {
     for_finer,  ///< those that a finer solution may take over, probes included; empty: none
     asked_for,  ///< all of them, at the directions asked for: what a table is made of

@@ -113,7 +113,7 @@ Eigen::MatrixXd sources_at_nodes(const CoupledModes& modes, const Eigen::MatrixX
 Eigen::MatrixXd joined(const Eigen::MatrixXd& linear, const Eigen::MatrixXd& mixed,
                        const Eigen::MatrixXd& circular, int rows_per_node);
 
-/// Which rows of a block are V: its last component. J, as signs of rows.
+/// The rows of a block that are V: its last component. J, as signs of rows.
 Eigen::VectorXd metric(Eigen::Index rows, int rows_per_node);
 
 /// X = 2 (I + Z)^-1 - I, rows as in Reflector: node by node, V last.
@@ -121,7 +121,7 @@ Eigen::VectorXd metric(Eigen::Index rows, int rows_per_node);
 bool reflection_of(const Eigen::MatrixXd& Z_linear, const Eigen::MatrixXd& Z_mixed,
                    const Eigen::MatrixXd& Z_circular, int rows_per_node, Eigen::MatrixXd& X);
 
-/// As solve_half_space, for a block that ends with V and a medium with b2.
+/// Works as solve_half_space does, for a block that ends with V and a medium with b2.
 /// @param mode, medium  of the whole block (make_block_mode)
 /// @param grid, requested  repeated(); `nodes`, `cosines` are the same once each
 /// @param result  `nodes` and `rows` are X, which is not symmetric; `multiple` is X as well
@@ -151,8 +151,8 @@ TwistedRows specular_of(const Reflector& reflector, Eigen::Index rows);
 Eigen::MatrixXd arriving(const Eigen::MatrixXd& rows, const std::vector<int>& which,
                          int rows_per_node);
 
-/// As solve_layer, out of the complex eigenmodes of CoupledModes::rates: Z_p = Z tanh(A tau/2), Z_m
-/// = Z coth(A tau/2). About 30 times the work of the symmetric equations.
+/// Works as solve_layer does, out of the complex eigenmodes of CoupledModes::rates: Z_p = Z tanh(A
+/// tau/2), Z_m = Z coth(A tau/2). About 30 times the work of the symmetric equations.
 /// @param layer  reflection, transmission, rows, `multiple` and `direct`; as X, not symmetric
 /// Arguments as of solve_coupled_half_space.
 void solve_coupled_layer(double scaled_optical_depth, const StokesTables& tables,
@@ -162,21 +162,22 @@ void solve_coupled_layer(double scaled_optical_depth, const StokesTables& tables
                          const RequestedDirections& requested, double tolerance, CoupledWork& work,
                          LayerOperator& layer);
 
-/// As put_on, for reflectors and layers that are not symmetric, without sky and transmittance.
+/// Works as put_on does, for reflectors and layers that are not symmetric, without sky and
+/// transmittance.
 void put_on_coupled(const LayerOperator& layer, const Reflector& base,
                     const RequestedDirections& requested, int rows_per_node, ReflectorParts parts,
                     Reflector& result);
 
 // Total reflection and metals turn U into V.
 
-/// As mirror_ground, for a block that ends with V.
+/// Works as mirror_ground does, for a block that ends with V.
 /// @param nodes, cosines  in the medium above it, once each
 /// @param requested       repeated()
 void coupled_mirror(double here, std::complex<double> mirror, const ZenithGrid& nodes,
                     const RequestedDirections& cosines, const RequestedDirections& requested,
                     const StokesBlock& block, Reflector& result);
 
-/// As put_boundary_on, for such blocks: nothing is symmetric, and there is no sky.
+/// Works as put_boundary_on does, for such blocks: nothing is symmetric, and there is no sky.
 /// @param requested  repeated(), in the medium below
 /// @param parts      `pairs` or `nodes`
 void put_boundary_on_coupled(const FresnelReflections& matrices, const StokesBlock& block,

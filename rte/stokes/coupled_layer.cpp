@@ -66,7 +66,7 @@ bool inverse_of(const Impedance& Z, int rows_per_node, MatrixXd& result) {
     return true;
 }
 
-// As in solve_layer, mode by mode, for light from both sides alike and with opposite signs.
+// Works as solve_layer does, mode by mode, for light from both sides alike and with opposite signs.
 void fill_rows(double tau, const VectorXd& mu, const math::ComplexEigen& modes,
                const CoupledSources& sources, const CoupledModes& coupled, int rows_per_node,
                LayerOperator& layer) {

@@ -39,7 +39,7 @@ class ShadowingOverCosines {
     double cosine_over_masking(double mu) const;
 
     double operator()(const FacetGeometry& geometry) const;
-    /// The same with cosine_over_masking(mu_in) already known.
+    /// Evaluates it with cosine_over_masking(mu_in) already known.
     double operator()(const FacetGeometry& geometry, double in_over_masking) const;
 
   private:

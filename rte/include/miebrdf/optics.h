@@ -1,4 +1,4 @@
-// What radiative transfer needs to know: single scattering by each medium (from Mie theory, a
+// Input of radiative transfer: single scattering by each medium (from Mie theory, a
 // formula or a file), and what lies on what.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
@@ -55,8 +55,8 @@ struct Optics {
     /// Functions with narrow features (glory, rainbows) need all their moments in chi as well: what
     /// is beyond delta-M is corrected from them.
     std::function<double(double cos_theta)> phase;
-    /// What it does to polarised light, for the Stokes solver alone. Null: whatever it scatters is
-    /// unpolarised, as if a1 were all of its scattering matrix.
+    /// Its scattering of polarised light, for the Stokes solver alone. Null: whatever it scatters
+    /// is unpolarised, as if a1 were all of its scattering matrix.
     std::shared_ptr<const Polarisation> polarisation = {};
 };
 
@@ -131,7 +131,8 @@ struct Stack {
     double ground_albedo = 0.0;  ///< in [0, 1], of the Lambertian ground
     /// n + ik of the mirror: of a metal, or 1 for the lower side of a free film.
     std::complex<double> mirror_index = 1.0;
-    /// As Coat::index: of the half-space, or of what lies on the ground where there is no coat.
+    /// Index as Coat::index: of the half-space, or of what lies on the ground where there is no
+    /// coat.
     double base_index = 1.0;
     /// Between air and the topmost medium. Media of different indices below it are separated by
     /// smooth boundaries. Empty: indices are not looked at, light enters as if there were none.

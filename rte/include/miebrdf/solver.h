@@ -1,4 +1,4 @@
-// What a caller may choose, and what the solver says about how it went.
+// Options of a caller, and the solver's report on how it went.
 #pragma once
 
 #include <cstddef>

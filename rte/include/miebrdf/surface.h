@@ -16,7 +16,7 @@ enum class MicrofacetDistribution {
     ggx,       ///< longer tails (Trowbridge & Reitz 1975; Walter et al. 2007)
 };
 
-/// Which share of the mirrors is lit and seen.
+/// The share of the mirrors that is lit and seen.
 enum class Shadowing {
     smith_correlated,  ///< G = 1 / (1 + Lambda_in + Lambda_out): heights of both rays correlate
     smith_separable,   ///< G = G1(in) G1(out), G1 = 1 / (1 + Lambda)
@@ -33,8 +33,8 @@ struct SurfaceOptions {
     MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
     Shadowing shadowing = Shadowing::smith_correlated;
     FresnelKind fresnel = FresnelKind::exact;
-    /// Whose Lambda the Smith forms use. Empty: that of `distribution`, the only choice for which
-    /// the visible mirrors add up to the surface that is seen.
+    /// The distribution whose Lambda the Smith forms use. Empty: that of `distribution`, the only
+    /// choice for which the visible mirrors add up to the surface that is seen.
     std::optional<MicrofacetDistribution> shadowing_distribution = {};
 };
 
@@ -94,7 +94,7 @@ IntegralResult directional_reflectance(std::complex<double> refractive_index,
                                        const SurfaceOptions& options, double mu_in,
                                        double tolerance = 1e-6);
 
-/// What the directions of incidence weigh in a mean over the hemisphere.
+/// Weights of the directions of incidence in a mean over the hemisphere.
 enum class HemisphereMean {
     solid_angle,  ///< all directions alike: integral over mu in (0, 1)
     cosine,       ///< as a diffuse illumination arrives: 2 * integral over mu dmu
@@ -147,7 +147,7 @@ enum class SurfaceCoupling {
     reciprocal,  ///< (1 - rho(mu_in)) (1 - rho(mu_out)), normalised
 };
 
-/// What a surface does to light on its way in and out, as far as albedos of the layers see it.
+/// The effect of a surface on light on its way in and out, as far as albedos of the layers see it.
 struct SurfaceWeights {
     double in = 1.0;   ///< share of the light from mu that gets to the layers
     double out = 1.0;  ///< what light that leaves the layers towards mu counts

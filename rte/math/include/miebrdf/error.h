@@ -1,4 +1,4 @@
-// What can go wrong. Every exception that this library throws is an Error.
+// Errors. Every exception that this library throws is an Error.
 #pragma once
 
 #include <charconv>
