@@ -178,8 +178,9 @@ void Planner::leave_out_layer(const Layer& layer) {
         for (const LayerJob& job : jobs_) saved += typical_mie_cost(job.wavelength);
     }
     leave_out("no depth",
-              fmt::format("coat {} has optical depth 0: no optics, no Fourier modes",
-                          describe(layer.medium)),
+              fmt::format("coat {} has optical depth 0: no optics, no Fourier modes{}",
+                          describe(layer.medium),
+                          scene_.has_optical_steps() ? "; the surfaces of its host stay" : ""),
               saved);
 }
 

@@ -14,6 +14,7 @@
 #include "pipeline/report/page_table.h"
 #include "pipeline/scene/labels.h"
 #include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/rules.h"
 #include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf::report {
@@ -111,7 +112,7 @@ std::string place_of(const Scene& scene, std::size_t medium) {
     if (medium == 0) return "base";
     std::size_t place = 0;
     for (std::size_t c = 0; c < scene.layers.size(); ++c) {
-        if (scene.layers[c].depth.value == 0.0) continue;
+        if (is_left_out(scene, scene.layers[c])) continue;
         if (++place == medium) return "coat " + std::to_string(c + 1);
     }
     return "layer";

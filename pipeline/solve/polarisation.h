@@ -16,6 +16,7 @@ namespace miebrdf {
 /// How light is computed at one wavelength.
 struct LightChoice {
     int components = 1;       ///< 1, 3 or 4
+    double allowed = 0.0;     ///< change of the values by what is left out; see needs_matrices
     double left_out = 0.0;    ///< WavelengthReport::polarisation_left_out
     std::string reason = {};  ///< "no layer polarises what it scatters", ...
     /// With 1 component: nothing is known yet of how strongly the layers polarise; their scattering
@@ -31,8 +32,11 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
 /// @throws UsageError  where several components were asked for and cannot be computed
 LightChoice choose_light(const LayerRequest& request, std::size_t w);
 
-/// The rest, by the scattering matrices of the layers that show.
-LightChoice choose_light(const LayerRequest& request, const rte::Stack& stack);
+/// The rest, by the scattering matrices of the layers that show: a bound by the particles alone, or
+/// two solutions with few nodes, with and without polarisation.
+/// @param unknown  what the first choice left open
+LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown,
+                         const rte::Stack& stack);
 
 /// All of it for some of the scene's wavelengths (layers.cpp).
 std::vector<LightChoice> choose_light(const LayerRequest& request,

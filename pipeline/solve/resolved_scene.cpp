@@ -139,6 +139,9 @@ ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_
     for (const Layer& layer : scene.layers) {
         if (layer.depth.value == 0.0) {
             resolved.empty_layers.push_back(layer);
+            if (is_left_out(scene, layer)) continue;
+            resolved.media.push_back(resolver.host_alone(layer.medium, wavelength_nm));
+            resolved.depths.push_back({});
             continue;
         }
         const bool is_optical = layer.depth.kind == Depth::Kind::optical_depth;

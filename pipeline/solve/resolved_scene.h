@@ -67,8 +67,8 @@ struct ResolvedDepth {
 
 struct ResolvedScene {
     std::vector<double> wavelength_nm;
-    /// The base, then the layers that have a depth. A scene on a substrate has no base: its first
-    /// medium is empty.
+    /// The base, then the layers but for those left out (is_left_out). A scene on a substrate has
+    /// no base: its first medium is empty.
     std::vector<ResolvedMedium> media = {};
     std::vector<ResolvedDepth> depths = {};  ///< of media[1], media[2], ...
     std::optional<Substrate::Kind> substrate = {};
@@ -84,7 +84,7 @@ struct ResolvedScene {
     std::vector<std::string> sources =
         {};  ///< where the figures come from, one line for each species and host
     std::vector<std::string> notes = {};   ///< what holds within limits only, one line each
-    std::vector<Layer> empty_layers = {};  ///< of no depth: left out
+    std::vector<Layer> empty_layers = {};  ///< of no depth: left out, but for surfaces of hosts
 
     std::size_t layers() const { return depths.size(); }
     /// The lowest medium that there is: 0, or 1 on a substrate.

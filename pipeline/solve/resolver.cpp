@@ -103,6 +103,22 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
     return resolved;
 }
 
+ResolvedMedium Resolver::host_alone(const Medium& medium,
+                                    const std::vector<double>& wavelength_nm) {
+    // Of no depth: whatever absorbs nothing asks for no work of its own.
+    static const Species clear{.kind = "isotropic", .parameters = {1.0}};
+    ResolvedMedium resolved{.medium = {{clear}, host_of(scene_, medium)}};
+    resolved.species.push_back({.species = clear, .wavelength_nm = wavelength_nm});
+    ResolvedSpecies& species = resolved.species.front();
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+        species.key.push_back(key_of(species, w));
+        resolved.key.push_back(species.key.back());
+    }
+    resolved.host_absorption.assign(wavelength_nm.size(), 0.0);
+    resolved.host_index = real_index(host_of(scene_, medium), wavelength_nm);
+    return resolved;
+}
+
 ResolvedDepth Resolver::depth(const Layer& layer, const ResolvedMedium& medium) {
     ResolvedDepth resolved{.depth = layer.depth, .optical_depth = layer.depth.value};
     const Depth& depth = layer.depth;

@@ -19,6 +19,8 @@ class Resolver {
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it
     ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                           double optical_depth = std::numeric_limits<double>::infinity());
+    /// What is left of a layer without depth: its host, with no particles that need optics.
+    ResolvedMedium host_alone(const Medium& medium, const std::vector<double>& wavelength_nm);
     ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium);
     /// n + ik of a species, of a mirror and (n alone) of a host at every wavelength.
     ResolvedIndex index(const Species& species, const std::vector<double>& wavelength_nm);

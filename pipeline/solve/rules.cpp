@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/resolver.h"
 #include "rte/grid/directions.h"
 
 namespace miebrdf {
@@ -13,6 +14,10 @@ bool all_one(const std::vector<double>& cosines) {
 }
 
 }  // namespace
+
+bool is_left_out(const Scene& scene, const Layer& layer) {
+    return layer.depth.value == 0.0 && !scene.boundary && !has_mirror(scene);
+}
 
 bool wants_layers(const BrdfParts& parts) { return parts.subsurface || parts.total; }
 

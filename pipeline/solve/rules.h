@@ -9,6 +9,9 @@
 
 namespace miebrdf {
 
+/// Whether nothing of a layer is needed: it has no depth, and its host no surface that refracts.
+bool is_left_out(const Scene& scene, const Layer& layer);
+
 /// Whether radiative transfer is needed at all: not for the surface lobe alone.
 bool wants_layers(const BrdfParts& parts);
 /// Whether the lobe and its rho are needed: only with a surface, and not for the layers alone.

@@ -81,8 +81,7 @@ void WavelengthTable::solve(const SceneOptics& optics, const SolverOptions& solv
                             bool whole_matrix) {
     const rte::Stack& stack = optics.stack;
     report_.stokes = components;
-    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty())
-        return;  // black, but for mirrors
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary) return;
     SolverOptions options = solver;
     options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);
     const rte::SolvedLight light{components, components > 1 && !whole_matrix};

@@ -14,7 +14,7 @@ namespace miebrdf::rte {
 namespace {
 
 // Gauss rules in s with the variable s^2 (3 - 2 s), which makes square roots at both ends smooth.
-constexpr int kMostFacetNodes = 64;
+constexpr int kMostFacetNodes = 128;
 
 const std::vector<math::Quadrature>& smooth_ended_rules() {
     static const auto rules = [] {
@@ -217,6 +217,11 @@ double log_gamma_above_1(double x) {
 }
 
 }  // namespace
+
+double seen_from_both_sides(double one_plus_lambda, double beyond) {
+    return std::exp(log_gamma_above_1(one_plus_lambda) + log_gamma_above_1(beyond) -
+                    log_gamma_above_1(one_plus_lambda + beyond));
+}
 
 void ScatteredRays::add(double ray_energy, double ray_mu, double ray_cos_azimuth) {
     energy.push_back(ray_energy);

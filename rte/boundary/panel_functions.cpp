@@ -72,13 +72,31 @@ void PanelFunctions::evaluate(const Position& at, double* values) const {
 template <typename Locate>
 Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders, double index,
                                         const Locate& locate) const {
-    const auto count = Eigen::Index(rays.energy.size());
-    Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(grid_.size(), count);
+    std::vector<std::vector<std::pair<std::size_t, Position>>> by_panel(grid_.panels().size());
+    for (std::size_t k = 0; k < rays.energy.size(); ++k) {
+        const Position at = locate(rays.mu[k]);
+        by_panel[at.panel].emplace_back(k, at);
+    }
+    Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(grid_.size(), orders);
+    for (std::size_t panel = 0; panel < by_panel.size(); ++panel) {
+        const RefractionPanel& nodes = grid_.panels()[panel];
+        energy.middleRows(nodes.first, nodes.count) =
+            collect(rays, by_panel[panel], nodes.count, orders, index);
+    }
+    for (int m = 1; m < orders; m += 2) energy.col(m).array() /= q_.array();
+    return energy;
+}
+
+/// Of the rays in one panel: nodes x orders, odd orders times q.
+Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays,
+                                        const std::vector<std::pair<std::size_t, Position>>& some,
+                                        Eigen::Index nodes, int orders, double index) const {
+    const auto count = Eigen::Index(some.size());
+    Eigen::MatrixXd functions(nodes, count);
     Eigen::MatrixXd azimuths(orders, count);  // energy cos(order azimuth)
     for (Eigen::Index ray = 0; ray < count; ++ray) {
-        const auto k = std::size_t(ray);
-        const Position at = locate(rays.mu[k]);
-        evaluate(at, &functions(grid_.panels()[at.panel].first, ray));
+        const auto& [k, at] = some[std::size_t(ray)];
+        evaluate(at, &functions(0, ray));
         const double cosine = std::clamp(rays.cos_azimuth[k], -1.0, 1.0);
         azimuths(0, ray) = rays.energy[k];
         if (orders > 1) azimuths(1, ray) = rays.energy[k] * cosine;
@@ -88,9 +106,7 @@ Eigen::MatrixXd PanelFunctions::collect(const ScatteredRays& rays, int orders, d
         const double q = index * sine_of(rays.mu[k]);
         for (int m = 1; m < orders; m += 2) azimuths(m, ray) *= q;
     }
-    Eigen::MatrixXd energy = functions * azimuths.transpose();
-    for (int m = 1; m < orders; m += 2) energy.col(m).array() /= q_.array();
-    return energy;
+    return functions * azimuths.transpose();
 }
 
 Eigen::VectorXd PanelFunctions::inside_values(double mu, int order) const {

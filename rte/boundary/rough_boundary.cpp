@@ -16,9 +16,17 @@ const RefractionGrid& checked(const RefractionGrid& grid, double index, const Ro
         throw UsageError("alpha", surface.alpha, "1e-6 to 1");
     }
     const auto nodes = int(grid.size());
-    if (!(nodes >= 4 && nodes <= 256)) throw UsageError("streams", nodes, "4 to 256");
+    if (!(nodes >= 4 && nodes <= 1024)) throw UsageError("streams", nodes, "4 to 1024");
     if (!(orders >= 1)) throw UsageError("orders", orders, "at least 1");
     return grid;
+}
+
+/// Rays must resolve the polynomials of the largest panel: those of so many nodes by default.
+double refinement_for(const RefractionGrid& grid) {
+    constexpr double nodes_by_default = 12.0;
+    Eigen::Index most = 0;
+    for (const RefractionPanel& panel : grid.panels()) most = std::max(most, panel.count);
+    return std::max(1.0, double(most) / nodes_by_default);
 }
 
 /// From the energies K_pq that go from q to p: reciprocal light has K_pq g_q / g_p = K_qp g_p /
@@ -81,6 +89,7 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const Re
       surface_(surface),
       order_count_(orders),
       grid_(checked(grid, index, surface, orders)),
+      refinement_(refinement_for(grid)),
       functions_(std::in_place, grid_, index),
       walk_(std::in_place, index, surface, orders),
       d_(flux_weights_of(grid_, index)),
@@ -143,7 +152,8 @@ void RoughBoundary::keep(Eigen::MatrixXd order_0) {
 }
 
 FacetWalk::Beam RoughBoundary::meet(bool from_air, double mu) const {
-    return {from_air, mu, scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu)};
+    return {from_air, mu,
+            scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_)};
 }
 
 Eigen::MatrixXd RoughBoundary::after_one_facet(const FacetWalk::Beam& beam) const {
@@ -161,26 +171,28 @@ RoughBoundary::EnergyFromAir RoughBoundary::followed(const Eigen::VectorXd& mu_a
         if (!(mu > 0.0 && mu <= 1.0)) throw UsageError("mu_air", mu, "(0, 1]");
         beams.push_back(meet(true, mu));
     }
-    EnergyFromAir energy{mu_air, walk_->leaving(beams, grid_), Eigen::VectorXd(requested)};
+    EnergyFromAir energy{mu_air, walk_->leaving(beams, grid_), {}};
     for (Eigen::MatrixXd& order : energy.by_order) order.transposeInPlace();
+    energy.at_once.assign(std::size_t(order_count_), Eigen::MatrixXd(requested, d_.size()));
     for (Eigen::Index r = 0; r < requested; ++r) {
         const Eigen::MatrixXd first = after_one_facet(beams[std::size_t(r)]);
-        energy.one_facet[r] = first.col(0).tail(nodes_in_air()).sum();
         for (int m = 0; m < order_count_; ++m) {
             energy.by_order[std::size_t(m)].row(r) += first.col(m).transpose();
+            energy.at_once[std::size_t(m)].row(r) = first.col(m).head(d_.size()).transpose();
         }
     }
     return energy;
 }
 
 RoughBoundary::EnergyFromAir RoughBoundary::interpolated(const Eigen::VectorXd& mu_air) const {
-    EnergyFromAir sum{mu_air, {}, Eigen::VectorXd::Zero(mu_air.size())};
+    EnergyFromAir sum{mu_air, {}, {}};
     sum.by_order.assign(inside_.size(), Eigen::MatrixXd::Zero(mu_air.size(), g_.size()));
+    sum.at_once.assign(inside_.size(), Eigen::MatrixXd::Zero(mu_air.size(), d_.size()));
     for (const Neighbour& neighbour : neighbours_) {
         const auto energy = neighbour.boundary->energy_from_air(mu_air);
-        sum.one_facet += neighbour.weight * energy->one_facet;
         for (std::size_t m = 0; m < inside_.size(); ++m) {
             sum.by_order[m] += neighbour.weight * energy->by_order[m];
+            sum.at_once[m] += neighbour.weight * energy->at_once[m];
         }
     }
     return sum;
@@ -205,12 +217,13 @@ LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {
     LightFromAir light;
     light.compensation = c;
     light.outer_reflectance = c.cwiseProduct(energy->by_order[0].rightCols(air).rowwise().sum());
-    light.lobe_scale =
-        (light.outer_reflectance.cwiseMax(0.0).cwiseQuotient(energy->one_facet)).cwiseSqrt();
-    for (const Eigen::MatrixXd& order : energy->by_order) {
-        light.entering.push_back(c.asDiagonal() * order.leftCols(d_.size()) *
-                                 d_.cwiseInverse().asDiagonal());
-    }
+    const auto scaled = [&](const auto& energies) -> Eigen::MatrixXd {
+        return c.asDiagonal() * energies * d_.cwiseInverse().asDiagonal();
+    };
+    for (const Eigen::MatrixXd& order : energy->by_order)
+        light.entering.push_back(scaled(order.leftCols(d_.size())));
+    for (const Eigen::MatrixXd& order : energy->at_once)
+        light.entering_at_once.push_back(scaled(order));
     return light;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "rte/boundary/facet_scattering.h"
@@ -44,6 +45,9 @@ class PanelFunctions {
     template <typename Locate>
     Eigen::MatrixXd collect(const ScatteredRays& rays, int orders, double index,
                             const Locate& locate) const;
+    Eigen::MatrixXd collect(const ScatteredRays& rays,
+                            const std::vector<std::pair<std::size_t, Position>>& some,
+                            Eigen::Index nodes, int orders, double index) const;
     void evaluate(const Position& at, double* values) const;
 
     RefractionGrid grid_;
@@ -109,12 +113,10 @@ struct LightFromAir {
     /// enters in order 0.
     std::vector<Eigen::MatrixXd> entering;
     Eigen::VectorXd outer_reflectance;  ///< energy that does not enter: 1 - D . e
+    /// The part of `entering` of light that has met one facet alone.
+    std::vector<Eigen::MatrixXd> entering_at_once;
     /// c, close to 1, by which the energy of each direction is scaled: what FacetWalk missed.
     Eigen::VectorXd compensation;
-    /// s for SurfaceLobe of the same distribution with correlated Smith shadowing: the light that
-    /// does not enter has the BRDF s(mu_in) s(mu_out) SurfaceLobe, s^2 = outer_reflectance over the
-    /// energy that one facet reflects.
-    Eigen::VectorXd lobe_scale;
 };
 
 /// One rough boundary on one grid; made once, used for all scenes of that index.
@@ -128,7 +130,7 @@ class RoughBoundary {
     /// @param index  of the medium, 1.05 to 3; below, nearly all light passes straight on through
     ///               many facets, for which FacetWalk has too few nodes
     /// @param grid   whose largest index this is: RefractionGrid({index}, streams), or what a grid
-    ///               of several media has within() it; 4 to 256 nodes
+    ///               of several media has within() it; 4 to 1024 nodes
     /// @param orders  at least 1: Fourier orders 0 ... orders - 1
     /// @throws UsageError  for an argument out of range
     RoughBoundary(double index, const RoughSurface& surface, const RefractionGrid& grid,
@@ -165,7 +167,7 @@ class RoughBoundary {
     struct EnergyFromAir {
         Eigen::VectorXd mu_air;
         std::vector<Eigen::MatrixXd> by_order;
-        Eigen::VectorXd one_facet;  ///< what a single facet reflects, before any scaling
+        std::vector<Eigen::MatrixXd> at_once;  ///< its part inside, of what met one facet alone
     };
     struct Neighbour {
         std::shared_ptr<const RoughBoundary> boundary;
@@ -185,6 +187,7 @@ class RoughBoundary {
     RoughSurface surface_;
     int order_count_;
     RefractionGrid grid_;
+    double refinement_ = 1.0;                  ///< of facets
     std::optional<PanelFunctions> functions_;  ///< these two only where rays are followed
     std::optional<FacetWalk> walk_;
     std::vector<Neighbour> neighbours_;  ///< and these where matrices are interpolated

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <utility>
 
+#include "rte/boundary/facet_lobes.h"
 #include "rte/fourier/fourier_mode.h"
 
 namespace miebrdf::rte {
@@ -85,16 +86,51 @@ std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const B
     return made;
 }
 
+namespace {
+
+// Facets know nothing of the medium's nodes.
+constexpr int kStreamsOfLobes = 16;
+
+std::shared_ptr<const RoughBoundary> boundary_of_lobes(double index, const Boundary& boundary) {
+    return shared_rough_boundary(index, boundary, RefractionGrid({index}, kStreamsOfLobes), 1);
+}
+
+}  // namespace
+
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
                                  const Eigen::VectorXd& mu_air) {
-    constexpr int streams = 16;  // facets know nothing of the medium's nodes
-    const RefractionGrid grid({index}, streams);
-    return shared_rough_boundary(index, boundary, grid, 1)->from_air(mu_air).lobe_scale;
+    static std::mutex mutex;
+    static std::list<
+        std::pair<std::shared_ptr<const RoughBoundary>, std::shared_ptr<const OuterLobeScale>>>
+        kept;
+    const auto facets = boundary_of_lobes(index, boundary);
+    std::shared_ptr<const OuterLobeScale> scale;
+    {
+        const std::lock_guard lock(mutex);
+        auto found = std::find_if(kept.begin(), kept.end(),
+                                  [&](const auto& one) { return one.first == facets; });
+        if (found == kept.end()) {
+            kept.emplace_front(facets, std::make_shared<const OuterLobeScale>(facets));
+            if (kept.size() > kMostKept) kept.pop_back();
+            found = kept.begin();
+        }
+        scale = found->second;
+    }
+    return scale->at(mu_air);
+}
+
+Eigen::VectorXd facet_compensation(double index, const Boundary& boundary,
+                                   const Eigen::VectorXd& mu_air) {
+    return boundary_of_lobes(index, boundary)->from_air(mu_air).compensation;
 }
 
 RoughTop::RoughTop(double index, const Boundary& boundary, const RefractionGrid& grid,
-                   const RequestedDirections& requested)
-    : index_(index), kind_(boundary), grid_(grid), requested_(requested) {}
+                   const RequestedDirections& requested, Eigen::VectorXd mirrored)
+    : index_(index),
+      kind_(boundary),
+      grid_(grid),
+      requested_(requested),
+      mirrored_(std::move(mirrored)) {}
 
 void RoughTop::need_orders(int count) {
     if (boundary_ != nullptr && boundary_->orders() >= count) return;
@@ -126,6 +162,12 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     gather_rows(entering, requested_.out, out);
     gather_rows(entering, requested_.in, in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();
+    if (mirrored_.size() > 0) {
+        const Eigen::MatrixXd& at_once = light_.entering_at_once[std::size_t(fourier_order)];
+        gather_rows(at_once, requested_.out, out);
+        gather_rows(at_once, requested_.in, in);
+        result.multiple -= (0.5 / n2) * (out * mirrored_.asDiagonal()) * in.transpose();
+    }
     result.has_transmittance = fourier_order == 0 && below.has_transmittance;
     if (fourier_order > 0) return;
     result.specular = light_.outer_reflectance;

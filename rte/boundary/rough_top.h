@@ -14,17 +14,25 @@ namespace miebrdf::rte {
 std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& boundary,
                                                            const RefractionGrid& grid, int orders);
 
-/// LightFromAir::lobe_scale at any cosines.
+/// OuterLobeScale of a boundary at any cosines.
 Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
                                  const Eigen::VectorXd& mu_air);
+
+/// LightFromAir::compensation of a boundary at any cosines.
+Eigen::VectorXd facet_compensation(double index, const Boundary& boundary,
+                                   const Eigen::VectorXd& mu_air);
 
 /// Not thread-safe.
 class RoughTop {
   public:
     /// @param grid       as RoughBoundary's
     /// @param requested  in air; must outlive this
+    /// @param mirrored   what comes back at the nodes without being scattered; empty: nothing.
+    /// Light
+    ///                   that does and meets one facet on each passage is left out of `multiple`,
+    ///                   as narrow as its lobe may be (MirroredLobe)
     RoughTop(double index, const Boundary& boundary, const RefractionGrid& grid,
-             const RequestedDirections& requested);
+             const RequestedDirections& requested, Eigen::VectorXd mirrored = {});
 
     /// Reflection of one Fourier order by `below` seen from air. Light that does not enter is left
     /// out of `multiple`; its share is in `specular`, because albedos count it.
@@ -40,6 +48,7 @@ class RoughTop {
     Boundary kind_;
     RefractionGrid grid_;
     const RequestedDirections& requested_;
+    Eigen::VectorXd mirrored_;
     std::shared_ptr<const RoughBoundary> boundary_;
     LightFromAir light_;
 };

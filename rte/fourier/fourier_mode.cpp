@@ -7,6 +7,19 @@
 namespace miebrdf::rte {
 namespace {
 
+// Behind a refracting surface the nodes' weights add up to 1, and with mu^2 to 1/3, no better than
+// the grid integrates a square root: as if media of albedo 1 gained or lost a little at every
+// scattering. Where sums are right, rounding is left as it is.
+void normalise_lowest(const ZenithGrid& grid, FourierMode& mode) {
+    constexpr double rounding = 1e-14;
+    for (Eigen::Index l = 0; l < std::min<Eigen::Index>(2, mode.at_nodes.cols()); ++l) {
+        const double sum = mode.at_nodes.col(l).cwiseAbs2().dot(grid.weights) * double(2 * l + 1);
+        if (std::abs(sum - 1.0) <= rounding) continue;
+        mode.at_nodes.col(l) /= std::sqrt(sum);
+        mode.at_requested.col(l) /= std::sqrt(sum);
+    }
+}
+
 void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     for (Eigen::Index lowest = 0; lowest < std::min<Eigen::Index>(2, mode.at_nodes.cols());
          ++lowest) {
@@ -56,7 +69,10 @@ void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
     mode.fourier_order = fourier_order;
     legendre_functions_at_nodes(fourier_order, degrees, grid, sampling, mode);
     math::legendre_functions(fourier_order, degrees, requested.mu, mode.at_requested);
-    if (fourier_order == 0) orthogonalise_to_lowest(grid, mode);
+    if (fourier_order == 0) {
+        normalise_lowest(grid, mode);
+        orthogonalise_to_lowest(grid, mode);
+    }
     mode.node_factors = grid.weights.cwiseQuotient(grid.mu).cwiseSqrt();
     mode.scaled_nodes.resize(mode.at_nodes.rows(), mode.at_nodes.cols());
     mode.scaled_nodes = mode.node_factors.asDiagonal() * mode.at_nodes;

@@ -181,6 +181,12 @@ void raise(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
+// Of trapped light errors change their sign slowly as nodes are added, those of all values of a
+// stack together, so that two solutions may agree by chance however many values there are. Of 1000
+// solutions of random stacks below boundaries with 8 to 48 nodes, 99 of 100 erred by less than this
+// share of their difference from one with 4/9 of the nodes.
+constexpr double kShareOfTrapped = 0.3;
+
 // The difference that two solutions are taken to have at least, when the ones before them differ by
 // `before`: errors of few values have signs and may agree by chance.
 // Near retro-reflection unresolved glories come and go with each number of nodes: there all of it
@@ -188,6 +194,11 @@ void raise(double& largest, double value) {
 double least_difference(double before, bool slow, bool backwards) {
     if (slow) return backwards ? before : 0.1 * before;
     return before < 1.0 ? before * std::sqrt(before) : before;
+}
+
+// Boundaries and mirrors send light back into a layer again and again.
+bool traps_light(const Stack& stack) {
+    return stack.boundary.has_value() || stack.base_kind == BaseKind::mirror;
 }
 
 // Narrow features that the nodes do not resolve err by no less than this share of themselves,
@@ -208,8 +219,8 @@ double least_gain(double apart, int coarse, int fine) {
 // (docs/numerics.md).
 // @return d
 double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
-                      const JudgedValues& judged, bool slow, bool has_many, bool has_backwards,
-                      double tolerance) {
+                      const JudgedValues& judged, bool slow, bool has_many, bool traps,
+                      bool has_backwards, double tolerance) {
     SolverReport& report = fine.report;
     const bool by_chance = slow || !has_many;
     const bool has_glory = has_backwards && !judged.near_backwards.empty() &&
@@ -239,7 +250,10 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     const double least = std::max(report.error_estimate, kRounding);
     fine.errors.clear();
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
-        const double error = gain * last_at(k, scale);
+        double error = gain * last_at(k, scale);
+        if (traps && coarsest.physical) {
+            raise(error, kShareOfTrapped * difference(coarsest.values[k], fine.values[k], scale));
+        }
         fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
                                                 : std::max(error, least));
         if (error <= tolerance) ++within;
@@ -365,8 +379,9 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         double apart = 0.0;
         const auto estimate = [&] {
             fine.report.error_estimate = of_steps;
-            apart = estimate_error(coarsest, coarse, fine, judged, converges_slowly(stack, streams),
-                                   has_many, can_be_resolved, options.tolerance);
+            apart =
+                estimate_error(coarsest, coarse, fine, judged, converges_slowly(stack, streams),
+                               has_many, traps_light(stack), can_be_resolved, options.tolerance);
         };
         if (fine.physical && coarse.physical) {
             estimate();

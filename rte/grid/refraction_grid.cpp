@@ -17,30 +17,36 @@ double root_of_difference(double larger, double smaller) {
     return std::sqrt((larger - smaller) * (larger + smaller));
 }
 
-// Nodes of each panel, at least one each.
-std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count) {
-    std::vector<double> wanted;
-    double sum = 0.0;
+// What a panel is worth.
+constexpr int kWideShare = 2, kNarrowShare = 1;
+
+// Of two panels, as of one medium, all nodes. Of more, each has a fourth of them for each of its
+// shares, as it would have beside one other: light from air must not find fewer nodes because there
+// are many hosts, and two solutions that are compared must differ in every panel.
+std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count, int least) {
+    std::vector<int> shares;
+    int sum = 0;
     for (const RefractionPanel& panel : panels) {
-        wanted.push_back(panel.high < kNarrow * panel.low ? 1.0 : 2.0);
-        sum += wanted.back();
+        shares.push_back(panel.high < kNarrow * panel.low ? kNarrowShare : kWideShare);
+        sum += shares.back();
+    }
+    if (panels.size() <= 2) {
+        const int first = int(std::lround(double(count * shares.front()) / sum));
+        if (panels.size() == 1) return {std::max(least, count)};
+        const int own = std::max(least, std::min(first, count - 1));
+        return {own, std::max(least, count - own)};
     }
     std::vector<int> counts;
-    int left = count;
-    for (std::size_t p = 0; p < panels.size(); ++p) {
-        const auto panels_left = int(panels.size() - p);
-        const int share = int(std::lround(left * wanted[p] / sum));
-        counts.push_back(
-            std::max(1, p + 1 == panels.size() ? left : std::min(share, left - panels_left + 1)));
-        left -= counts.back();
-        sum -= wanted[p];
+    for (const int share : shares) {
+        constexpr int shares_of_two = 2 * kWideShare;
+        counts.push_back(std::max(least, int(std::lround(double(count * share) / shares_of_two))));
     }
     return counts;
 }
 
 }  // namespace
 
-RefractionGrid::RefractionGrid(std::vector<double> indices, int count) {
+RefractionGrid::RefractionGrid(std::vector<double> indices, int count, int least) {
     const std::vector<double> scattering = indices;
     indices.push_back(1.0);
     std::sort(indices.begin(), indices.end());
@@ -56,7 +62,7 @@ RefractionGrid::RefractionGrid(std::vector<double> indices, int count) {
         panel.mapped = has_medium || is_close;
         panels_.push_back(panel);
     }
-    const std::vector<int> counts = share_out(panels_, count);
+    const std::vector<int> counts = share_out(panels_, count, least);
     Eigen::Index size = 0;
     for (std::size_t p = 0; p < panels_.size(); ++p) {
         panels_[p].first = size;

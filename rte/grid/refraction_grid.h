@@ -27,9 +27,10 @@ struct RefractionPanel {
 class RefractionGrid {
   public:
     /// @param indices  of the media that scatter, in any order, each at least 1
-    /// @param count    nodes in all; every panel gets at least one
+    /// @param count    nodes of one medium and air together; those of more media are as close
+    /// @param least    nodes of a panel
     /// Air (index 1) is above them.
-    RefractionGrid(std::vector<double> indices, int count);
+    RefractionGrid(std::vector<double> indices, int count, int least = 1);
 
     /// The part with n sin(theta) below one of the indices: what light of that medium has.
     RefractionGrid within(double index) const;

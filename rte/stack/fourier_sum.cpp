@@ -321,11 +321,11 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     const RequestedDirections rows = repeated(requested, c);
     MultipleScattering sum;
     sum.reflection.assign(rows.asked_in() * rows.asked_out() * azimuth_deg.size(), 0.0);
-    const int highest = highest_order(requested, stack.moments, light);
     const bool keep = kept == KeptOrders::for_finer && is_smooth(stack) &&
                       rows.in.size() * rows.out.size() <= kMostKeptPairs;
 
     StackSolver solver(stack, grids, requested, light.components, options, memory);
+    const int highest = highest_order(requested, solver.fourier_orders(), light);
     FourierTail tail(tail_tolerance);
     FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
@@ -382,7 +382,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     }
     by_azimuth.finish();
     // 0: every order there is.
-    sum.tail = m == highest ? 0.0 : order_zero_over_peak * tail.remaining();
+    const bool are_all = m == highest && highest <= stack.moments;
+    sum.tail = are_all ? 0.0 : order_zero_over_peak * tail.remaining();
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

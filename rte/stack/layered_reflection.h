@@ -12,7 +12,8 @@ namespace miebrdf::rte {
 struct TabulatedOrders {
     ScaledStack stack;  ///< as it was solved
     /// R^m for m = 0, 1, ... of light scattered more than once: StackOrder::multiple, rows and
-    /// columns the cosines of the table.
+    /// columns the cosines of the table. Below a rough boundary with the lobe that mirrors send
+    /// back through it.
     FourierOrders orders;
     bool converged = true;
     bool physical = true;  ///< false: there may be no orders

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 
+#include "rte/boundary/facet_lobes.h"
 #include "rte/boundary/rough_top.h"
 #include "rte/boundary/smooth_boundary.h"
 #include "rte/grid/refraction_grid.h"
@@ -24,18 +25,18 @@ struct MediumReturns {
 
 // What comes back of a beam at the top of the topmost medium. `see` is shown each medium, from the
 // bottom up.
-template <typename See>
-double returned_by_media(const ScaledStack& stack, double mu_air, const See& see) {
+// @param cosine_in  of the beam in a medium, by its index; 0: it does not get there
+template <typename CosineIn, typename See>
+double returned_by_media(const ScaledStack& stack, const CosineIn& cosine_in, const See& see) {
     double below_index = stack.ground_index;
     double from_below = 0.0;
     if (stack.base == BaseKind::mirror) {
-        from_below = boundary_reflectance(below_index, stack.mirror_index,
-                                          refracted_cosine(below_index, mu_air));
+        from_below = boundary_reflectance(below_index, stack.mirror_index, cosine_in(below_index));
     }
     for (const ScaledMedium& medium : stack.media) {
         MediumReturns beam;
-        beam.mu = refracted_cosine(medium.index, mu_air);
-        beam.attenuation = std::exp(-medium.scaled_optical_depth / beam.mu);
+        beam.mu = cosine_in(medium.index);
+        beam.attenuation = beam.mu > 0.0 ? std::exp(-medium.scaled_optical_depth / beam.mu) : 0.0;
         beam.step = medium.index == below_index
                         ? 0.0
                         : boundary_reflectance(medium.index, below_index, beam.mu);
@@ -52,7 +53,8 @@ double returned_by_media(const ScaledStack& stack, double mu_air, const See& see
 std::vector<Beam> beams_of(const ScaledStack& stack, double mu_air) {
     std::vector<MediumReturns> returns;
     const double top = returned_by_media(
-        stack, mu_air, [&](const MediumReturns& medium) { returns.push_back(medium); });
+        stack, [=](double index) { return refracted_cosine(index, mu_air); },
+        [&](const MediumReturns& medium) { returns.push_back(medium); });
     std::vector<Beam> beams(stack.media.size());
     const double r = boundary_reflectance(1.0, stack.top_index, mu_air);
     double down = (1.0 - r) / (1.0 - r * top);
@@ -70,7 +72,18 @@ std::vector<Beam> beams_of(const ScaledStack& stack, double mu_air) {
 
 double mirror_reflectance(const ScaledStack& stack, double mu_air) {
     return with_boundary(boundary_reflectance(1.0, stack.top_index, mu_air),
-                         returned_by_media(stack, mu_air, [](const MediumReturns&) {}));
+                         returned_by_media(
+                             stack, [=](double index) { return refracted_cosine(index, mu_air); },
+                             [](const MediumReturns&) {}));
+}
+
+double unscattered_return(const ScaledStack& stack, double mu) {
+    const double q = stack.top_index * std::sqrt((1.0 - mu) * (1.0 + mu));
+    const auto cosine_in = [&](double index) {
+        if (index == stack.top_index) return mu;
+        return q < index ? std::sqrt((index - q) * (index + q)) / index : 0.0;
+    };
+    return returned_by_media(stack, cosine_in, [](const MediumReturns&) {});
 }
 
 FirstOrderPaths first_order_paths(const ScaledMedium& medium, const Beam& in, const Beam& out) {
@@ -129,10 +142,32 @@ void StackFirstOrder::add_outer_lobe(std::vector<double>& reflection,
     }
 }
 
+int mirrored_lobe_orders(const ScaledStack& stack) {
+    // A passage turns light by (n - 1) times the slope of its facet, and GGX slopes of alpha give
+    // orders that fall like exp(-alpha (n - 1) m).
+    constexpr double fall = 9.0;
+    const double orders = fall / (stack.boundary->roughness * (stack.top_index - 1.0));
+    return int(std::clamp(orders, 12.0, double(kMostBoundaryOrders)));
+}
+
+void add_mirrored_lobe(std::vector<double>& reflection, const Directions& directions,
+                       const ScaledStack& stack) {
+    const Boundary& boundary = *stack.boundary;
+    const MirroredLobe lobe(stack.top_index, {boundary.roughness, boundary.distribution},
+                            [&](double mu) { return unscattered_return(stack, mu); });
+    const auto scale_at = [&](const std::vector<double>& cosines) {
+        return facet_compensation(
+            stack.top_index, boundary,
+            Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
+    };
+    lobe.add_to(reflection, directions, scale_at(directions.mu_in), scale_at(directions.mu_out));
+}
+
 void StackFirstOrder::add_to(std::vector<double>& reflection, const ScaledStack& stack,
                              std::vector<double>* unresolved) {
     if (stack.boundary && stack.boundary->is_rough()) {
         add_outer_lobe(reflection, stack);
+        if (stack.has_mirrors()) add_mirrored_lobe(reflection, directions_, stack);
         return;
     }
     if (has_straight_paths(stack)) {

@@ -26,6 +26,16 @@ std::vector<Beam> beams_of(const ScaledStack& stack, double mu_air);
 /// by boundaries and mirrors together.
 double mirror_reflectance(const ScaledStack& stack, double mu_air);
 
+/// What comes back of light under the topmost boundary without being scattered.
+/// @param mu  in the topmost medium
+double unscattered_return(const ScaledStack& stack, double mu);
+
+/// Fourier orders within which that lobe falls to 1e-4 of the first.
+int mirrored_lobe_orders(const ScaledStack& stack);
+/// Adds MirroredLobe of a stack below a rough boundary.
+void add_mirrored_lobe(std::vector<double>& reflection, const Directions& directions,
+                       const ScaledStack& stack);
+
 /// What light scattered once in a medium counts at a pair of directions: `back` times the strength
 /// (first_order_strength) at the angle between a beam down and one up, `forward` times that between
 /// two beams that go the same way.
@@ -53,7 +63,8 @@ double straight_paths_factor(double index, double mu_in_air, double mu_out_air);
 /// The lobe of light that a rough boundary reflects by one facet.
 SurfaceLobe outer_lobe(const Boundary& boundary, double index);
 
-/// FirstOrderSum of any stack. A rough boundary lets no beam through: added is its outer lobe.
+/// FirstOrderSum of any stack. A rough boundary lets no beam through: added are its
+/// outer lobe, and the one that mirrors below send back through it.
 class StackFirstOrder {
   public:
     /// @param directions  in air

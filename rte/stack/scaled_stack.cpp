@@ -14,12 +14,8 @@ namespace {
 
 // Indices as boundaries see them: steps too small for one are none.
 void find_indices(const Stack& stack, ScaledStack& scaled) {
-    double lowest = stack.base_index;
-    if (stack.base_kind != BaseKind::half_space) {
-        const auto coat = std::find_if(stack.coats.begin(), stack.coats.end(),
-                                       [](const Coat& c) { return c.optical_depth > 0.0; });
-        if (coat != stack.coats.end()) lowest = coat->index;
-    }
+    const bool is_on_coat = stack.base_kind != BaseKind::half_space && !stack.coats.empty();
+    const double lowest = is_on_coat ? stack.coats.front().index : stack.base_index;
     scaled.mirror_index = stack.mirror_index;
     scaled.boundary = stack.boundary;
     scaled.ground_index = lowest;
@@ -42,6 +38,28 @@ void find_indices(const Stack& stack, ScaledStack& scaled) {
     if (scaled.top_index == 1.0) scaled.boundary.reset();
 }
 
+// Of a layer without depth its surfaces are left, where media of other indices lie on both sides.
+// On a ground they are those of the ground.
+void remove_layers_without_surfaces(ScaledStack& scaled) {
+    std::vector<ScaledMedium>& media = scaled.media;
+    for (std::size_t i = media.size(); i-- > 0;) {
+        if (media[i].scaled_optical_depth > 0.0) continue;
+        const double above = i + 1 < media.size() ? media[i + 1].index : 1.0;
+        const double below = i > 0 ? media[i - 1].index : scaled.ground_index;
+        if (media[i].index == above || media[i].index == below)
+            media.erase(media.begin() + std::ptrdiff_t(i));
+    }
+    scaled.top_index = media.empty() ? scaled.ground_index : media.back().index;
+}
+
+std::vector<double> indices_of(const ScaledStack& stack) {
+    std::vector<double> indices;
+    for (const ScaledMedium& medium : stack.media) indices.push_back(medium.index);
+    if (indices.empty() || stack.ground_index != indices.front())
+        indices.push_back(stack.ground_index);
+    return indices;
+}
+
 }  // namespace
 
 bool ScaledStack::refracts() const {
@@ -51,7 +69,7 @@ bool ScaledStack::refracts() const {
 }
 
 bool ScaledStack::has_mirrors() const {
-    return base == BaseKind::mirror ||
+    return base == BaseKind::mirror || ground_index != top_index ||
            std::any_of(media.begin(), media.end(),
                        [this](const ScaledMedium& medium) { return medium.index != top_index; });
 }
@@ -93,7 +111,7 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
         add(stack.base, std::numeric_limits<double>::infinity(), stack.base_index);
     }
     for (const Coat& coat : stack.coats) {
-        if (coat.optical_depth == 0.0) continue;
+        if (coat.optical_depth == 0.0 && !stack.boundary) continue;
         if (is_bottomless(coat.optical_depth)) {
             count = 0;
             scaled.base = BaseKind::half_space;
@@ -102,6 +120,7 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
     }
     scaled.media.resize(count);
     find_indices(stack, scaled);
+    if (stack.boundary) remove_layers_without_surfaces(scaled);
 }
 
 StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}
@@ -112,13 +131,11 @@ StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count)
         grids_.push_back(make_zenith_grid(kind, count));
         return;
     }
-    std::vector<double> scattering;
-    for (const ScaledMedium& medium : stack.media) scattering.push_back(medium.index);
-    if (scattering.empty()) scattering.push_back(stack.ground_index);
-    constexpr int least_rough = 4;
+    std::vector<double> scattering = indices_of(stack);
+    // A rough boundary sends light from every panel into every other.
+    constexpr int least_rough = 2;
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
-    if (is_rough) count_ = std::max(count, least_rough);
-    refraction_.emplace(scattering, count_);
+    refraction_.emplace(scattering, count_, is_rough ? least_rough : 1);
     scattering_ = scattering;
     scattering.push_back(1.0);
     std::sort(scattering.begin(), scattering.end());
@@ -131,11 +148,7 @@ bool StackGrids::fit(const ScaledStack& stack, GridKind kind, int count) const {
     if (kind != kind_ || count != count_) return false;
     if (!stack.refracts()) return scattering_.empty();
     if (stack.boundary && stack.boundary->is_rough()) return false;
-    if (stack.media.empty())
-        return scattering_.size() == 1 && scattering_.front() == stack.ground_index;
-    return std::equal(
-        stack.media.begin(), stack.media.end(), scattering_.begin(), scattering_.end(),
-        [](const ScaledMedium& medium, double index) { return medium.index == index; });
+    return scattering_ == indices_of(stack);
 }
 
 const ZenithGrid& StackGrids::of(double index) const {

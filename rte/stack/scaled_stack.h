@@ -38,8 +38,8 @@ struct ScaledStack {
 
 enum class NarrowPart { split, ignored };
 
-/// delta-M for every medium; layers without depth are left out, and so is everything below a coat
-/// of infinite depth.
+/// delta-M for every medium; layers without depth are left out, but for those between media of
+/// other indices below a boundary, and so is everything below a coat of infinite depth.
 /// @param moments  as of scale_optics
 /// @param narrow   ignored: ScaledMedium::narrow is left empty, for those who want no light
 ///        scattered once
@@ -72,7 +72,7 @@ class StackGrids {
   private:
     GridKind kind_ = GridKind::automatic;
     int count_ = 0;
-    std::vector<double> scattering_;  ///< indices of the media; empty where nothing refracts
+    std::vector<double> scattering_;  ///< indices of media and ground; empty where nothing refracts
     std::vector<double> indices_;
     std::vector<ZenithGrid> grids_;
     std::optional<RefractionGrid> refraction_;

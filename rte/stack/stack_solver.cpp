@@ -8,6 +8,7 @@
 #include "rte/boundary/rough_top.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
+#include "rte/stack/refracted_first_order.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -65,9 +66,14 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
     memory_.modes.resize(count);
     memory_.reflectors.resize(count);
     if (is_rough) {
-        rough_top_ =
-            std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
-                                       grids.refraction().within(stack.top_index), requested);
+        if (stack.has_mirrors()) {
+            unscattered_ = grids.of(stack.top_index).mu.unaryExpr([&](double mu) {
+                return unscattered_return(stack, mu);
+            });
+        }
+        rough_top_ = std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
+                                                grids.refraction().within(stack.top_index),
+                                                requested, unscattered_);
     }
     if (components == 1) return;
     for (const ScaledMedium& medium : stack.media) {
@@ -87,6 +93,10 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
 }
 
 StackSolver::~StackSolver() = default;
+
+int StackSolver::fourier_orders() const {
+    return unscattered_.size() > 0 ? std::max(kMostBoundaryOrders, stack_.moments) : stack_.moments;
+}
 
 const StackOrder& StackSolver::solve(int fourier_order) {
     start(fourier_order);
@@ -116,6 +126,7 @@ const StackOrder& StackSolver::solve_albedos(const Eigen::VectorXd& let_in,
 void StackSolver::start(int fourier_order) {
     fourier_order_ = fourier_order;
     memory_.order.clear();
+    if (fourier_order >= stack_.moments) return;  // nothing is scattered in this order
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
         const ZenithGrid& grid = grids_.of(indices[k]);
@@ -136,7 +147,8 @@ void StackSolver::solve_block(const StokesBlock& block, const Eigen::VectorXd* l
     const bool has_energy = fourier_order_ == 0 && block.front() == StokesComponent::I;
     const ReflectorParts parts = has_energy ? ReflectorParts::sky : ReflectorParts::pairs;
     const bool has_boundary = stack_.top_index != 1.0;
-    const std::size_t first_coat = solve_lowest();
+    const bool scatters = fourier_order_ < stack_.moments;
+    const std::size_t first_coat = scatters ? solve_lowest() : solve_mirrors();
     if (has_energy) find_skies(let_in, let_out);
     bool has_sky = has_boundary;
     double index = first_coat > 0 ? stack_.media[first_coat - 1].index : stack_.ground_index;
@@ -146,6 +158,7 @@ void StackSolver::solve_block(const StokesBlock& block, const Eigen::VectorXd* l
         if (next != index) put_on_boundary(index, next, ReflectorParts::nodes);
         index = next;
         if (!reflector_->physical) break;
+        if (stack_.media[c].scaled_optical_depth == 0.0) continue;  // its surfaces are all it has
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
@@ -304,6 +317,15 @@ std::size_t StackSolver::solve_lowest() {
     }
     solve_base();
     return first_coat;
+}
+
+std::size_t StackSolver::solve_mirrors() {
+    Reflector& mirrors = free_reflector(stack_.top_index);
+    mirrors = {};
+    mirrors.nodes = unscattered_.asDiagonal();
+    mirrors.physical = true;
+    reflector_ = &mirrors;
+    return stack_.media.size();
 }
 
 void StackSolver::solve_base() {

@@ -1,7 +1,10 @@
 // Light with its polarisation, from words to Mueller matrices.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <random>
 
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
@@ -204,6 +207,11 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
     CHECK(coarse.stokes == 1);
     CHECK(coarse.polarisation_left_out > 0.0);
     CHECK(coarse.polarisation_left_out <= 0.03);
+    // Two surfaces, of which one sees what the other polarised, and none of the particles do.
+    Scene film = scene_of("isotropic:1", {"hg:0.5,0 in index:1.5@1e-12"});
+    film.substrate = substrate("none");
+    film.boundary = rte::Boundary{};
+    CHECK(std::abs(solve(film, {550}).albedo({0.5}).plane_albedo[0][0] - 0.15187) <= 2e-5);
     const WavelengthReport none = report("hg:0.9,0.7", 1e-3);
     CHECK(none.stokes == 1);
     CHECK(none.polarisation_left_out == 0.0);
@@ -285,7 +293,7 @@ TEST_CASE("a smooth boundary and a mirror have Mueller matrices", "[pipeline][po
     REQUIRE(albedo.mirror_reflectance.size() == 1);
     CHECK(std::abs(albedo.mirror_reflectance[0][0] - r.unpolarised()) <= 1e-14);
     CHECK(std::abs(albedo.plane_albedo[0][0] - values.plane_albedo[0][0]) <= 1e-5);
-    // auto decides as without a boundary. What one boundary does to the polarisation does not show
+    // What one boundary does to the polarisation does not show
     // in the intensity that layers scatter which do not polarise; two surfaces do.
     const auto report = [](const Scene& scene) {
         return solve(scene, {550}, {.stokes = 0})
@@ -317,4 +325,32 @@ TEST_CASE("element 11 alone is that of the whole Mueller matrices", "[pipeline][
     }
     CHECK(intensity.plane_albedo == whole.plane_albedo);
     CHECK(intensity.polarised_plane_albedo == whole.polarised_plane_albedo);
+}
+
+TEST_CASE("auto leaves out no more than it says below boundaries", "[pipeline][polarisation]") {
+    std::mt19937 random(7);
+    const auto uniform = [&random] { return double(random()) / 4294967296.0; };
+    int computed = 0;
+    for (int k = 0; k < 12; ++k) {
+        const double radius = 0.55 * (2.5 + 9.5 * uniform()) / (2 * std::numbers::pi * 1.5);
+        const double albedo_k = uniform() < 0.5 ? 0.0 : 0.01 * uniform();
+        Scene scene = scene_of("isotropic:1",
+                               {fmt::format("index:{},{},radius={},variance=0.05 in index:1.5@{}",
+                                            1.2 + 1.2 * uniform() * 1.5, albedo_k, radius,
+                                            std::pow(10.0, -2 + 3 * uniform()))});
+        scene.substrate = substrate(uniform() < 0.5 ? "black" : "lambert:0.5");
+        scene.boundary = rte::Boundary{};
+        const Directions directions{
+            {0.05 + 0.9 * uniform()}, {0.1 + 0.8 * uniform()}, {0, 90, 180}};
+        const auto chosen = solve(scene, {550}, {.stokes = 0}).evaluate(directions);
+        const auto truth = solve(scene, {550}, {.stokes = 3}).evaluate(directions);
+        computed += chosen.wavelengths[0].stokes > 1 ? 1 : 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            CAPTURE(k, a, scene.layers[0].medium.species[0].parameters, chosen.at(0, 0, 0, a),
+                    truth.at(0, 0, 0, a));
+            // What is promised, and the tolerances of both, which are relative to the largest.
+            CHECK(std::abs(chosen.at(0, 0, 0, a) / truth.at(0, 0, 0, a) - 1) <= 6e-3 + 4e-3);
+        }
+    }
+    CHECK(computed > 0);
 }

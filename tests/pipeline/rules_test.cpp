@@ -54,6 +54,23 @@ TEST_CASE("no depth: such a layer is left out, but its surface stays", "[pipelin
     CHECK(resolved(under_surface(scene)).surface_index[0] == std::complex<double>(2.5, 0.1));
 }
 
+TEST_CASE("no depth: below a boundary or on a mirror the host's surfaces stay",
+          "[pipeline][rules]") {
+    Scene varnished = scene_of("isotropic:1", {"index:2.5,0.1,radius=1 in index:1.5@0"});
+    varnished.substrate = substrate("lambert:0.8");
+    CHECK(resolved(varnished).layers() == 0);
+    varnished.boundary = rte::Boundary{};
+    CHECK(resolved(varnished).layers() == 1);
+    CHECK(leaves_out(varnished, "no depth"));
+    // Saunderson's closed form for n = 1.5: r_int .59635.
+    const double albedo = solve(varnished, {550}).albedo({1.0}).plane_albedo[0][0];
+    const double inside = 0.5963457597;
+    CHECK(std::abs(albedo - (0.04 + 0.96 * 0.8 * (1 - inside) / (1 - 0.8 * inside))) <= 1e-5);
+    Scene on_mirror = scene_of("isotropic:1", {"isotropic:0.5 in index:1.5@0"});
+    on_mirror.substrate = substrate("mirror:index:0.5,5");
+    CHECK(resolved(on_mirror).layers() == 1);
+}
+
 TEST_CASE("hidden layers: their Mie theory is not computed, and the result is the same",
           "[pipeline][rules]") {
     const std::string coat = GENERATE("hg:0.3,0.1", "isotropic:0.9", "isotropic:1");

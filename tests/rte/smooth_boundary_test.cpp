@@ -361,3 +361,120 @@ TEST_CASE("boundaries refuse indices that they cannot have", "[rte][boundary]") 
     mirror.mirror_index = {1.0, -1.0};
     CHECK_THROWS_AS(rte::albedo(mirror, {1.0}), UsageError);
 }
+
+TEST_CASE("boundary: layers without depth keep their surfaces", "[rte][boundary]") {
+    const auto albedo_of = [](rte::Stack stack, double depth) {
+        for (rte::Coat& coat : stack.coats) {
+            if (coat.optical_depth == 0.0) coat.optical_depth = depth;
+        }
+        const auto table = rte::albedo(stack, {0.3, 1.0}, {.tolerance = 1e-6});
+        std::vector<double> values = table.plane_albedo;
+        values.push_back(table.spherical_albedo);
+        values.insert(values.end(), table.transmittance.begin(), table.transmittance.end());
+        const auto reflected =
+            rte::reflect(stack, {{0.3}, {0.4, 1.0}, {0, 180}}, {.tolerance = 1e-6}).reflection;
+        values.insert(values.end(), reflected.begin(), reflected.end());
+        return values;
+    };
+    const rte::Optics grey = rte::henyey_greenstein_optics(0.5, 0.2);
+    const rte::Coat varnish{grey, 0.0, 1.5}, slide{grey, 0.0, 1.33}, air{grey, 0.0, 1.0};
+    std::vector<rte::Stack> stacks;
+    rte::Stack on_ground = film(grey, 0.0, 1.5);
+    on_ground.base_kind = rte::BaseKind::lambertian;
+    on_ground.ground_albedo = 0.8;
+    stacks.push_back(on_ground);
+    on_ground.coats = {varnish, slide};
+    stacks.push_back(on_ground);
+    on_ground.coats = {varnish, {grey, 0.3, 1.33}};
+    stacks.push_back(on_ground);
+    on_ground.coats = {{grey, 0.3, 1.33}, varnish};
+    stacks.push_back(on_ground);
+    rte::Stack on_medium = half_space(rte::henyey_greenstein_optics(0.8, 0.0), 1.5);
+    for (const auto& coats : std::vector<std::vector<rte::Coat>>{
+             {slide}, {varnish}, {air}, {slide, air}, {slide, varnish, slide}}) {
+        on_medium.coats = coats;
+        stacks.push_back(on_medium);
+    }
+    rte::Stack in_air = on_medium;
+    in_air.base_index = 1.0;
+    in_air.coats = {varnish, {grey, 0.2, 1.33}, slide, air};
+    stacks.push_back(in_air);
+    in_air.coats = {varnish};
+    stacks.push_back(in_air);
+    rte::Stack on_metal = film(grey, 0.0, 1.5);
+    on_metal.base_kind = rte::BaseKind::mirror;
+    on_metal.mirror_index = kAluminium;
+    stacks.push_back(on_metal);
+    on_metal.boundary.reset();
+    stacks.push_back(on_metal);
+    for (std::size_t k = 0; k < stacks.size(); ++k) {
+        const std::vector<double> none = albedo_of(stacks[k], 0.0),
+                                  little = albedo_of(stacks[k], 1e-9);
+        REQUIRE(none.size() == little.size());
+        for (std::size_t v = 0; v < none.size(); ++v) {
+            CAPTURE(k, v, none[v], little[v]);
+            // Trapped light passes 1e-9 up to a hundred times; two tolerances besides.
+            CHECK(std::abs(none[v] - little[v]) <= 2e-6 * (1.0 + std::abs(little[v])));
+        }
+    }
+    // A pane between air and air: r and t^2 r + ... add up to 2 r / (1 + r).
+    rte::Stack pane = film(grey, 0.0, 1.5);
+    pane.base_kind = rte::BaseKind::mirror;
+    pane.mirror_index = 1.0;
+    for (const double depth : {0.0, 1e-12}) {
+        pane.coats[0].optical_depth = depth;
+        const double r = 0.04;
+        CHECK(std::abs(rte::albedo(pane, {1.0}, {}).plane_albedo[0] - 2 * r / (1 + r)) <= 1e-9);
+    }
+    // A clear film on a ground of albedo .8, Saunderson's closed form: r_ext at mu 1 is .04.
+    rte::Stack clear = film(grey, 0.0, 1.5);
+    clear.base_kind = rte::BaseKind::lambertian;
+    clear.ground_albedo = 0.8;
+    const double inside = 0.5963457597;
+    const double expected = 0.04 + 0.96 * 0.8 * (1 - inside) / (1 - 0.8 * inside);
+    CHECK(std::abs(rte::albedo(clear, {1.0}, {.tolerance = 1e-8}).plane_albedo[0] - expected) <=
+          1e-8);
+}
+
+TEST_CASE("boundary: panels of several hosts differ between solutions", "[rte][boundary]") {
+    const std::vector<double> indices{1.1, 1.2, 1.22, 1.3, 1.5};
+    for (const int count : {8, 12, 16, 24, 32, 64}) {
+        const rte::RefractionGrid fine(indices, count), coarse(indices, 2 * count / 3);
+        for (std::size_t p = 0; p < fine.panels().size(); ++p) {
+            CAPTURE(count, p);
+            CHECK(fine.panels()[p].count > coarse.panels()[p].count);
+        }
+        // Light from air is seen as well as below one host.
+        CHECK(fine.nodes_below(1.0) == rte::RefractionGrid({1.5}, count).nodes_below(1.0));
+    }
+}
+
+TEST_CASE("boundary: several hosts, thin and deep", "[rte][boundary]") {
+    // Found by 128 and 192 nodes with other shares for the panels.
+    rte::Stack deep;
+    deep.base_kind = rte::BaseKind::none;
+    deep.boundary = rte::Boundary{};
+    deep.coats = {{rte::isotropic_optics(0.5), 0.01, 1.1},
+                  {rte::isotropic_optics(0.5), 0.01, 1.2},
+                  {rte::isotropic_optics(0.5), 0.01, 1.3},
+                  {rte::isotropic_optics(0.001), 20.0, 1.5}};
+    deep.base_index = 1.1;
+    const auto albedo = rte::albedo(deep, {0.6}, {.tolerance = 1e-3});
+    CHECK(albedo.report.converged);
+    CHECK(std::abs(albedo.spherical_albedo / 0.091830 - 1) <= 1e-3);
+    rte::Stack thin;
+    thin.base_kind = rte::BaseKind::mirror;
+    thin.mirror_index = {0.502, 7.362};
+    thin.boundary = rte::Boundary{};
+    thin.base_index = 2.349;
+    thin.coats = {{rte::henyey_greenstein_optics(0.795035, -0.2819), 0.00639237, 2.349},
+                  {rte::rayleigh_optics(0.945840378858), 0.00130532, 1.0241}};
+    const auto seen =
+        rte::reflect(thin, {{0.3962}, {0.0865, 0.5398, 0.5534, 0.8314}, {0}}, {.tolerance = 1e-3});
+    const std::vector<double> truth{0.0156308586, 0.0067450185, 0.0066019572, 0.0044896602};
+    CHECK(seen.report.converged);
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        CAPTURE(k, seen.reflection[k], truth[k]);
+        CHECK(std::abs(seen.reflection[k] - truth[k]) <= 1e-3 * truth[0]);
+    }
+}

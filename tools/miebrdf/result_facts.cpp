@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pipeline/solve/rules.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -28,7 +29,7 @@ void add_report(Table& table, const ResultReport& result) {
 void add_depths(Table& table, const ResultReport& result, const Scene& scene) {
     std::size_t layer = 0;
     for (std::size_t c = 0; c < scene.layers.size(); ++c) {
-        if (scene.layers[c].depth.value == 0.0) continue;
+        if (is_left_out(scene, scene.layers[c])) continue;
         std::vector<std::string> texts;
         bool same = true;
         double first = std::numeric_limits<double>::quiet_NaN();
