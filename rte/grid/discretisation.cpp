@@ -108,28 +108,16 @@ bool has_thin_coat(const Stack& stack) {
 }
 
 // Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
-std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options,
-                                   bool has_many) {
+std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     static constexpr int kSteps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-    // With 6 and 9 nodes smooth phase functions differ by 4e-3 at most (HG 0.75).
-    static constexpr int kLooseSteps[] = {9, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-    static constexpr int kStrictSteps[] = {20, 24, 32, 48, 64, 96, 128, 192, 256};
-    constexpr double loose_tolerance = 2e-3, strict_tolerance = 1e-6;
-    const bool simple = most_moments(stack) <= 8;
-    if (has_many && !simple && options.tolerance >= loose_tolerance &&
-        !converges_slowly(stack, kLooseSteps[0])) {
-        return kLooseSteps;
-    }
-    if (has_many && !simple && options.tolerance < strict_tolerance) return kStrictSteps;
-    int start = simple ? 8 : first_streams(options.tolerance);
+    int start = most_moments(stack) <= 8 ? 8 : first_streams(options.tolerance);
     if (options.tolerance < kThinTolerance && has_thin_coat(stack))
         start = std::max(start, kThinStreams);
     return {std::lower_bound(std::begin(kSteps), std::end(kSteps), start), std::end(kSteps)};
 }
 
-// Fewer nodes, to estimate the error of `streams` nodes by comparison. Closer ones know it better.
-int coarser_streams(int streams, bool close = false) {
-    if (close) return 4 * streams / 5;
+// Fewer nodes, to estimate the error of `streams` nodes by comparison.
+int coarser_streams(int streams) {
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
 
@@ -354,12 +342,10 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     };
     const bool has_many = are_many(judged.count, stack);
     const std::span<const int> ladder = options.streams == 0
-                                            ? stream_ladder(stack, options, has_many)
+                                            ? stream_ladder(stack, options)
                                             : std::span<const int>(&options.streams, 1);
     int streams = ladder.front();
-    const bool is_strict = has_many && options.streams == 0 && streams > first_streams(1.0);
-    const int coarser = coarser_streams(streams, is_strict);
-    const int before_coarser = coarser_streams(coarser, is_strict);
+    const int coarser = coarser_streams(streams), before_coarser = coarser_streams(coarser);
     coarsest.clear();
     // Many values need it only where the other two alone do not agree.
     bool may_be_spared = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
@@ -404,14 +390,9 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         // The two before must carry all moments, too, or the three still differ by them.
         const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
         const bool promising = fewest < carrying && can_be_resolved;
-        // The estimate of 16 nodes is far above their error: a small step shows it.
-        constexpr int before_small_step = 16, small_step = 20;
-        const bool is_small = is_strict && streams == before_small_step &&
-                              apart * std::sqrt(apart) <= options.tolerance;
-        const int next = is_small ? small_step : ladder[step + 1];
+        const int next = ladder[++step];
         if (stalled && !promising && !is_worth_a_try(next, orders)) break;
         if (refined && !refined(fine.report, next)) break;
-        if (!is_small) ++step;
         streams = next;
         std::swap(coarsest, coarse);
         std::swap(coarse, fine);
