@@ -90,12 +90,13 @@ rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& reque
         &memory);
 }
 
-/// Layers reflect no more than they get: an albedo above 1 by the rounding of its sum over nodes
-/// is 1.
+/// Layers reflect no more than they get, and not less than nothing: an albedo beyond by the
+/// rounding of its sum over nodes is 1 or 0.
 void remove_rounding(std::vector<double>& albedos) {
     constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
     for (double& albedo : albedos) {
         if (albedo > 1.0 && albedo <= 1.0 + kRounding) albedo = 1.0;
+        if (albedo < 0.0 && albedo >= -kRounding) albedo = 0.0;
     }
 }
 
