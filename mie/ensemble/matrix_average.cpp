@@ -65,7 +65,7 @@ Eigen::MatrixXd projected(Eigen::MatrixXd values, const math::Quadrature& rule, 
     const Eigen::Map<const Eigen::VectorXd> x(rule.nodes.data(), count);
     values.array().colwise() *= Eigen::Map<const Eigen::ArrayXd>(rule.weights.data(), count);
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(degree + 1, 6);
-    math::ScratchMatrix functions;
+    Eigen::MatrixXd functions;
     for (Eigen::Index first = 0; first < count; first += MatrixRule::kNodesAtOnce) {
         const Eigen::Index here = std::min<Eigen::Index>(MatrixRule::kNodesAtOnce, count - first);
         for (const auto [m, n, column, columns] : kFamilies) {

@@ -158,7 +158,7 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     const Eigen::MatrixXd seen_once = solver.solve(X);  // (I - X Gamma)^-1 X
     const Eigen::MatrixXd seen = 0.5 * (seen_once + seen_once.transpose());
     const double n2 = index_ * index_;
-    math::ScratchMatrix out, in;
+    Eigen::MatrixXd out, in;
     gather_rows(entering, requested_.out, out);
     gather_rows(entering, requested_.in, in);
     result.multiple = (0.5 / n2) * (out * seen) * in.transpose();

@@ -103,7 +103,7 @@ void put_boundary_on(const SmoothBoundary& boundary, const Reflector& below,
     passed = t / (1.0 - r * mirror.array());
     result.specular = r + t * mirror.array() * passed.array();
 
-    math::ScratchMatrix &out = work.first_out, &in = work.first_in;
+    Eigen::MatrixXd &out = work.first_out, &in = work.first_in;
     gather_rows(below.rows, requested.out, out);
     gather_rows(below.rows, requested.in, in);
     work.through.resize(out.rows(), G.cols());

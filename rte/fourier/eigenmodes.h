@@ -26,11 +26,11 @@ namespace miebrdf::rte {
 /// rounding whatever the eigensolver left behind. F has then n + 1 columns, one of them (nearly)
 /// zero.
 struct Eigenmodes {
-    math::ScratchMatrix vectors;  ///< F, n x K with K = n or n + 1
-    math::ScratchVector rates;    ///< k >= 0, K
-    Eigen::MatrixXd even;         ///< U, n x n
-    Eigen::MatrixXd odd;          ///< V, n x n
-    bool physical = false;        ///< U and V are positive definite: the truncation fits the grid
+    Eigen::MatrixXd vectors;  ///< F, n x K with K = n or n + 1
+    Eigen::VectorXd rates;    ///< k >= 0, K
+    Eigen::MatrixXd even;     ///< U, n x n
+    Eigen::MatrixXd odd;      ///< V, n x n
+    bool physical = false;    ///< U and V are positive definite: the truncation fits the grid
 };
 
 /// sum_l a_l y_l y_l^T over the degrees of one parity of l - m, n x n: U = M^-1 - even and
@@ -61,8 +61,8 @@ class DiffusionEigenmode {
 /// Finds the eigenmodes of one Fourier order after the other in the same memory.
 class EigenmodeSolver {
   public:
-    /// @param tolerance  of X: orders above 0 are left as the eigensolver or a short refinement
-    ///                   finds them when that is ten times better
+    /// @param tolerance  of X: orders above 0 are left as the eigensolver finds them when that is
+    ///                   ten times better
     const Eigenmodes& find(const FourierMode& mode, const FourierMedium& medium,
                            const ZenithGrid& grid, double tolerance);
 
@@ -85,40 +85,31 @@ class EigenmodeSolver {
   private:
     /// Without rows.
     void form_node_kernels(const FourierMode& mode, const FourierMedium& medium);
-    bool refine_nodes(const ZenithGrid& grid, double tolerance);
-    double refine(double steepest);
-    double find_correction(double steepest);
+    double refine();
+    double find_correction();
     void append_diffusion();
 
     Eigenmodes eigenmodes_;
     ScatteringKernels kernels_;
-    math::ScratchMatrix scaled_;
+    Eigen::MatrixXd scaled_;
     Eigen::MatrixXd U_, L_, C_, product_, VF_, R_, S_;
     DiffusionEigenmode diffusion_;
     Eigen::VectorXd Vf_;
     Eigen::RowVectorXd overlaps_;
-    Eigen::VectorXd root_;  ///< of the nodes
     math::SymmetricEigen eigen_;
 };
 
-/// sum_l a_l Y_l(mu) y_l^T over the degrees of one parity of l - m, requested x n: what scatters
-/// into the requested cosines out of s = i_up + i_down (even) and a = i_down - i_up (odd).
-struct PhaseRows {
-    Eigen::MatrixXd even;
-    Eigen::MatrixXd odd;
-};
-PhaseRows phase_rows(const FourierMedium& medium, const FourierMode& mode);
-
-/// The same out of the eigenmodes, requested x K: even F^-T = even V F, and odd F.
+/// The rows of ScatteringKernels out of the eigenmodes, requested x K: even F^-T = even V F, and
+/// odd F.
 class EigenmodeSources {
   public:
     void find(const FourierMedium& medium, const FourierMode& mode, const Eigenmodes& eigenmodes);
 
-    math::ScratchMatrix even;
-    math::ScratchMatrix odd;
+    Eigen::MatrixXd even;
+    Eigen::MatrixXd odd;
 
   private:
-    math::ScratchMatrix weighted_, product_, degrees_;
+    Eigen::MatrixXd weighted_, product_, degrees_;
 };
 
 /// Intermediate results of solve_half_space, solve_layer and put_on. One is enough for all media
@@ -128,21 +119,21 @@ struct FourierWork {
     EigenmodeSolver eigenmode_solver;
     EigenmodeSources sources;
     PairProducts products;
-    math::DecayIntegrator decays;     ///< of the layer solved last
-    math::ScratchVector alternating;  ///< strengths with the sign of their column
-    math::ScratchMatrix phi, weighted, phi_requested, moments;  ///< cosines x degrees
-    math::ScratchMatrix beam, through, incoming, down, up;      ///< nodes x cosines
-    math::ScratchMatrix pairs;
-    math::ScratchMatrix first_out, first_in;  ///< FourierMode::at_requested of both lists
+    math::DecayIntegrator decays;  ///< of the layer solved last
+    Eigen::VectorXd alternating;   ///< strengths with the sign of their column
+    Eigen::MatrixXd phi, weighted, phi_requested, moments;  ///< cosines x degrees
+    Eigen::MatrixXd beam, through, incoming, down, up;      ///< nodes x cosines
+    Eigen::MatrixXd pairs;
+    Eigen::MatrixXd first_out, first_in;  ///< FourierMode::at_requested of both lists
     Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;
     Eigen::VectorXd near, far;
-    math::ScratchVector tanh_rates, sinh_rates;
+    Eigen::VectorXd tanh_rates, sinh_rates;
     Eigen::VectorXd between, incident, downward, upward;  ///< one answer of a layer on a base
     Eigen::MatrixXd square, other_square, below, joint;   ///< n x n
     Eigen::MatrixXd same_side, opposite_side, gain, product, to_nodes;        ///< n x n
     Eigen::MatrixXd rows, seen, mirrored;                                     ///< cosines x n
     Eigen::MatrixXd same_side_rows, opposite_side_rows, other_rows, to_rows;  ///< cosines x n
-    math::ScratchMatrix reflected_out, reflected_in, scattered_out, scattered_in;
+    Eigen::MatrixXd reflected_out, reflected_in, scattered_out, scattered_in;
     /// Largest 4 (mu + mu') |R| between nodes of the half-space solved last.
     double brightness = 0.0;
     Eigen::PartialPivLU<Eigen::MatrixXd> bounces;

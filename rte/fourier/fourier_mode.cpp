@@ -23,7 +23,7 @@ void normalise_lowest(const ZenithGrid& grid, FourierMode& mode) {
 void orthogonalise_to_lowest(const ZenithGrid& grid, FourierMode& mode) {
     for (Eigen::Index lowest = 0; lowest < std::min<Eigen::Index>(2, mode.at_nodes.cols());
          ++lowest) {
-        math::ScratchVector& weighted = mode.node_factors;
+        Eigen::VectorXd& weighted = mode.node_factors;
         weighted = mode.at_nodes.col(lowest).cwiseProduct(grid.weights);
         const double norm = weighted.dot(mode.at_nodes.col(lowest));
         for (Eigen::Index c = lowest + 2; c < mode.at_nodes.cols(); c += 2) {
@@ -54,7 +54,7 @@ void legendre_functions_at_nodes(int fourier_order, int degrees, const ZenithGri
 }  // namespace
 
 void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
-                 math::ScratchMatrix& result) {
+                 Eigen::MatrixXd& result) {
     result.resize(Eigen::Index(which.size()), table.cols());
     for (Eigen::Index c = 0; c < table.cols(); ++c) {
         for (std::size_t k = 0; k < which.size(); ++k) {
@@ -127,13 +127,13 @@ ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths)
     return {strengths.data() + (strengths.size() > 1 ? 1 : 0), strengths.size() / 2};
 }
 
-void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result) {
+void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, Eigen::VectorXd& result) {
     result = strengths;
     for (Eigen::Index c = 1; c < result.size(); c += 2) result[c] = -result[c];
 }
 
-math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths) {
-    math::ScratchVector result;
+Eigen::VectorXd alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths) {
+    Eigen::VectorXd result;
     alternating(strengths, result);
     return result;
 }

@@ -22,11 +22,11 @@ namespace miebrdf::rte {
 /// and columns are its generalised spherical functions, sorted so that they alternate as well: all
 /// that the solvers know of a column is its parity and its strength.
 struct FourierMode {
-    int fourier_order = 0;             ///< m
-    math::ScratchMatrix at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
-    math::ScratchMatrix scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
-    math::ScratchMatrix at_requested;  ///< number of requested cosines x (L - m)
-    math::ScratchVector node_factors;  ///< sqrt(w / mu); in between other factors
+    int fourier_order = 0;         ///< m
+    Eigen::MatrixXd at_nodes;      ///< n x (L - m), as the nodes see them (NodeProjection)
+    Eigen::MatrixXd scaled_nodes;  ///< sqrt(w / mu) Y: the form in which they enter equations
+    Eigen::MatrixXd at_requested;  ///< number of requested cosines x (L - m)
+    Eigen::VectorXd node_factors;  ///< sqrt(w / mu); in between other factors
     int rows_per_node = 1;
     /// Unpolarised light of intensity 1 in the rows of a node; all 0: they carry no energy.
     std::array<double, 4> unpolarised = {1.0, 0.0, 0.0, 0.0};
@@ -42,12 +42,12 @@ struct FourierMode {
 /// Functions of mu at finer nodes than those of a grid, and how these see them.
 struct LegendreSampling {
     NodeProjections projections = {};  ///< of the grids and degrees so far
-    math::ScratchMatrix samples;       ///< at the fine nodes
+    Eigen::MatrixXd samples;           ///< at the fine nodes
 };
 
 /// Rows of a table: result(k, .) = table(which[k], .).
 void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vector<int>& which,
-                 math::ScratchMatrix& result);
+                 Eigen::MatrixXd& result);
 
 /// Tables for one Fourier order m: Y at the requested cosines, and its projection at the nodes,
 /// with which light at the nodes is scattered as if the integrals over the polynomial through it
@@ -101,12 +101,12 @@ ElementsOfOneParity even_part(const Eigen::Ref<const Eigen::VectorXd>& strengths
 ElementsOfOneParity odd_part(const Eigen::Ref<const Eigen::VectorXd>& strengths);
 
 /// The strengths with the sign (-1)^(l-m) of their column.
-math::ScratchVector alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths);
-void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, math::ScratchVector& result);
+Eigen::VectorXd alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths);
+void alternating(const Eigen::Ref<const Eigen::VectorXd>& strengths, Eigen::VectorXd& result);
 
 /// A medium in one Fourier order, as the solvers see it.
 struct FourierMedium {
-    math::ScratchVector strengths;  ///< alpha (2l+1) chi_l, l = m ... L - 1
+    Eigen::VectorXd strengths;      ///< alpha (2l+1) chi_l, l = m ... L - 1
     double one_minus_albedo = 1.0;  ///< carried separately, with all its digits
     int lowest_degree = 0;          ///< m
     std::vector<int> degrees = {};  ///< of the columns; empty: m, m + 1, ...
@@ -156,7 +156,7 @@ class PairProducts {
                 const Eigen::Ref<const Eigen::MatrixXd>& extra,
                 const RequestedDirections& requested);
 
-    math::ScratchMatrix extra_out_, extra_in_, weighted_, product_;
+    Eigen::MatrixXd extra_out_, extra_in_, weighted_, product_;
 };
 
 /// Divides by 4 (mu_out + mu_in).

@@ -22,7 +22,7 @@ Eigen::VectorXd flux_weights(const ZenithGrid& grid) {
 
 void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
                        const Eigen::Ref<const Eigen::MatrixXd>& rows, const FourierMode& mode,
-                       math::ScratchMatrix& moments) {
+                       Eigen::MatrixXd& moments) {
     // 2 R W Y = (2 R D) (W/M)^(1/2) Y.
     moments.resize(rows.rows(), mode.scaled_nodes.cols());
     moments.noalias() = rows * mode.scaled_nodes;
@@ -35,10 +35,10 @@ void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
     }
 }
 
-math::ScratchMatrix reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
-                                      const Eigen::Ref<const Eigen::MatrixXd>& rows,
-                                      const FourierMode& mode) {
-    math::ScratchMatrix moments;
+Eigen::MatrixXd reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                                  const FourierMode& mode) {
+    Eigen::MatrixXd moments;
     reflected_moments(mu, rows, mode, moments);
     return moments;
 }
@@ -170,7 +170,7 @@ void fill_rows_from_eigenmodes(const RequestedDirections& requested, FourierWork
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
     const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
     const Eigen::Index cosines = requested.mu.size(), modes = eigenmodes.rates.size();
-    math::ScratchMatrix& weights = work.sources.even;
+    Eigen::MatrixXd& weights = work.sources.even;
     weights.resize(cosines, modes);
     work.sources.odd.resize(cosines, modes);
     work.rows.resize(cosines, eigenmodes.vectors.rows());
@@ -269,18 +269,12 @@ bool sweep_half_space(const RequestedDirections& requested, double accuracy, dou
 
 // The row of Ambartsumian's equation at each cosine, for any X that satisfies it at the nodes:
 // r (I + mu (P - Q X)) = [(E - O) + (E + O) X] / 2, P = (U + V) / 2, Q = (V - U) / 2.
-void fill_rows_by_solving(const FourierMedium& medium, const FourierMode& mode,
-                          const ZenithGrid& grid, const RequestedDirections& requested,
-                          Reflector& result) {
+void fill_rows_by_solving(const ZenithGrid& grid, const RequestedDirections& requested,
+                          const FourierWork& work, Reflector& result) {
     const Eigen::Index n = grid.size();
-    const auto [even, odd] = phase_rows(medium, mode);
-    const Eigen::MatrixXd sources = 0.5 * ((even - odd) + (even + odd) * result.nodes);
-    const Eigen::MatrixXd same_side =
-        mode.scaled_nodes * (0.5 * medium.strengths).asDiagonal() * mode.scaled_nodes.transpose();
-    const Eigen::MatrixXd opposite_side = mode.scaled_nodes *
-                                          (0.5 * alternating(medium.strengths)).asDiagonal() *
-                                          mode.scaled_nodes.transpose();
-    Eigen::MatrixXd propagator = -same_side - opposite_side * result.nodes;
+    const Eigen::MatrixXd sources =
+        0.5 * (work.opposite_side_rows + work.same_side_rows * result.nodes);
+    Eigen::MatrixXd propagator = -0.5 * work.same_side - 0.5 * work.opposite_side * result.nodes;
     propagator.diagonal() += grid.mu.cwiseInverse();
     result.rows.resize(requested.mu.size(), n);
     for (Eigen::Index r = 0; r < requested.mu.size(); ++r) {
@@ -320,7 +314,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
         result = method == HalfSpaceMethod::fixed_point
                      ? iterate_half_space(medium, mode, grid, tolerance)
                      : double_to_half_space(medium, mode, grid, tolerance);
-        if (result.physical) fill_rows_by_solving(medium, mode, grid, requested, result);
+        if (result.physical) fill_rows_by_solving(grid, requested, work, result);
     }
     if (result.physical) fill_multiple(requested, work, result);
 }

@@ -66,10 +66,10 @@ Eigen::VectorXd flux_weights(const ZenithGrid& grid);
 /// m).
 void reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
                        const Eigen::Ref<const Eigen::MatrixXd>& rows, const FourierMode& mode,
-                       math::ScratchMatrix& moments);
-math::ScratchMatrix reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
-                                      const Eigen::Ref<const Eigen::MatrixXd>& rows,
-                                      const FourierMode& mode);
+                       Eigen::MatrixXd& moments);
+Eigen::MatrixXd reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                                  const FourierMode& mode);
 
 /// Reflection by a ground that is the same in all directions (Lambert), albedo in [0, 1]: Fourier
 /// order 0 only, zero for any other.

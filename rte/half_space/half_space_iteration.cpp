@@ -21,7 +21,7 @@ Reflector iterate_half_space(const FourierMedium& medium, const FourierMode& mod
     // Eq. (3) factorises: (mu_p + mu_q) R_pq = 1/4 sum_l (-1)^(l-m) a_l phi_l(p) phi_l(q),
     // phi_l = Y_l + 2 (-1)^(l-m) mu R W Y_l. Starting from phi = Y is single scattering.
     const Eigen::VectorXd D = flux_weights(grid);
-    const math::ScratchVector strengths = alternating(medium.strengths);
+    const Eigen::VectorXd strengths = alternating(medium.strengths);
     Eigen::MatrixXd phi = mode.at_nodes;
     Eigen::MatrixXd next(grid.size(), grid.size());
     Eigen::MatrixXd previous = Eigen::MatrixXd::Zero(grid.size(), grid.size());

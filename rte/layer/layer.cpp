@@ -206,8 +206,7 @@ void fill_interface(const LayerOperator& layer, const Reflector& base, FourierWo
     work.up.noalias() += base.nodes * work.down;
 }
 
-void gather_columns(const MatrixXd& rows, const std::vector<int>& which,
-                    math::ScratchMatrix& columns) {
+void gather_columns(const MatrixXd& rows, const std::vector<int>& which, Eigen::MatrixXd& columns) {
     columns.resize(rows.cols(), Eigen::Index(which.size()));
     for (std::size_t k = 0; k < which.size(); ++k) {
         columns.col(Eigen::Index(k)) = rows.row(which[k]).transpose();

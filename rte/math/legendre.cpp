@@ -35,8 +35,10 @@ void fill_first(int m, const Eigen::Ref<const Eigen::VectorXd>& mu, Column colum
     }
 }
 
-template <typename Table>
-void fill(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu, Table& table) {
+}  // namespace
+
+void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
+                        Eigen::MatrixXd& table) {
     if (!(order >= 0 && degrees > order)) {
         throw UsageError("order", fmt::format("{} of {} degrees", order, degrees),
                          "0 or more, and below the number of degrees");
@@ -55,18 +57,6 @@ void fill(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu, T
         table.col(column + 1) =
             here * mu.cwiseProduct(table.col(column)) - previous * table.col(column - 1);
     }
-}
-
-}  // namespace
-
-void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
-                        Eigen::MatrixXd& table) {
-    fill(order, degrees, mu, table);
-}
-
-void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
-                        ScratchMatrix& table) {
-    fill(order, degrees, mu, table);
 }
 
 double legendre_series(std::span<const double> chi, double x) {

@@ -22,8 +22,6 @@ namespace miebrdf::math {
 /// @throws UsageError  for an order or a number of degrees out of range
 void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
                         Eigen::MatrixXd& table);
-void legendre_functions(int order, int degrees, const Eigen::Ref<const Eigen::VectorXd>& mu,
-                        ScratchMatrix& table);
 
 /// Sums of Legendre polynomials, sum_l weights(j, l) P_l(x_i), by upward recurrence: several
 /// functions of many arguments, in registers. Neighbouring functions of few degrees (zeros from

@@ -37,36 +37,12 @@ bool invert_positive_definite(Eigen::MatrixXd& matrix, Eigen::MatrixXd& inverse)
     return true;
 }
 
-struct SymmetricEigen::Solvers {
-    using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                  kMostInPlace, kMostInPlace>;
-    Eigen::SelfAdjointEigenSolver<Bounded> in_place;
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_any_size;
-};
-
-SymmetricEigen::SymmetricEigen() : solvers_(std::make_unique<Solvers>()) {}
-SymmetricEigen::~SymmetricEigen() = default;
-SymmetricEigen::SymmetricEigen(SymmetricEigen&&) noexcept = default;
-SymmetricEigen& SymmetricEigen::operator=(SymmetricEigen&&) noexcept = default;
-
 bool SymmetricEigen::compute(const Eigen::MatrixXd& matrix) {
-    size_ = matrix.rows();
-    if (size_ > kMostInPlace) {
-        return solvers_->of_any_size.compute(matrix).info() == Eigen::Success;
-    }
-    return solvers_->in_place.compute(matrix).info() == Eigen::Success;
-}
-
-Eigen::Map<const Eigen::VectorXd> SymmetricEigen::values() const {
-    const double* values = size_ > kMostInPlace ? solvers_->of_any_size.eigenvalues().data()
-                                                : solvers_->in_place.eigenvalues().data();
-    return {values, size_};
-}
-
-Eigen::Map<const Eigen::MatrixXd> SymmetricEigen::vectors() const {
-    const double* vectors = size_ > kMostInPlace ? solvers_->of_any_size.eigenvectors().data()
-                                                 : solvers_->in_place.eigenvectors().data();
-    return {vectors, size_, size_};
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+    if (solver.info() != Eigen::Success) return false;
+    values_ = solver.eigenvalues();
+    vectors_ = solver.eigenvectors();
+    return true;
 }
 
 }  // namespace miebrdf::math

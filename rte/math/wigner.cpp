@@ -56,7 +56,7 @@ struct Step {
 }  // namespace
 
 void wigner_functions(int m, int n, int degrees, const Eigen::Ref<const Eigen::VectorXd>& cosine,
-                      ScratchMatrix& table) {
+                      Eigen::MatrixXd& table) {
     const FirstDegree first(m, n);
     const int count = std::max(0, degrees - first.degree());
     table.resize(cosine.size(), count);

@@ -21,7 +21,7 @@ namespace miebrdf::math {
 /// @param cosine   in [-1, 1]
 /// @param table    resized; row = cosine, column = l - max(|m|, |n|)
 void wigner_functions(int m, int n, int degrees, const Eigen::Ref<const Eigen::VectorXd>& cosine,
-                      ScratchMatrix& table);
+                      Eigen::MatrixXd& table);
 
 /// sum_l c_l d^l_mn(x).
 /// @param coefficients  c_0, c_1, ...: those below max(|m|, |n|) are not looked at

@@ -11,7 +11,7 @@ namespace {
 
 // R and T = (-1)^m (d^l_m2 +- d^l_m,-2) / 2, from column l = m on.
 void fill_linear(int m, int degrees, const Eigen::VectorXd& mu, StokesTable& table) {
-    math::ScratchMatrix plus, minus;
+    Eigen::MatrixXd plus, minus;
     math::wigner_functions(m, 2, degrees, mu, plus);
     math::wigner_functions(m, -2, degrees, mu, minus);
     const double half = m % 2 == 0 ? 0.5 : -0.5;
@@ -91,14 +91,14 @@ Columns list_columns(int m, Eigen::Index degrees, const StokesBlock& block,
 }
 
 // Rows k, k + c, k + 2c, ... of a column: component k of a block of c.
-auto component_rows(math::ScratchMatrix& table, Eigen::Index column, int k, int rows_per_node) {
+auto component_rows(Eigen::MatrixXd& table, Eigen::Index column, int k, int rows_per_node) {
     return Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<>>(
         table.data() + column * table.rows() + k, table.rows() / rows_per_node,
         Eigen::InnerStride<>(rows_per_node));
 }
 
 // Rows of I and Q to those of light polarised along the axes.
-void turn_to_axes(int rows_per_node, math::ScratchMatrix& table) {
+void turn_to_axes(int rows_per_node, Eigen::MatrixXd& table) {
     constexpr double half = std::numbers::sqrt2 / 2.0;
     for (Eigen::Index column = 0; column < table.cols(); ++column) {
         for (Eigen::Index r = 0; r < table.rows(); r += rows_per_node) {

@@ -26,7 +26,7 @@ RequestedDirections repeated(const RequestedDirections& requested, int rows_per_
 /// P, R and T of one Fourier order (docs/maths-polarisation.md), shared by all media on a grid.
 /// Columns l = m ... L - 1; R and T are 0 for l < 2.
 struct StokesTable {
-    math::ScratchMatrix P, R, T;
+    Eigen::MatrixXd P, R, T;
 };
 struct StokesTables {
     int fourier_order = 0;

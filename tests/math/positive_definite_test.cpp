@@ -49,7 +49,7 @@ TEST_CASE("a matrix that is not positive definite has no such inverse", "[math]"
 }
 
 TEST_CASE("scratch keeps its memory when it shrinks and grows back", "[math]") {
-    math::ScratchMatrix scratch(Eigen::MatrixXd::Constant(8, 8, 3.0));
+    Eigen::MatrixXd scratch(Eigen::MatrixXd::Constant(8, 8, 3.0));
     const double* memory = scratch.data();
     scratch.resize(2, 5);
     CHECK(scratch.cols() == 5);
@@ -57,9 +57,9 @@ TEST_CASE("scratch keeps its memory when it shrinks and grows back", "[math]") {
     CHECK((scratch - Eigen::MatrixXd::Identity(4, 4)).norm() == 0.0);
     scratch.resize(8, 8);
     CHECK(scratch.data() == memory);
-    const math::ScratchMatrix copy = scratch;
+    const Eigen::MatrixXd copy = scratch;
     CHECK(copy.data() != memory);
-    math::ScratchVector vector;
+    Eigen::VectorXd vector;
     CHECK(vector.size() == 0);
     vector = Eigen::VectorXd::Ones(3);
     CHECK(vector.sum() == 3.0);

@@ -4,11 +4,9 @@
 
 using namespace miebrdf;
 
-TEST_CASE("eigenpairs of a chain of springs are sines, below and above the size kept in place",
-          "[math]") {
+TEST_CASE("eigenpairs of a chain of springs are sines", "[math]") {
     math::SymmetricEigen solver;
-    const int n = GENERATE(1, 2, 5, math::SymmetricEigen::kMostInPlace,
-                           math::SymmetricEigen::kMostInPlace + 1, 200);
+    const int n = GENERATE(1, 2, 5, 128, 200);
     Eigen::MatrixXd chain = Eigen::MatrixXd::Zero(n, n);  // lower triangle only: all that is read
     chain.diagonal().setConstant(2.0);
     chain.diagonal(-1).setConstant(-1.0);

@@ -35,7 +35,7 @@ inline rte::Optics polarised_peak_optics(double albedo, double asymmetry) {
     const int degrees = int(optics.chi.size());
     const auto rule = math::gauss_legendre(2 * degrees);
     const Eigen::Map<const Eigen::VectorXd> x(rule.nodes.data(), Eigen::Index(rule.nodes.size()));
-    math::ScratchMatrix circular, linear, plus, minus;
+    Eigen::MatrixXd circular, linear, plus, minus;
     math::wigner_functions(0, 0, degrees, x, circular);
     math::wigner_functions(0, 2, degrees, x, linear);
     math::wigner_functions(2, 2, degrees, x, plus);

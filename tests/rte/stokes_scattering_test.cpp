@@ -36,7 +36,7 @@ Eigen::Matrix3d fourier_sum(const rte::Optics& optics, int degrees, double mu_in
             rte::make_block_mode(tables, block, strengths, rte::repeated(grid, c),
                                  rte::repeated(cosines, c), mode, medium);
             const rte::RequestedDirections requested = rte::repeated(cosines, c);
-            math::ScratchMatrix at_out, at_in;
+            Eigen::MatrixXd at_out, at_in;
             rte::gather_rows(mode.at_requested, requested.out, at_out);
             rte::gather_rows(mode.at_requested, requested.in, at_in);
             const Eigen::MatrixXd R =
@@ -139,7 +139,7 @@ TEST_CASE("Wigner's functions are orthogonal and known in closed form", "[rte][s
     w << half.weights, half.weights;
     const struct { int m, n; } orders[] = {{0, 0}, {3, 2}, {2, -2}, {1, 2}, {25, 2}, {7, -2}};
     for (const auto& [m, n] : orders) {
-        math::ScratchMatrix table;
+        Eigen::MatrixXd table;
         math::wigner_functions(m, n, 30, x, table);
         const Eigen::MatrixXd norm = table.transpose() * w.asDiagonal() * table;
         const int first = std::max(std::abs(m), std::abs(n));
