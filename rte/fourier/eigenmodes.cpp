@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rte/math/tolerance_budget.h"
+
 namespace miebrdf::rte {
 namespace {
 
@@ -178,7 +180,8 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
     eigenmodes_.vectors.noalias() = L_.transpose() * eigen_.vectors();
     eigenmodes_.rates = eigen_.values();
     const bool is_good_enough =
-        mode.fourier_order > 0 && left_by_eigensolver(n / mode.rows_per_node) <= 0.1 * tolerance;
+        mode.fourier_order > 0 &&
+        left_by_eigensolver(n / mode.rows_per_node) <= kIterationShare * tolerance;
     const int steps = is_good_enough ? 0 : 4;
     for (int step = 0; step < steps; ++step) {
         if (refine() <= 1e-8) break;

@@ -32,7 +32,8 @@ namespace {
 // Where it has no others, as below a rough boundary, the sum of all that are dropped shows.
 double negligible_moment(const Stack& stack, const SolverOptions& options) {
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
-    if (is_rough || !options.single_scattering_correction) return 0.01 * options.tolerance;
+    if (is_rough || !options.single_scattering_correction)
+        return kDroppedMomentShare * options.tolerance;
     return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 

@@ -6,15 +6,9 @@
 
 #include "rte/fourier/eigenmodes.h"
 #include "rte/math/matrices.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
-namespace {
-
-/// Orders above 0 may err by the tolerance times this share of order 0: it is brightest where it
-/// is, and an error counts relative to the largest value at each incidence.
-constexpr double kShareOfOrderZero = 0.1;
-
-}  // namespace
 
 Eigen::VectorXd flux_weights(const ZenithGrid& grid) {
     return (grid.weights.array() * grid.mu.array()).sqrt();
@@ -298,7 +292,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
         result.converged = true;
         const double single_scattering = largest_bounded(work.opposite_side, work);
         const double accuracy =
-            tolerance * std::max(single_scattering, kShareOfOrderZero * medium.brightness);
+            tolerance * std::max(single_scattering, kHigherOrderShare * medium.brightness);
         const double ratio = medium.strongest();
         result.physical =
             few_sweeps_suffice(ratio,

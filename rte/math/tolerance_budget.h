@@ -17,6 +17,15 @@ inline constexpr double kCoarserOrdersShare = 0.01;
 /// The equations of one Fourier order: iterated half-spaces, refined eigenmodes, and what lies
 /// below a coat that counts as a half-space in that order.
 inline constexpr double kEquationShare = 0.01;
+/// Orders above 0 of a half-space may err by this share of what order 0 may: that is brightest
+/// where it is, and errors count relative to the largest value at each incidence.
+inline constexpr double kHigherOrderShare = 0.1;
+/// Iterations inside the equations of one order end when this share of what these may err by is
+/// left.
+inline constexpr double kIterationShare = 0.1;
+/// Legendre degrees with (2l + 1) chi_l below this are dropped where light scattered once lacks
+/// them too: the sum of all that are dropped shows.
+inline constexpr double kDroppedMomentShare = 0.01;
 /// Layers below a coat that hides them (rte/stack/hidden_layers.h).
 inline constexpr double kHiddenLayersShare = 0.1;
 /// Narrow features of the first order: interpolation and the terms left out.

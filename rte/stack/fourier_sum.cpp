@@ -19,6 +19,9 @@ constexpr double kSeveral = 2.5;
 // Orders in a row that must agree with those of a coarser solution before the rest is taken over.
 constexpr int kEnoughAlike = 2;
 
+// Degrees beyond which features have fallen to this share of the tolerance are not looked at.
+constexpr double kFeaturesEndShare = 0.1;
+
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
 }  // namespace
@@ -93,7 +96,8 @@ std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) co
     if (!(scale * beyond(m) > tolerance)) return orders;
     int last = m + 1;  // where what lies beyond has fallen to a tenth of the tolerance
     for (int step = int(strengths_.size()); step > 0; step /= 2) {
-        if (last + step < int(strengths_.size()) && scale * beyond(last + step) > 0.1 * tolerance)
+        if (last + step < int(strengths_.size()) &&
+            scale * beyond(last + step) > kFeaturesEndShare * tolerance)
             last += step;
     }
     for (const double share : {0.2, 0.4, 0.6, 0.8}) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rte/math/matrices.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -46,7 +47,7 @@ bool fill_rows(const FourierMode& mode, const FourierMedium& medium, const Vecto
     const Eigen::ArrayXXd inverse = (1.0 + (mu * diagonal.transpose()).array()).inverse();
     MatrixXd solution = G.array() * inverse, next;
     constexpr int most_steps = 200;
-    const double goal = std::max(1e-15, 0.1 * tolerance);
+    const double goal = std::max(1e-15, kIterationShare * tolerance);
     double change = 1.0;
     for (int step = 0; step < most_steps && change > goal && G.rows() > 0; ++step) {
         next.noalias() = solution * rest;

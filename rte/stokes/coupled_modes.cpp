@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "rte/math/tolerance_budget.h"
+
 namespace miebrdf::rte {
 namespace {
 
@@ -87,7 +89,7 @@ bool CoupledModes::iterate(double tolerance) {
     const Eigen::VectorXd& k = linear().rates;
     const Eigen::VectorXd& q = circular().rates;
     // Rounding leaves as much in the products; below it steps would not shrink.
-    const double goal = std::max(1e-14, 0.1 * tolerance);
+    const double goal = std::max(1e-14, kIterationShare * tolerance);
     S = k.asDiagonal();
     T = q.asDiagonal();
     K.setZero(k.size(), q.size());
