@@ -60,17 +60,6 @@ void DiffusionEigenmode::find(const Eigen::MatrixXd& U, const Eigen::MatrixXd& V
     rate_squared_ = std::max(0.0, quotient / norm);
 }
 
-void EigenmodeSolver::form_node_kernels(const FourierMode& mode, const FourierMedium& medium) {
-    const Eigen::Index n = mode.scaled_nodes.rows();
-    const auto form = [&](const auto& degrees, const auto& weights, Eigen::MatrixXd& kernel) {
-        scaled_ = degrees * weights.asDiagonal();
-        kernel.resize(n, n);
-        kernel.noalias() = scaled_ * degrees.transpose();
-    };
-    form(even_columns(mode.scaled_nodes), even_part(medium.strengths), kernels_.even);
-    form(odd_columns(mode.scaled_nodes), odd_part(medium.strengths), kernels_.odd);
-}
-
 const ScatteringKernels& EigenmodeSolver::form_kernels(const FourierMode& mode,
                                                        const FourierMedium& medium) {
     const Eigen::Index n = mode.scaled_nodes.rows();
@@ -142,7 +131,7 @@ void EigenmodeSolver::append_diffusion() {
 
 const Eigenmodes& EigenmodeSolver::find(const FourierMode& mode, const FourierMedium& medium,
                                         const ZenithGrid& grid, double tolerance) {
-    form_node_kernels(mode, medium);
+    form_kernels(mode, medium);
     return find_from_kernels(mode, medium, grid, tolerance);
 }
 
@@ -192,41 +181,14 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
     return eigenmodes_;
 }
 
-void EigenmodeSources::find(const FourierMedium& medium, const FourierMode& mode,
-                            const Eigenmodes& eigenmodes) {
-    const Eigen::Index requested = mode.at_requested.rows();
-    const Eigen::Index nodes = mode.scaled_nodes.rows();
-    const auto even_degrees = even_columns(mode.scaled_nodes);
-    const auto odd_degrees = odd_columns(mode.scaled_nodes);
-    weighted_.resize(requested, even_degrees.cols());
-    weighted_ = even_columns(mode.at_requested) * even_part(medium.strengths).asDiagonal();
-    even.resize(requested, eigenmodes.vectors.cols());
-    odd.resize(requested, eigenmodes.vectors.cols());
-    // From the side that has fewer rows: the degrees (few in high orders) or the cosines.
-    const bool few_cosines = requested < mode.at_requested.cols() / 2;
-    if (few_cosines) {
-        degrees_.resize(requested, nodes);
-        degrees_.noalias() = weighted_ * even_degrees.transpose();
-        product_.resize(requested, nodes);
-        product_.noalias() = degrees_ * eigenmodes.odd;
-        even.noalias() = product_ * eigenmodes.vectors;
-    } else {
-        product_.resize(even_degrees.cols(), nodes);
-        product_.noalias() = even_degrees.transpose() * eigenmodes.odd;
-        degrees_.resize(even_degrees.cols(), eigenmodes.vectors.cols());
-        degrees_.noalias() = product_ * eigenmodes.vectors;
-        even.noalias() = weighted_ * degrees_;
-    }
-    weighted_.resize(requested, odd_degrees.cols());
-    weighted_ = odd_columns(mode.at_requested) * odd_part(medium.strengths).asDiagonal();
-    if (few_cosines) {
-        product_.noalias() = weighted_ * odd_degrees.transpose();
-        odd.noalias() = product_ * eigenmodes.vectors;
-    } else {
-        degrees_.resize(odd_degrees.cols(), eigenmodes.vectors.cols());
-        degrees_.noalias() = odd_degrees.transpose() * eigenmodes.vectors;
-        odd.noalias() = weighted_ * degrees_;
-    }
+void EigenmodeSolver::find_sources(EigenmodeSources& sources) {
+    const Eigen::Index cosines = kernels_.even_rows.rows(), modes = eigenmodes_.vectors.cols();
+    scaled_.resize(cosines, eigenmodes_.vectors.rows());
+    scaled_.noalias() = kernels_.even_rows * eigenmodes_.odd;  // F^-T = V F
+    sources.even.resize(cosines, modes);
+    sources.even.noalias() = scaled_ * eigenmodes_.vectors;
+    sources.odd.resize(cosines, modes);
+    sources.odd.noalias() = kernels_.odd_rows * eigenmodes_.vectors;
 }
 
 }  // namespace miebrdf::rte

@@ -58,6 +58,12 @@ class DiffusionEigenmode {
     double rate_squared_ = 0.0;
 };
 
+/// The rows of ScatteringKernels out of the eigenmodes, requested x K: even F^-T = even V F, and
+/// odd F.
+struct EigenmodeSources {
+    Eigen::MatrixXd even, odd;
+};
+
 /// Finds the eigenmodes of one Fourier order after the other in the same memory.
 class EigenmodeSolver {
   public:
@@ -73,6 +79,7 @@ class EigenmodeSolver {
 
     const Eigenmodes& eigenmodes() const { return eigenmodes_; }
     const ScatteringKernels& kernels() const { return kernels_; }
+    void find_sources(EigenmodeSources& sources);
 
     /// F diag(h) F^T for values h_j = h(k_j); `result` is resized to n x n.
     template <typename Values>
@@ -83,8 +90,6 @@ class EigenmodeSolver {
     }
 
   private:
-    /// Without rows.
-    void form_node_kernels(const FourierMode& mode, const FourierMedium& medium);
     double refine();
     double find_correction();
     void append_diffusion();
@@ -99,19 +104,6 @@ class EigenmodeSolver {
     math::SymmetricEigen eigen_;
 };
 
-/// The rows of ScatteringKernels out of the eigenmodes, requested x K: even F^-T = even V F, and
-/// odd F.
-class EigenmodeSources {
-  public:
-    void find(const FourierMedium& medium, const FourierMode& mode, const Eigenmodes& eigenmodes);
-
-    Eigen::MatrixXd even;
-    Eigen::MatrixXd odd;
-
-  private:
-    Eigen::MatrixXd weighted_, product_, degrees_;
-};
-
 /// Intermediate results of solve_half_space, solve_layer and put_on. One is enough for all media
 /// of a stack, all Fourier orders and one number of nodes after the other: what it holds matters
 /// only to the function that runs. Not thread-safe.
@@ -119,10 +111,10 @@ struct FourierWork {
     EigenmodeSolver eigenmode_solver;
     EigenmodeSources sources;
     PairProducts products;
-    math::DecayIntegrator decays;  ///< of the layer solved last
-    Eigen::VectorXd alternating;   ///< strengths with the sign of their column
-    Eigen::MatrixXd phi, weighted, phi_requested, moments;  ///< cosines x degrees
-    Eigen::MatrixXd beam, through, incoming, down, up;      ///< nodes x cosines
+    math::DecayIntegrator decays;                       ///< of the layer solved last
+    Eigen::VectorXd alternating;                        ///< strengths with the sign of their column
+    Eigen::MatrixXd moments;                            ///< cosines x degrees
+    Eigen::MatrixXd beam, through, incoming, down, up;  ///< nodes x cosines
     Eigen::MatrixXd pairs;
     Eigen::MatrixXd first_out, first_in;  ///< FourierMode::at_requested of both lists
     Eigen::VectorXd flux_weights, mu_over_flux_weights, inverse_mu;

@@ -162,21 +162,16 @@ void fill_multiple(const RequestedDirections& requested, FourierWork& work, Refl
 void fill_rows_from_eigenmodes(const RequestedDirections& requested, FourierWork& work,
                                Reflector& result) {
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
-    const ScatteringKernels& kernels = work.eigenmode_solver.kernels();
-    const Eigen::Index cosines = requested.mu.size(), modes = eigenmodes.rates.size();
+    work.eigenmode_solver.find_sources(work.sources);
     Eigen::MatrixXd& weights = work.sources.even;
-    weights.resize(cosines, modes);
-    work.sources.odd.resize(cosines, modes);
-    work.rows.resize(cosines, eigenmodes.vectors.rows());
-    work.rows.noalias() = kernels.even_rows * eigenmodes.odd;  // F^-T = V F
-    weights.noalias() = work.rows * eigenmodes.vectors;
-    work.sources.odd.noalias() = kernels.odd_rows * eigenmodes.vectors;
+    const Eigen::Index modes = eigenmodes.rates.size();
     for (Eigen::Index j = 0; j < modes; ++j) {
         const double k = eigenmodes.rates[j];
         weights.col(j).array() = 0.5 *
                                  (weights.col(j).array() - k * work.sources.odd.col(j).array()) /
                                  (1.0 + k * requested.mu.array());
     }
+    work.rows.resize(weights.rows(), eigenmodes.vectors.rows());
     work.rows.noalias() = weights * eigenmodes.vectors.transpose();
     result.rows = work.rows;
     result.rows.noalias() += work.rows * result.nodes;  // s = (I + X) i_down at the surface

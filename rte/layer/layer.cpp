@@ -43,10 +43,10 @@ bool fill_nodes(ReflectorParts parts, FourierWork& work, LayerOperator& layer) {
 // incident at each node on the top. Inside the layer s = i_up + i_down and a = i_down - i_up
 // follow from their values at both ends, mode by mode: sinh(k (tau - t)) / sinh(k tau) of the top
 // value and sinh(k t) / sinh(k tau) of the bottom value. The source at mu is (E s -+ O a) / 2.
-void fill_rows(double tau, const FourierMedium& medium, const FourierMode& mode,
-               const RequestedDirections& requested, FourierWork& work, LayerOperator& layer) {
+void fill_rows(double tau, const RequestedDirections& requested, FourierWork& work,
+               LayerOperator& layer) {
     const Eigenmodes& eigenmodes = work.eigenmode_solver.eigenmodes();
-    work.sources.find(medium, mode, eigenmodes);
+    work.eigenmode_solver.find_sources(work.sources);
     work.decays.set(tau, requested.mu);
     const Eigen::Index cosines = requested.mu.size();
     work.near.resize(cosines);
@@ -153,7 +153,7 @@ void solve_layer(double scaled_optical_depth, const FourierMedium& medium, const
     if (!fill_nodes(parts, work, layer)) return;
     alternating(medium.strengths, work.alternating);
     layer.direct = (-tau / requested.mu.array()).exp();
-    fill_rows(tau, medium, mode, requested, work, layer);
+    fill_rows(tau, requested, work, layer);
     fill_layer_pairs(mode, requested, work, layer);
     if (!requested.beside.empty()) fill_transmitted(medium, mode, requested, layer);
     layer.physical = true;
