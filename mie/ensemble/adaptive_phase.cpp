@@ -13,7 +13,6 @@
 namespace miebrdf::mie {
 namespace {
 
-using Method = PairedSizeSamples::Method;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -37,8 +36,8 @@ struct Refinement {
 };
 
 struct TableRule {
-    /// What is asked of glories decides whether directions back to the light converge, and costs
-    /// little by rays.
+    /// Glories are held to this share of the tolerance by rays, where that costs little: their
+    /// noise is exceeded more often than that of other angles (docs/internals/mie-log.md).
     static constexpr double kBackwardShare = 0.45;
 };
 
@@ -80,7 +79,7 @@ struct Place {
     }
 };
 
-// What is asked of a panel. Relative to max(P, floor): noise; absolute: interpolation.
+// A panel is asked for noise relative to max(P, floor), and for an absolute error of interpolation.
 struct Demand {
     double noise, interpolation;
 };
@@ -106,8 +105,13 @@ class PanelRefinement {
 
   protected:
     PanelRefinement(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run,
-                    double finest_tolerance, Method method)
-        : ensemble_(ensemble), goal_(goal), run_(run), sizes_(ensemble, finest_tolerance, method) {}
+                    double finest_tolerance)
+        : ensemble_(ensemble),
+          goal_(goal),
+          run_(run),
+          sizes_(ensemble, finest_tolerance, goal.method) {}
+
+    bool by_rays() const { return goal_.method != PhaseMethod::sizes; }
 
     virtual Demand demand_of(const Place& place) const = 0;
     /// Whether the polynomials of this level may tell that a panel is too wide.
@@ -183,7 +187,7 @@ class PanelRefinement {
         const PhasePanel& panel = place.panel;
         const Demand demand = demand_of(place);
         const double of_noise =
-            (goal_.by_rays ? Refinement::kTailOfRayNoise : Refinement::kTailOfNoise) *
+            (by_rays() ? Refinement::kTailOfRayNoise : Refinement::kTailOfNoise) *
             panel.tail_of_noise();
         const double largest = panel.values().maxCoeff();
         const bool narrow = panel.width() <= Refinement::kNarrowest * ensemble_.finest_angle();
@@ -199,7 +203,7 @@ class PanelRefinement {
         }
     }
 
-    // Of the noise by rays, more is what they leave out than what more sizes would remove.
+    // Most of the noise by rays is then what they leave out, which more sizes do not remove.
     bool gains_nothing(const PhasePanel& panel) const {
         return panel.level() > 0 &&
                panel.noise() * panel.noise() <= 2 * panel.bias() * panel.bias();
@@ -221,14 +225,12 @@ class PanelRefinement {
 class Tabulation : public PanelRefinement {
   public:
     Tabulation(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run)
-        : PanelRefinement(ensemble, goal, run, goal.size_tolerance,
-                          goal.by_rays ? Method::rays : Method::sizes) {
+        : PanelRefinement(ensemble, goal, run, goal.size_tolerance) {
         std::vector<Place> places;
         // Straight back all degrees of P add up, and what a polynomial has beyond the highest
         // moment is missing: with rays, that would be more than their noise.
         const double narrowest = ensemble.finest_angle();
-        for (PhasePanel& panel :
-             graded_panels(narrowest, goal.by_rays ? 0.5 * narrowest : narrowest))
+        for (PhasePanel& panel : graded_panels(narrowest, by_rays() ? 0.5 * narrowest : narrowest))
             places.push_back({std::move(panel)});
         refine(std::move(places));
         std::sort(done_.begin(), done_.end(),
@@ -249,9 +251,9 @@ class Tabulation : public PanelRefinement {
     bool is_enough(const Place& place, double noise_around, double demanded) const override {
         const PhasePanel& panel = place.panel;
         const int level = panel.level();
-        const bool tells = level > (goal_.by_rays ? 1 : 0) && sizes_.resolves(level);
+        const bool tells = level > (by_rays() ? 1 : 0) && sizes_.resolves(level);
         double believed = sizes_.resolves(level) ? 1.0 : Refinement::kCoarseShare;
-        if (goal_.by_rays && panel.is_backward()) believed = TableRule::kBackwardShare;
+        if (by_rays() && panel.is_backward()) believed = TableRule::kBackwardShare;
         return (tells ? panel.noise() : noise_around) <= believed * demanded &&
                panel.moment_noise(goal_.first_moment) <= believed * goal_.moment_tolerance;
     }
@@ -303,7 +305,7 @@ PhaseTable Tabulation::table_of(int sample) const {
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
         noise.push_back(
-            panels[p]->level() == 0 && !goal_.by_rays
+            panels[p]->level() == 0 && !by_rays()
                 ? around[p]
                 : std::max({panels[p > 0 ? p - 1 : p]->stated_noise(), panels[p]->stated_noise(),
                             panels[std::min(p + 1, panels.size() - 1)]->stated_noise()}));
@@ -317,7 +319,7 @@ PhaseTable Tabulation::table_of(int sample) const {
                             values);
 }
 
-// What is allowed at points.
+// The error that is allowed at points.
 struct Allowance {
     const std::vector<double>& absolute;  // empty: relative
     double relative, floor;
@@ -332,14 +334,12 @@ class PointSeries : public PanelRefinement {
   public:
     PointSeries(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run,
                 const Allowance& allowance, PhaseValues& result)
-        : PanelRefinement(ensemble, goal, run, PointRule::kFinest,
-                          goal.by_rays ? Method::exact_rays : Method::sizes),
+        : PanelRefinement(ensemble, goal, run, PointRule::kFinest),
           allowance_(allowance),
           result_(result) {
-        in_double_ = !goal.by_rays && goal.size_tolerance < PointRule::kLeastSingleTolerance;
-        if (!goal.by_rays) goal_.ray_bias = {};
+        in_double_ = !by_rays() && goal.size_tolerance < PointRule::kLeastSingleTolerance;
         // Rays have no bound on their work, but a finest level that is soon there.
-        if (goal.by_rays) goal_.most_work = kInfinity;
+        if (by_rays()) goal_.most_work = kInfinity;
         if (allowance.is_absolute()) goal_.floor = PointRule::kFloor;
     }
 
@@ -419,7 +419,10 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
     const auto compute = [&](bool by_rays, std::vector<Place> places) {
         if (places.empty()) return;
         PhaseGoal goal = goal_;
-        goal.by_rays = by_rays;
+        if (!by_rays) {
+            goal.method = PhaseMethod::sizes;
+            goal.ray_bias = {};
+        }
         PointSeries(ensemble_, goal, run_, allowance, result).compute(std::move(places));
     };
     // P is not known yet: what is dark is held to the floor.
@@ -443,7 +446,7 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         return places;
     };
     const auto by_rays = [&](const Point& point) {
-        return goal_.by_rays && !too_biased(point, PointRule::kFloor);
+        return goal_.method != PhaseMethod::sizes && !too_biased(point, PointRule::kFloor);
     };
     compute(true, places_of(by_rays));
     compute(false, places_of([&](const Point& point) {

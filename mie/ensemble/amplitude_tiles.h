@@ -91,7 +91,7 @@ void visit_tile(const Scalar* functions, WaveColumns<Scalar, kHalves> columns,
     for (int angle = 0; angle < kAngles; ++angle) visit(angle, sums[angle]);
 }
 
-/// The same of the first `angles` of a tile, or a few more.
+/// Calls visit() for the first `angles` of a tile, or a few more.
 template <typename Scalar, bool kHalves, typename Visit>
 void visit_angles(int angles, const Scalar* functions, const WaveColumns<Scalar, kHalves>& columns,
                   std::ptrdiff_t stride, int count, const Visit& visit) {

@@ -39,8 +39,8 @@ struct AverageRule {
     static constexpr double kTableShare = 0.08;
 };
 
-// Where a medium reflects little, what it reflects is P itself, and moments matter by the square of
-// how dark it is.
+// A medium that reflects little reflects P itself, and moments matter by the square of how dark it
+// is.
 struct DarkMedium {
     static constexpr double kDark = 0.2;  ///< spherical albedo of a half-space
     static constexpr double kLeastShare = 1e-3;
@@ -115,7 +115,7 @@ double half_space_albedo(const EnsembleOptics& optics) {
     return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
 }
 
-// What the change of the absorption does to the albedo of a half-space; 0 without absorption. A
+// The change of the albedo of a half-space by that of the absorption; 0 without absorption. A
 // half-space of similar spheres has an albedo A with 1 - A about
 // sqrt(6 (1 - omega) / (1 - omega g)): d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
 double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
@@ -153,8 +153,7 @@ class EnsembleAverage {
     int terms_;
     SizePasses passes_;
     bool moments_from_table_ = false;
-    std::optional<GaussMoments> at_angles_;  // where moments come from angles, and no table
-    bool by_rays_ = false;
+    std::optional<GaussMoments> at_angles_;     // where moments come from angles, and no table
     std::optional<MomentTransform> transform_;  // the same for all passes
     EnsembleOptics optics_;
 };
@@ -211,8 +210,7 @@ bool EnsembleAverage::take_rays() {
     if (!rays) return false;
     optics_ = *rays;
     optics_.error_estimate = std::max({optics_.error_estimate, AverageRule::kRounding, tail_});
-    by_rays_ = is_enough();
-    return by_rays_;
+    return is_enough();
 }
 
 int EnsembleAverage::band_width() const {
@@ -313,10 +311,16 @@ void EnsembleAverage::put_phase_table() {
     goal.size_tolerance = relaxed * request_.phase_tolerance;
     goal.floor = bright * request_.phase_floor;
     goal.scattering_efficiency = optics_.q_sca * ensemble_.share;
-    if (by_rays_) goal.ray_bias = phase_ray_bias(ensemble_);
-    goal.by_rays = goal.ray_bias.everywhere > 0 && goal.floor >= RayTable::kLeastFloor &&
-                   goal.ray_bias.typical() <= RayTable::kBiasShare * goal.size_tolerance;
-    if (!goal.by_rays) goal.ray_bias = {};
+    // Rays without the ends of the sizes where what these leave would be too much.
+    for (const auto method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
+        const PhaseRayBias bias = phase_ray_bias(ensemble_, method == PhaseMethod::exact_rays);
+        if (goal.method != PhaseMethod::sizes || !(bias.everywhere > 0) ||
+            !(goal.floor >= RayTable::kLeastFloor) ||
+            !(bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
+            continue;
+        goal.method = method;
+        goal.ray_bias = bias;
+    }
     if (moments_from_table_) {
         goal.first_moment = AverageRule::kSafeBandWidth + 1;
         // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
@@ -363,8 +367,8 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     goal.most_work = request.phase_work;
     goal.scattering_efficiency = q_sca * ensemble.share;
     goal.ray_bias = phase_ray_bias(ensemble, true);
-    goal.by_rays = goal.ray_bias.everywhere > 0;
-    if (goal.by_rays && !(q_sca > 0)) {
+    if (goal.ray_bias.everywhere > 0) goal.method = PhaseMethod::exact_rays;
+    if (goal.method != PhaseMethod::sizes && !(q_sca > 0)) {
         const auto rays = average_over_rays(ensemble, 1, request.tolerance, pieces);
         if (rays) goal.scattering_efficiency = rays->q_sca * ensemble.share;
     }
@@ -377,8 +381,9 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
 }
 
 int highest_moment_of(const EnsembleRequest& request) {
-    return 2 *
-           number_of_terms(wave_number_per_um(request) * radius_range(request.sizes).largest_um);
+    const Ensemble ensemble = ensemble_of(request);
+    return 2 * ensemble.scatterer.terms(ensemble.wave_number_per_um *
+                                        radius_range(request.sizes).largest_um);
 }
 
 }  // namespace miebrdf::mie

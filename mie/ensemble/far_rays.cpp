@@ -15,12 +15,15 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Orders below and above that scatter less than this share of the light together are left out: 1e-5
-// of P straight back, where all add up in step.
-constexpr double kFaint = 1e-7;
-// Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
-constexpr double kSteep = 0.3;
-constexpr double kLeastLoss = 1e-28;  // 1 - |R|^2, where |R| is 1 to rounding
+struct FarRayRule {
+    /// Orders below and above that scatter less than this share of the light together are left
+    /// out: 1e-5 of P straight back, where all add up in step.
+    static constexpr double kFaint = 1e-7;
+    /// Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
+    static constexpr double kSteep = 0.3;
+    /// 1 - |R|^2, where |R| is 1 to rounding.
+    static constexpr double kLeastLoss = 1e-28;
+};
 constexpr int kPiece = kRegisterSize<float>;
 
 // B_n and R_n of one polarisation at all orders of one size.
@@ -55,12 +58,12 @@ struct Product {
         const FloatPair below_re = 1 - (wave.inner_re[n] * inner_re + wave.inner_im[n] * inner_im);
         const FloatPair below_im = wave.inner_re[n] * inner_im - wave.inner_im[n] * inner_re;
         above = above_re * below_re + above_im * below_im;
-        // Where hardly anything goes through, rounding may leave nothing.
+        // Rounding may leave nothing where hardly anything goes through.
         below = below_re * below_re + below_im * below_im + 1e-14F;
     }
 };
 
-// With one division.
+// One division does for both.
 MIEBRDF_VECTOR FloatPair sum_of(const Product& p, const Product& q) {
     return (p.above * q.below + q.above * p.below) / (p.below * q.below);
 }
@@ -72,8 +75,11 @@ struct OneSize {
                 RayIntensity& sum) const {
         int first = 1, last = terms;
         const auto share = [&](int n) { return (2 * n + 1) * (a.energy[n] + b.energy[n]); };
-        for (double faint = 0; first <= last && (faint += share(first)) < kFaint * light;) ++first;
-        for (double faint = 0; last > first && (faint += share(last)) < kFaint * light;) --last;
+        for (double faint = 0;
+             first <= last && (faint += share(first)) < FarRayRule::kFaint * light;)
+            ++first;
+        for (double faint = 0; last > first && (faint += share(last)) < FarRayRule::kFaint * light;)
+            --last;
         if (first > last) return;
         const int count = last - first + 1;
         // |U|^2 and |V|^2 of a pair of orders: aa + bb +- (ab + ba).
@@ -110,14 +116,16 @@ void put(int n, const RayResponse& r, int ways_before, FarWave OneSize::*wave,
     Lanes energy;
     for (int lane = 0; lane < kLaneCount; lane += kVectorSize) {
         const ComplexVector back = load(r.inner, lane);
-        const auto steep = norm(back) < Vector{} + kSteep;
+        const auto steep = norm(back) < Vector{} + FarRayRule::kSteep;
         const Vector none{};
         const ComplexVector all = load(r.through, lane) * power(back, ways_before);
         const ComplexVector wave_here{steep ? none : all.re, steep ? none : all.im};
         const Vector loss = 1 - norm(back);
         store(wave_here, waves, lane);
         store({steep ? none : back.re, steep ? none : back.im}, inner, lane);
-        store(norm(wave_here) / (loss > kLeastLoss ? loss : none + kLeastLoss), energy, lane);
+        store(norm(wave_here) /
+                  (loss > FarRayRule::kLeastLoss ? loss : none + FarRayRule::kLeastLoss),
+              energy, lane);
     }
     for (int lane = 0; lane < kLaneCount; ++lane) {
         FarWave& to = spheres[lane].*wave;

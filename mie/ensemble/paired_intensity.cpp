@@ -42,8 +42,8 @@ KeptWaves* WaveStore::place_of(const Key& key, double numbers) {
     return &kept_[key];
 }
 
-int terms_of(const WeightedSizes& sizes, SizeChunks::Block of) {
-    return number_of_terms(sizes.parameters[of.first + of.count - 1]);
+int terms_of(const Scatterer& scatterer, const WeightedSizes& sizes, SizeChunks::Block of) {
+    return scatterer.terms(sizes.parameters[of.first + of.count - 1]);
 }
 
 template <typename Scalar>
@@ -52,7 +52,7 @@ SphereIntensity intensity_of_spheres(const Scatterer& scatterer, const WeightedS
                                      const AngularFunctionsOf<Scalar>& angular,
                                      const std::vector<KeptWaves*>& places) {
     SphereBlockOf<Scalar> block;
-    block.make_room(terms_of(sizes, blocks.back()), kMostSizesPerBlock);
+    block.make_room(terms_of(scatterer, sizes, blocks.back()), kMostSizesPerBlock);
     SphereIntensity sum{Eigen::VectorXd::Zero(angular.angle_count())};
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         if constexpr (std::is_same_v<Scalar, float>) {

@@ -53,7 +53,7 @@ class WaveStore {
     double bytes_ = 0;
 };
 
-/// What spheres of some sizes scatter: intensities at angles, and all together.
+/// The light that spheres of some sizes scatter: at angles, and all together.
 struct SphereIntensity {
     Eigen::VectorXd at_angles;
     double scattered = 0;
@@ -68,7 +68,7 @@ SphereIntensity intensity_of_spheres(const Scatterer& scatterer, const WeightedS
                                      const std::vector<KeptWaves*>& places = {});
 
 /// Orders of the largest sphere of a block.
-int terms_of(const WeightedSizes& sizes, SizeChunks::Block of);
+int terms_of(const Scatterer& scatterer, const WeightedSizes& sizes, SizeChunks::Block of);
 
 /// The samples have spacings in this ratio (PairedSizeSamples).
 inline constexpr double kSampleShare[2] = {1.21, 1.29};

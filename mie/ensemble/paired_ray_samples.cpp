@@ -13,21 +13,23 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kMostChunksOfEnd = 4;  // of each sample
-constexpr int kLeastOfEnd = 16;      // sizes of each sample, and of a chunk
+struct RaySampleRule {
+    /// The sizes of levels 0 and 1 may err, where rays interfere, by so many times what the samples
+    /// differ by, and by this share of the part's value (docs/internals/mie-log.md#rays).
+    static constexpr double kDifference[] = {3, 2}, kShare[] = {0.05, 0.003};
+    /// Glories begin here; elsewhere nodes are far enough apart to tell.
+    static constexpr double kGlories = 165 * std::numbers::pi / 180;
+    /// Columns of a block that stay near the cache.
+    static constexpr int kMostColumns = 80;
+    /// Parts of P by rays at sharp ends, that of small spheres first; the spacing in x of one
+    /// sample of sizes there, its least sizes, and its chunks.
+    static constexpr int kEnds = 2;
+    static constexpr double kEndSpacing = 0.5;
+    static constexpr int kLeastOfEnd = 16, kMostChunksOfEnd = 4;
+};
 
-// Of the sizes of levels 0 and 1, what a part may err by where rays interfere: times what the
-// samples differ by, and of its value.
-constexpr double kFewDifference[] = {3, 2}, kFewShare[] = {0.05, 0.003};
-constexpr double kGlories = 165 * std::numbers::pi / 180;
-
-constexpr int kMostRayColumns = 80;  // of a block: they stay near the cache
-
-constexpr int kEnds = 2;             // parts of P by rays, the end of small spheres first
-constexpr double kEndSpacing = 0.5;  // in x, of one sample of sizes at sharp ends
-
-// Of a mean over a level and those before it. Under weights of their own, twice as many sizes err
-// by a third: the newest counts for most.
+// The share of a level in the mean over it and those before. Under weights of their own, twice as
+// many sizes err by a third: the newest counts for most.
 double share_of_level(const RayGroup& group, const RaySizeRule& rule) {
     if (rule.nested_level <= 0) return 1;
     return group.is_way_by_way() && rule.nested_level > 1 ? 0.75 : 0.5;
@@ -44,14 +46,14 @@ PairedRaySamples::PairedRaySamples(const Ensemble& ensemble, bool exact)
 }
 
 int PairedRaySamples::part_count() const {
-    return static_cast<int>(groups_.size()) + (window_ ? kEnds : 0);
+    return static_cast<int>(groups_.size()) + (window_ ? RaySampleRule::kEnds : 0);
 }
 
 double PairedRaySamples::noise_floor_at_level(std::size_t i, int level, double lower_theta,
                                               double upper_theta, double difference,
                                               double value) const {
-    // Elsewhere the nodes of a panel, or of a single angle, are far enough apart.
-    if (i >= groups_.size() || groups_[i].is_closed() || level > 1 || upper_theta < kGlories)
+    if (i >= groups_.size() || groups_[i].is_closed() || level > 1 ||
+        upper_theta < RaySampleRule::kGlories)
         return difference;
     const RayGroup& group = groups_[i];
     bool interferes = !group.is_way_by_way();
@@ -60,7 +62,8 @@ double PairedRaySamples::noise_floor_at_level(std::size_t i, int level, double l
             interferes = interferes || interference_->is_seen(way, theta);
     }
     if (!interferes) return difference;
-    return std::max(kFewDifference[level] * difference, kFewShare[level] * value);
+    return std::max(RaySampleRule::kDifference[level] * difference,
+                    RaySampleRule::kShare[level] * value);
 }
 
 // Sizes of one sample that groups with equal sizes share.
@@ -73,12 +76,12 @@ struct PairedRaySamples::Piece {
     std::vector<RayIntensity> sums;       // of each group
 };
 
-// Of how many sizes the waves of any group stay near the cache: the same for all of them, whichever
-// are wanted together, as waves are kept by piece.
+// The waves of so many sizes of any group stay near the cache. It is one number for all groups,
+// whichever are wanted together, as waves are kept by piece.
 int PairedRaySamples::sizes_of_piece() const {
     int columns = 1;
     for (const RayGroup& group : groups_) columns = std::max(columns, group.columns());
-    return std::max(1, kMostRayColumns / (kLaneCount * columns)) * kLaneCount;
+    return std::max(1, RaySampleRule::kMostColumns / (kLaneCount * columns)) * kLaneCount;
 }
 
 void PairedRaySamples::sum(Piece& piece, const AngularFunctionsOf<float>& angular) const {
@@ -174,7 +177,7 @@ void PairedRaySamples::add_pieces(const std::vector<std::size_t>& together,
             Piece piece{sample, first, here, together, &own, {}, {}, {}};
             for (const auto* both : factors)
                 piece.factors.push_back(both == nullptr ? nullptr : &(*both)[sample]);
-            const double orders = terms_of(own, {first, here});
+            const double orders = terms_of(ensemble_.scatterer, own, {first, here});
             for (const std::size_t g : together) {
                 const WaveStore::Key key{static_cast<int>(g), sample, levels[g], first};
                 piece.places.push_back(
@@ -229,20 +232,22 @@ void PairedRaySamples::add_end(int part, int level, const AngularFunctionsOf<flo
         smallest ? RadiusRange{ensemble_.range.smallest_um, ensemble_.range.smallest_um + width_um}
                  : RadiusRange{ensemble_.range.largest_um - width_um, ensemble_.range.largest_um};
     for (const int sample : {0, 1}) {
-        const int count = std::max(
-            kLeastOfEnd,
-            static_cast<int>(std::lround(kSampleShare[sample] * window_->width() / kEndSpacing)));
+        const int count =
+            std::max(RaySampleRule::kLeastOfEnd,
+                     static_cast<int>(std::lround(kSampleShare[sample] * window_->width() /
+                                                  RaySampleRule::kEndSpacing)));
         WeightedSizes sizes(nested_size_nodes(ensemble_.sizes, end, count, level),
                             ensemble_.wave_number_per_um);
         for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
             sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
-        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()), kMostChunksOfEnd,
-                              kLeastOfEnd);
+        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()),
+                              RaySampleRule::kMostChunksOfEnd, RaySampleRule::kLeastOfEnd);
         for (int i = 0; i < cuts.count(); ++i) {
             Chunk chunk{sample, sizes, cuts.blocks(i), {}};
             for (const SizeChunks::Block& of : chunk.blocks)
-                chunk.places.push_back(waves.place_of({part, sample, level, of.first},
-                                                      double(of.count) * terms_of(sizes, of)));
+                chunk.places.push_back(
+                    waves.place_of({part, sample, level, of.first},
+                                   double(of.count) * terms_of(ensemble_.scatterer, sizes, of)));
             chunks.push_back(std::move(chunk));
         }
     }

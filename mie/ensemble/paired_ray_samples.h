@@ -34,8 +34,8 @@ class PairedRaySamples {
     bool is_one_ray(std::size_t part) const {
         return part < groups_.size() && groups_[part].first_way == groups_[part].last_way;
     }
-    /// What part `i` may err by at some angles: its samples of few sizes, which differ by so much
-    /// there (in P), may agree by chance where rays interfere, and at all angles that are close
+    /// The noise of part `i` at some angles, where its samples of few sizes differ by so much (in
+    /// P): they may agree by chance where rays interfere, and at all angles that are close
     /// together.
     double noise_floor_at_level(std::size_t i, int level, double lower_theta, double upper_theta,
                                 double difference, double value) const;

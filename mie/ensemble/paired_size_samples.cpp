@@ -49,7 +49,8 @@ void append(const std::vector<PairedIntensity>& parts, Eigen::Index count, Eigen
 
 }  // namespace
 
-PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, double size_tolerance, Method method)
+PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, double size_tolerance,
+                                     PhaseMethod method)
     : ensemble_(ensemble), rippled_(ensemble.ripples()) {
     if (ensemble.law().single_size) {
         sample_count_ = 1;
@@ -72,9 +73,9 @@ PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, double size_toler
     const double most = std::clamp(width / (SampleRule::kFinestSpacing * finer),
                                    SampleRule::kLeastOfFinest, double(kNodeLimit));
     while (together << (last_level_ + 1) <= most) ++last_level_;
-    if (method == Method::sizes) return;
+    if (method == PhaseMethod::sizes) return;
     last_level_ = PairedRaySamples::kLastLevel;
-    rays_.emplace(ensemble, method == Method::exact_rays);
+    rays_.emplace(ensemble, method == PhaseMethod::exact_rays);
 }
 
 WeightedSizes PairedSizeSamples::sizes_of(int sample, int level) const {
@@ -116,7 +117,8 @@ PairedIntensity PairedSizeSamples::level(int level, const AngularFunctionsOf<Sca
             const int sample = chunks[i].sample;
             for (const SizeChunks::Block& of : chunks[i].blocks) {
                 places[i].push_back(waves_.place_of(
-                    {0, sample, level, of.first}, double(of.count) * terms_of(sizes[sample], of)));
+                    {0, sample, level, of.first},
+                    double(of.count) * terms_of(ensemble_.scatterer, sizes[sample], of)));
             }
         }
     }

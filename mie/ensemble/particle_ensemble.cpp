@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <miebrdf/error.h>
 
@@ -14,6 +15,18 @@ double tail_for(const EnsembleRequest& request) {
     if (request.sizes.kind.law().has_ends) return 0;
     return std::clamp(0.02 * request.tolerance, 1e-16, 1e-6);
 }
+
+namespace {
+
+void require_index(std::complex<double> index, double host_index) {
+    const double n = index.real(), k = index.imag();
+    if (!(n / host_index >= 0.01 && n / host_index <= 100 && k >= 0 && k <= 1e3)) {
+        throw UsageError("refractive_index", fmt::format("{} + {}i", n, k),
+                         "n over host_index in [0.01, 100], k in [0, 1000]");
+    }
+}
+
+}  // namespace
 
 void validate(const EnsembleRequest& r) {
     if (!(r.host_index >= 0.1 && r.host_index <= 10)) {
@@ -35,14 +48,17 @@ void validate(const EnsembleRequest& r) {
     if (!(r.highest_moment >= -1 && r.highest_moment <= 100000)) {
         throw UsageError("highest_moment", r.highest_moment, "-1 (none) to 100000");
     }
-    const double n = r.refractive_index.real(), k = r.refractive_index.imag();
-    if (!(n / r.host_index >= 0.01 && n / r.host_index <= 100 && k >= 0 && k <= 1e3)) {
-        throw UsageError("refractive_index", fmt::format("{} + {}i", n, k),
-                         "n over host_index in [0.01, 100], k in [0, 1000]");
+    require_index(r.refractive_index, r.host_index);
+    for (const ParticleCoating& coating : r.coatings) {
+        require_index(coating.refractive_index, r.host_index);
+        for (const double size : {coating.thickness_um, coating.share_of_radius}) {
+            if (!(size >= 0 && std::isfinite(size)))
+                throw UsageError("coating's thickness", size, "0 or above");
+        }
     }
 }
 
-double Ensemble::finest_angle() const { return std::numbers::pi / largest_x(); }
+double Ensemble::finest_angle() const { return std::numbers::pi / scatterer.outer_x(largest_x()); }
 
 double wave_number_per_um(const EnsembleRequest& request) {
     return 2 * std::numbers::pi * request.host_index / (request.wavelength_nm * 1e-3);
@@ -52,8 +68,11 @@ Ensemble ensemble_of(const EnsembleRequest& request) {
     const double k = wave_number_per_um(request), tail = tail_for(request);
     const RadiusRange range =
         tail > 0 ? radius_range(request.sizes, tail, 1 / k) : radius_range(request.sizes);
-    return {request.refractive_index / request.host_index, request.sizes, range,
-            area_share_within(request.sizes, range), k};
+    Scatterer scatterer = request.refractive_index / request.host_index;
+    for (const ParticleCoating& coating : request.coatings)
+        scatterer.coatings.push_back({coating.refractive_index / request.host_index,
+                                      k * coating.thickness_um, coating.share_of_radius});
+    return {std::move(scatterer), request.sizes, range, area_share_within(request.sizes, range), k};
 }
 
 void require_angles(const std::vector<double>& angles_deg) {

@@ -6,7 +6,6 @@
 #include <miebrdf/ensemble.h>
 #include "mie/sizes/size_law.h"
 #include "mie/sphere/flush_to_zero.h"
-#include "mie/sphere/radial_functions.h"
 #include "mie/sphere/scatterer.h"
 
 namespace miebrdf::mie {
@@ -26,7 +25,7 @@ struct Ensemble {
     double width_in_x() const { return largest_x() - smallest_x(); }
     /// Whether resonances are narrow: beyond k x = 1 absorption has widened all of them.
     bool ripples() const { return !(scatterer.damping(effective_x()) > 1); }
-    int terms() const { return number_of_terms(largest_x()); }  ///< of the largest sphere
+    int terms() const { return scatterer.terms(largest_x()); }  ///< of the largest particle
     /// P is a trigonometric polynomial of degree 2 x: nothing in it is finer than this, in radians.
     double finest_angle() const;
 };

@@ -223,7 +223,7 @@ void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,
     rms_ = std::max(rms_, missed * largest_);
     const double left_out = last_two(P, by_rays);
     tail_ = left_out / largest_;
-    // Where rays have little noise, what is too fine for the polynomial is more than that.
+    // Rays may have less noise than the polynomial leaves out.
     stated_noise_ = by_rays ? std::max(noise_, left_out / scale.mean()) : noise_;
 }
 

@@ -9,19 +9,19 @@
 
 namespace miebrdf::mie {
 
-/// What P by rays errs by, rms over the angles.
+/// The error of P by rays that no number of sizes removes, rms over the angles.
 struct PhaseRayBias {
     /// Relative to max(P, 1/2). 0: P is not to be computed by rays (no RayBound, or too few ripples
     /// for rays to be cheaper).
     double everywhere = 0;
-    /// What rays of different ways p and q leave at sharp ends of the sizes, relative to the root
-    /// of the sum of P_p P_q over p != q.
+    /// The share that rays of different ways p and q leave at sharp ends of the sizes, relative to
+    /// the root of the sum of P_p P_q over p != q.
     double ends = 0;
 
     double typical() const { return everywhere + 0.3 * ends; }
 };
 
-/// What P is wanted for.
+/// The purpose of P, as tolerances.
 struct PhaseGoal {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
     double size_tolerance = 1e-2;  ///< relative to max(P, floor), rms over the nodes of each panel
@@ -32,7 +32,7 @@ struct PhaseGoal {
     /// Scattering efficiency of the average times the area share of the range, when known; 0: not.
     /// Sizes that miss it have missed resonances too narrow for two samples to tell.
     double scattering_efficiency = 0;
-    bool by_rays = false;        ///< see PairedRaySamples
+    PhaseMethod method = PhaseMethod::sizes;
     PhaseRayBias ray_bias = {};  ///< part of the noise by rays, relative to max(P, floor)
     double most_work = std::numeric_limits<double>::infinity();  ///< EnsembleRequest::phase_work
 };
@@ -80,10 +80,10 @@ class PhasePanel {
     double tail() const { return tail_; }
     double tail_of_noise() const { return tail_of_noise_; }
 
-    /// What its noise gives to Legendre moments from `first_moment` on, absolute: nodes err
+    /// The part that its noise has in Legendre moments from `first_moment` on, absolute: nodes err
     /// independently, and |P_l| <= sqrt(2 / (pi l sin)) (Bernstein) damps what lies to the sides.
     double moment_noise(int first_moment) const;
-    /// What its polynomial leaves out gives to them: about half of the last two coefficients.
+    /// The part that its polynomial leaves out of them: about half of the last two coefficients.
     double moment_tail(int first_moment) const;
 
   private:

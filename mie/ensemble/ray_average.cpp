@@ -13,37 +13,43 @@
 namespace miebrdf::mie {
 namespace {
 
-// The wave through the middle of a sphere is behind the diffracted one by rho = 2 x (n - 1). Where
-// that is less than about one turn there is nothing to average (anomalous diffraction).
-constexpr double kLeastDelay = 10;
-constexpr double kLeastIndex = 1.05;
-// A Gaussian spread of rho would leave exp(-rho^2 v / 2).
-constexpr double kPerSpread = 7;
-constexpr double kLeastRayTolerance = 1e-6;  // products are in single precision
+// Each was found over random ensembles, against sums over spheres (tests/mie/rays_test.cpp;
+// docs/internals/mie-log.md#rays).
+struct RayRule {
+    /// The wave through the middle of a sphere is behind the diffracted one by rho = 2 x (n - 1).
+    /// Where that is less than about one turn there is nothing to average (anomalous diffraction).
+    static constexpr double kLeastDelay = 10, kLeastIndex = 1.05;
+    /// A Gaussian spread of rho would leave exp(-rho^2 v / 2).
+    static constexpr double kPerSpread = 7;
+    /// Products are in single precision.
+    static constexpr double kLeastTolerance = 1e-6;
+    /// Extinction differs from the exact one by up to `ends`, mostly by a quarter, and moments err
+    /// by up to 1.2 times that difference, more where both ends of the distribution happen to
+    /// cancel in extinction.
+    static constexpr double kEndsWhenKnown = 0.25, kPerMissed = 3;
+    /// Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of
+    /// high orders of small spheres; it falls with the number of sizes.
+    static constexpr int kSizes = 16, kMostSizes = 128;
+    static constexpr double kError = 2.5e-5, kErrorOfHighMoments = 8e-4;
+};
 
-// Random ensembles (tests/mie/rays_test.cpp): extinction differs from the exact one by up to
-// `ends`, mostly by a quarter, and moments err by up to 1.2 times that difference, more where both
-// ends of the distribution happen to cancel in extinction.
-constexpr double kEndsWhenKnown = 0.25;
-constexpr double kPerMissed = 3;
-
-// Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of high
-// orders of small spheres.
-constexpr int kSizesPerRule = 16;
-constexpr double kRuleError = 2.5e-5, kRuleErrorOfHighMoments = 8e-4;
-constexpr int kMostSizes = 128;
-
-// P by rays; sizes that sample the ripple start with 2.5 times kLeastRipples spheres.
-constexpr double kExactPhaseBias = 0.005, kEndsPhaseBias = 1.5;
-// Below this index bright rays of p and p + 1 ways are of one length at some angle, and coherent:
-// ways p (m - s) > 1 + s, s^2 = m^2 - 1, that is p = 4 at 1.25, 6 at 1.46, 18 at 2.6.
-constexpr double kCrossingIndex = 1.4, kCrossingPhaseBias = 0.5, kExactCrossingPhaseBias = 1.5;
-constexpr double kLargestPhaseBound = 1e-3;
-constexpr int kLeastRipples = 240;
+struct PhaseRayRule {
+    /// Bias of P, times 1/x: everywhere, and relative to phase_of_ends().
+    static constexpr double kBias = 0.005, kEndsBias = 1.5;
+    /// Below this index bright rays of p and p + 1 ways are of one length at some angle, and
+    /// coherent: ways p (m - s) > 1 + s, s^2 = m^2 - 1, that is p = 4 at 1.25, 6 at 1.46, 18
+    /// at 2.6.
+    static constexpr double kCrossingIndex = 1.4, kCrossingBias = 0.5, kExactCrossingBias = 1.5;
+    static constexpr double kLargestBound = 1e-3;
+    /// Sizes that sample fewer ripples than this, with 2.5 spheres for each, cost less than the
+    /// first level of rays.
+    static constexpr int kLeastRipples = 40;
+};
 
 double rule_error(double x_effective, int highest_moment, int sizes) {
     const double fineness = std::max(highest_moment, 1) / x_effective;
-    return (kRuleError + kRuleErrorOfHighMoments * fineness * fineness) * kSizesPerRule / sizes;
+    return (RayRule::kError + RayRule::kErrorOfHighMoments * fineness * fineness) *
+           RayRule::kSizes / sizes;
 }
 
 // The share of the area per x at both ends (sharp ones), summed in squares, over the rate at which
@@ -64,7 +70,8 @@ RayBound ray_bound(const Ensemble& ensemble) {
     const SizeLaw& law = ensemble.law();
     const double n = ensemble.scatterer.n();
     const double x = ensemble.wave_number_per_um * effective_radius_of(ensemble.sizes);
-    if (law.single_size || !law.analytic || !(n >= kLeastIndex) || !ensemble.ripples()) {
+    if (law.single_size || !law.analytic || !(n >= RayRule::kLeastIndex) ||
+        !ensemble.scatterer.has_rays() || !ensemble.ripples()) {
         return {never, never};
     }
     RayBound bound;
@@ -80,16 +87,18 @@ RayBound ray_bound(const Ensemble& ensemble) {
                 density->at(at / ensemble.wave_number_per_um) / ensemble.wave_number_per_um;
             bound.ends += per_x * 2 / (delay_per_x * delay_per_x * at);
         }
-        bound.spread = smallest * delay_per_x < kLeastDelay ? never : 0;
+        bound.spread = smallest * delay_per_x < RayRule::kLeastDelay ? never : 0;
     } else {
         RadiusRange waves = ensemble.range;
-        waves.smallest_um = std::clamp(kLeastDelay / delay_per_x / ensemble.wave_number_per_um,
-                                       waves.smallest_um, waves.largest_um);
+        waves.smallest_um =
+            std::clamp(RayRule::kLeastDelay / delay_per_x / ensemble.wave_number_per_um,
+                       waves.smallest_um, waves.largest_um);
         const double in_step = 1 - area_share_within(ensemble.sizes, waves) / ensemble.share;
         bound.spread = 3 * std::max(in_step, 0.0);
     }
     const double turned = delay_per_x * x;
-    bound.spread += std::exp(-turned * turned * ensemble.sizes.effective_variance / kPerSpread);
+    bound.spread +=
+        std::exp(-turned * turned * ensemble.sizes.effective_variance / RayRule::kPerSpread);
     return bound;
 }
 
@@ -98,33 +107,36 @@ PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact) {
     const double k = ensemble.wave_number_per_um;
     const double width = k * (ensemble.range.largest_um - ensemble.range.smallest_um);
     const double index = ensemble.scatterer.n();
-    if (!(bound.total() <= kLargestPhaseBound) ||
-        coarsest_even_count(ensemble.scatterer.ripple_period(), width) < kLeastRipples) {
+    if (!(bound.total() <= PhaseRayRule::kLargestBound) ||
+        coarsest_even_count(ensemble.scatterer.ripple_period(), width) <
+            PhaseRayRule::kLeastRipples) {
         return {};
     }
     const double x = k * effective_radius_of(ensemble.sizes);
-    if (index < kCrossingIndex) return {(exact ? kExactCrossingPhaseBias : kCrossingPhaseBias) / x};
-    return {kExactPhaseBias / x + bound.spread,
-            exact ? 0 : kEndsPhaseBias * phase_of_ends(ensemble)};
+    if (index < PhaseRayRule::kCrossingIndex)
+        return {(exact ? PhaseRayRule::kExactCrossingBias : PhaseRayRule::kCrossingBias) / x};
+    return {PhaseRayRule::kBias / x + bound.spread,
+            exact ? 0 : PhaseRayRule::kEndsBias * phase_of_ends(ensemble)};
 }
 
 std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run) {
-    if (!(tolerance >= kLeastRayTolerance)) return std::nullopt;
+    if (!(tolerance >= RayRule::kLeastTolerance)) return std::nullopt;
     const RayBound bound = ray_bound(ensemble);
     const double k = ensemble.wave_number_per_um;
     const double x = k * effective_radius_of(ensemble.sizes);
-    if (!(bound.spread + kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
+    if (!(bound.spread + RayRule::kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
 
-    int size_count = kSizesPerRule;
+    int size_count = RayRule::kSizes;
     const double ratio = ensemble.range.largest_um / ensemble.range.smallest_um;
     while (size_count < 4 * std::log(ratio)) size_count += kLaneCount;
     while (!(rule_error(x, highest_moment, size_count) + bound.spread <= 0.5 * tolerance) &&
-           size_count < kMostSizes) {
+           size_count < RayRule::kMostSizes) {
         size_count *= 2;
     }
     const double of_rule = rule_error(x, highest_moment, size_count);
-    if (!(of_rule + bound.spread + kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
+    if (!(of_rule + bound.spread + RayRule::kEndsWhenKnown * bound.ends <= tolerance))
+        return std::nullopt;
 
     EnsembleOptics optics;
     optics.error_estimate = of_rule + bound.total();
@@ -140,7 +152,8 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
     if (exact > 0) {
         const double missed = std::abs(optics.q_ext / exact - 1);
         optics.error_estimate =
-            of_rule + bound.spread + std::max(kPerMissed * missed, kEndsWhenKnown * bound.ends);
+            of_rule + bound.spread +
+            std::max(RayRule::kPerMissed * missed, RayRule::kEndsWhenKnown * bound.ends);
         if (!(optics.error_estimate <= tolerance)) return std::nullopt;
         optics.q_ext = exact;
     }

@@ -10,7 +10,7 @@
 
 namespace miebrdf::mie {
 
-/// What leaving out the phases between rays costs, before anything is computed: a bound of the
+/// The cost of leaving out the phases between rays, before anything is computed: a bound of the
 /// relative error of extinction and of the absolute ones of moments, found over random ensembles
 /// (docs/maths-mie.md#rays). Infinite where rays are no description: sizes without a density or
 /// with bends, |m| near or below 1, or damped ripple.
@@ -21,7 +21,7 @@ struct RayBound {
 };
 RayBound ray_bound(const Ensemble& ensemble);
 
-/// What P by rays errs by, rms over the angles, found in the same way.
+/// The error of P by rays, rms over the angles, found in the same way.
 /// @param exact  of PairedSizeSamples::Method::exact_rays
 PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact = false);
 

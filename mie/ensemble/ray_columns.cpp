@@ -16,12 +16,16 @@ namespace {
 using Complex = std::complex<double>;
 using Block = SphereBlockOf<float>;
 
-// Orders from 1 on, and from the last one down, that scatter less than this share of the light
-// together are left out. Straight back the waves of all orders add up in step: there a share of
-// 1e-9 beyond the edge of a sphere with n = 1.5 makes 9e-4 of P, 1e-14 makes 2e-6.
-constexpr double kFaintShare = 1e-14;
-constexpr double kNothing = 1e-11;
-constexpr float kRoundedToNothing = 1e-14F;  // of |1 - R|^2, where |R| is 1 to rounding
+struct RayColumnRule {
+    /// Orders from 1 on, and from the last one down, that scatter less than this share of the light
+    /// together are left out. Straight back the waves of all orders add up in step: there a share
+    /// of 1e-9 beyond the edge of a sphere with n = 1.5 makes 9e-4 of P, 1e-14 makes 2e-6.
+    static constexpr double kFaintShare = 1e-14;
+    /// Groups that scatter less than this share of the light have no columns.
+    static constexpr double kNothing = 1e-11;
+    /// |1 - R|^2, where |R| is 1 to rounding.
+    static constexpr float kRoundedToNothing = 1e-14F;
+};
 
 // Sums over columns are in single precision anyway. The numbers of a_n are the lower half of a
 // pair, those of b_n the higher one.
@@ -43,7 +47,7 @@ MIEBRDF_VECTOR ComplexFloatPair all_from(const ComplexFloatPair& first,
                                          const ComplexFloatPair& turn) {
     const ComplexFloatPair turned = inner * turn;
     const ComplexFloatPair below{1 - turned.re, -turned.im};
-    const FloatPair scale = 1 / (norm(below) + kRoundedToNothing);
+    const FloatPair scale = 1 / (norm(below) + RayColumnRule::kRoundedToNothing);
     return scale * ((first * turn) * conjugate(below));
 }
 
@@ -226,12 +230,12 @@ void put_rays(Complex relative_index, const WeightedSizes& sizes, int first_size
         for (std::size_t i = 0; i < columns.size(); ++i) {
             columns[i].sum_energies();
             columns[i].clear(terms + 1, terms_of(std::min(vector + 1, vectors - 1)));
-            columns[i].leave_out_faint(kFaintShare * here, terms);
+            columns[i].leave_out_faint(RayColumnRule::kFaintShare * here, terms);
             wanted[i].scattered += columns[i].scattered();
         }
     }
     for (RayColumns& columns : wanted) {
-        if (columns.scattered < kNothing * light) columns.block->make_room(0, 0);
+        if (columns.scattered < RayColumnRule::kNothing * light) columns.block->make_room(0, 0);
     }
 }
 

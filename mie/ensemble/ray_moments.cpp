@@ -14,55 +14,57 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Where light reflected at grazing incidence still goes along with what is diffracted, in x^(1/3)
-// below x: from the first on the less, from the second on not at all.
-constexpr double kWholeEdge = 8, kFadedEdge = 32;
-
-constexpr int kRuleNodes = 16;
-constexpr double kPartMemory = 2e8;  // of sums that jobs have for themselves, in bytes
-constexpr int kMostPanelWaves = 8;   // radians of products over an order panel
+struct RayMomentRule {
+    /// Light reflected at grazing incidence goes along with what is diffracted: wholly down to the
+    /// first of these below x, in x^(1/3), not at all from the second on.
+    static constexpr double kWholeEdge = 8, kFadedEdge = 32;
+    /// Nodes of a rule over the orders, and the radians of products over its panel.
+    static constexpr int kNodes = 16, kMostPanelWaves = 8;
+    /// Bytes of sums that jobs have for themselves.
+    static constexpr double kPartMemory = 2e8;
+};
 
 struct OrderRule {
     std::vector<int> order;
     std::vector<double> weight;
 };
 
-// Sum over first <= n <= last of a smooth function from its values at kRuleNodes of them: near the
-// Gauss nodes, weights such that polynomials are summed exactly.
+// Sum over first <= n <= last of a smooth function from its values at RayMomentRule::kNodes of
+// them: near the Gauss nodes, weights such that polynomials are summed exactly.
 void add_panel(int first, int last, OrderRule& rule) {
     const int count = last - first + 1;
-    if (count <= 2 * kRuleNodes) {
+    if (count <= 2 * RayMomentRule::kNodes) {
         for (int n = first; n <= last; ++n) {
             rule.order.push_back(n);
             rule.weight.push_back(1);
         }
         return;
     }
-    const math::Quadrature gauss = math::gauss_legendre(kRuleNodes);
+    const math::Quadrature gauss = math::gauss_legendre(RayMomentRule::kNodes);
     const double centre = 0.5 * (first + last), half = 0.5 * count;
     std::vector<int> nodes;
     for (const double t : gauss.nodes)
         nodes.push_back(static_cast<int>(std::lround(centre + half * t)));
     std::sort(nodes.begin(), nodes.end());
-    for (int i = 0; i < kRuleNodes; ++i) {
-        nodes[i] =
-            std::clamp(nodes[i], i > 0 ? nodes[i - 1] + 1 : first, last - (kRuleNodes - 1 - i));
+    for (int i = 0; i < RayMomentRule::kNodes; ++i) {
+        nodes[i] = std::clamp(nodes[i], i > 0 ? nodes[i - 1] + 1 : first,
+                              last - (RayMomentRule::kNodes - 1 - i));
     }
     const auto legendre = [&](double n) {
-        Eigen::VectorXd P(kRuleNodes);
+        Eigen::VectorXd P(RayMomentRule::kNodes);
         const double t = (n - centre) / half;
         P[0] = 1;
         P[1] = t;
-        for (int k = 1; k + 1 < kRuleNodes; ++k)
+        for (int k = 1; k + 1 < RayMomentRule::kNodes; ++k)
             P[k + 1] = ((2 * k + 1) * t * P[k] - k * P[k - 1]) / (k + 1);
         return P;
     };
-    Eigen::MatrixXd values(kRuleNodes, kRuleNodes);
-    for (int i = 0; i < kRuleNodes; ++i) values.col(i) = legendre(nodes[i]);
-    Eigen::VectorXd sums = Eigen::VectorXd::Zero(kRuleNodes);
+    Eigen::MatrixXd values(RayMomentRule::kNodes, RayMomentRule::kNodes);
+    for (int i = 0; i < RayMomentRule::kNodes; ++i) values.col(i) = legendre(nodes[i]);
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(RayMomentRule::kNodes);
     for (int n = first; n <= last; ++n) sums += legendre(n);
     const Eigen::VectorXd weights = values.partialPivLu().solve(sums);
-    for (int i = 0; i < kRuleNodes; ++i) {
+    for (int i = 0; i < RayMomentRule::kNodes; ++i) {
         rule.order.push_back(nodes[i]);
         rule.weight.push_back(weights[i]);
     }
@@ -70,12 +72,13 @@ void add_panel(int first, int last, OrderRule& rule) {
 
 OrderRule order_rule(double x, int terms, int width) {
     OrderRule rule;
-    const int edge = static_cast<int>(x - kFadedEdge * std::cbrt(x)) - width - 2;
+    const int edge = static_cast<int>(x - RayMomentRule::kFadedEdge * std::cbrt(x)) - width - 2;
     int first = 1;
     // Products at distance `width` turn by width / x per order and way through the sphere.
     const int panel =
-        std::max(2 * kRuleNodes, static_cast<int>(x * kMostPanelWaves / std::max(width, 32)));
-    while (first + 4 * kRuleNodes < edge) {
+        std::max(2 * RayMomentRule::kNodes,
+                 static_cast<int>(x * RayMomentRule::kMostPanelWaves / std::max(width, 32)));
+    while (first + 4 * RayMomentRule::kNodes < edge) {
         const int last = std::min(edge, first + panel - 1);
         add_panel(first, last, rule);
         first = last + 1;
@@ -87,7 +90,7 @@ OrderRule order_rule(double x, int terms, int width) {
     return rule;
 }
 
-// What products of partial waves are made of, at all orders of one size, in single precision.
+// The parts of products of partial waves, at all orders of one size, in single precision.
 class Orders {
   public:
     enum Part {
@@ -151,7 +154,7 @@ struct Waves {
     const Row above_im = p.through_im * q.through_re - p.through_re * q.through_im;
     const Row below_re = 1 - (p.inner_re * q.inner_re + p.inner_im * q.inner_im);
     const Row below_im = p.inner_re * q.inner_im - p.inner_im * q.inner_re;
-    // Where hardly anything goes through, rounding may leave nothing below.
+    // Rounding may leave nothing below where hardly anything goes through.
     const Row square = (below_re * below_re + below_im * below_im).max(1e-14F);
     return (1 - p.edge_re - q.edge_re) + p.outer_re * q.outer_re + p.outer_im * q.outer_im +
            (above_re * below_re + above_im * below_im) / square;
@@ -159,7 +162,7 @@ struct Waves {
 
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// What the thread keeps from one size to the next: fresh memory costs more than the sums.
+// A thread keeps this from one size to the next: fresh memory costs more than the sums.
 struct Workspace {
     Orders spheres[kLaneCount];
     Rows plus, minus;
@@ -255,7 +258,10 @@ void add_eight(Number m, const Lanes& x, const Lanes& weight, const MomentTransf
     for (int n = 1; n <= terms; ++n) {
         waves.advance(last_order, a, b);
         const Lanes below = (x - n) * edge_scale;
-        const Lanes t = ((below - kWholeEdge) / (kFadedEdge - kWholeEdge)).max(0.0).min(1.0);
+        const Lanes t = ((below - RayMomentRule::kWholeEdge) /
+                         (RayMomentRule::kFadedEdge - RayMomentRule::kWholeEdge))
+                            .max(0.0)
+                            .min(1.0);
         // Smooth from 1 to 0.
         const Lanes edge = 1 - t * t * t * t * (35 + t * (-84 + t * (70 - 20 * t)));
         extinguished += (2 * n + 1) * (1 - 0.5 * edge * (a.outer.re + b.outer.re)) *
@@ -290,7 +296,7 @@ RaySums sum_over_rays(Complex m, const WeightedSizes& sizes, const MomentTransfo
     };
     RaySums total = empty();
     const double part_bytes = 16.0 * double(total.collected.plus.size());
-    const int at_once = std::min(jobs, std::max(2, int(kPartMemory / part_bytes)));
+    const int at_once = std::min(jobs, std::max(2, int(RayMomentRule::kPartMemory / part_bytes)));
     std::vector<RaySums> parts(std::size_t(at_once), total);
     const auto add_job = [&](int job, RaySums& part) {
         Lanes x, weight;

@@ -12,15 +12,29 @@ constexpr double kPi = std::numbers::pi;
 
 constexpr int kPowers = 5;       // of ln x, from 0
 constexpr int kRowsPerRate = 4;  // cos and sin, each also times ln x
-constexpr std::size_t kMostRays = 6, kMostRates = 8;
-constexpr double kSamePhase = 0.7;  // radians over all sizes: one ray, or no interference
-// Rays that all but come to the angle: next to a bow on its dark side, and along the edge.
-constexpr double kNearBow = 0.15, kNearEdge = 0.35, kNearEdgeOfDiffraction = 0.5;
-constexpr double kFaintEdge = 1e-3, kBrightEdge = 0.05;  // of the light
-constexpr double kSlowestTurn = 0.05;                    // d deviation / d incidence, next to a bow
-constexpr double kWidestPiece = 4;                       // in x: 8 nodes for rates up to some 2
-constexpr double kGiven = 1e-5;        // by how much conditions may be missed, in squares
-constexpr double kLargestWeights = 8;  // sum of their absolute values
+
+// Chosen by the error of 24 weighted sizes against 768 (tests/mie/ray_weights_test.cpp;
+// docs/internals/mie-log.md#rays).
+struct InterferenceRule {
+    /// Terms at one angle: the brightest count.
+    static constexpr std::size_t kMostRays = 6, kMostRates = 8;
+    /// Two phases that differ by less, in radians over all sizes, are one ray.
+    static constexpr double kSamePhase = 0.7;
+    /// Rays that all but come to the angle, in radians: next to a bow on its dark side, and along
+    /// the edge.
+    static constexpr double kNearBow = 0.15, kNearEdge = 0.35, kNearEdgeOfDiffraction = 0.5;
+    /// The light along the edge.
+    static constexpr double kFaintEdge = 1e-3, kBrightEdge = 0.05;
+    /// d deviation / d incidence next to a bow, where geometric optics has none.
+    static constexpr double kSlowestTurn = 0.05;
+    /// Incidences at which deviations are known, and the width in x of pieces with eight nodes:
+    /// enough for rates up to some 2.
+    static constexpr int kIncidences = 128;
+    static constexpr double kWidestPiece = 4;
+    /// How far conditions may be missed, in squares, and the largest sum of absolute weights.
+    static constexpr double kGiven = 1e-5, kLargestWeights = 8;
+    static constexpr int kAnglesPerJob = 8;
+};
 
 // The share of light that leaves after some ways through the sphere, over both polarisations.
 double share_of(int way, double cos_outside, double inner_path, double index) {
@@ -49,14 +63,14 @@ RayInterference::RayInterference(double index, const RaySizes& sizes)
       largest_x_(sizes.largest_x()),
       log_centre_(0.5 * std::log(smallest_x_ * largest_x_)),
       log_half_(0.5 * std::log(largest_x_ / smallest_x_)) {
-    constexpr int count = 128;
+    constexpr int count = InterferenceRule::kIncidences;
     for (int i = 0; i <= count; ++i) {
         const double outside = 0.5 * kPi * i / count;
         incidences_.push_back({outside, std::asin(std::sin(outside) / index)});
     }
     static const math::Quadrature rule = math::gauss_legendre(kLaneCount, 0, 1);
     const double width = largest_x_ - smallest_x_;
-    const int pieces = static_cast<int>(std::ceil(width / kWidestPiece));
+    const int pieces = static_cast<int>(std::ceil(width / InterferenceRule::kWidestPiece));
     piece_width_ = width / pieces;
     for (int lane = 0; lane < kLaneCount; ++lane)
         first_nodes_[lane] = smallest_x_ + piece_width_ * rule.nodes[lane];
@@ -95,12 +109,13 @@ RayInterference::Ray RayInterference::ray(int way, double outside, double target
     const double b = std::sin(outside), cosine = std::cos(outside);
     const double inner = std::sqrt(index_ * index_ - b * b);
     const double aside = target - deviation(way, outside, std::asin(b / index_));
-    const double turn = std::max(std::abs(2 - 2 * way * cosine / inner), kSlowestTurn);
+    const double turn =
+        std::max(std::abs(2 - 2 * way * cosine / inner), InterferenceRule::kSlowestTurn);
     return {2 * (way * inner - cosine) + b * aside,
             share_of(way, cosine, inner, index_) * b * cosine / turn};
 }
 
-// Of incidences from `first` to `last`, over which the deviation rises or falls.
+// Adds those of incidences from `first` to `last`, over which the deviation rises or falls.
 void RayInterference::add_rays(int way, double angle, std::size_t first, std::size_t last,
                                std::vector<Ray>& to) const {
     const auto deviation_at = [&](std::size_t i) {
@@ -138,13 +153,16 @@ std::vector<RayInterference::Ray> RayInterference::rays(int way, double theta) c
         if (least < last) add_rays(way, angle, least, last, all);
         if (bow > 0) {
             const double aside = within_half_turn(angle - bow_deviation);
-            if (aside < 0 && aside > -kNearBow) all.push_back(ray(way, bow, bow_deviation + aside));
+            if (aside < 0 && aside > -InterferenceRule::kNearBow)
+                all.push_back(ray(way, bow, bow_deviation + aside));
         }
         const double at_edge = deviation(way, 0.5 * kPi, incidences_.back().inside);
         const double aside = within_half_turn(angle - at_edge);
-        if (std::abs(aside) < (way == 0 ? kNearEdgeOfDiffraction : kNearEdge)) {
+        if (std::abs(aside) <
+            (way == 0 ? InterferenceRule::kNearEdgeOfDiffraction : InterferenceRule::kNearEdge)) {
             Ray edge = ray(way, 0.5 * kPi, at_edge + aside);
-            edge.intensity = way == 0 ? kBrightEdge : kFaintEdge;
+            edge.intensity =
+                way == 0 ? InterferenceRule::kBrightEdge : InterferenceRule::kFaintEdge;
             all.push_back(edge);
         }
     }
@@ -187,19 +205,20 @@ std::vector<double> RayInterference::rates(int way, double theta) const {
     std::vector<double> phases;
     for (const Ray& ray : rays(way, std::clamp(theta, least, kPi - least))) {
         const bool known = std::any_of(phases.begin(), phases.end(), [&](double phase) {
-            return std::abs(phase - ray.phase) * largest_x_ < kSamePhase;
+            return std::abs(phase - ray.phase) * largest_x_ < InterferenceRule::kSamePhase;
         });
         if (!known) phases.push_back(ray.phase);
-        if (phases.size() == kMostRays) break;
+        if (phases.size() == InterferenceRule::kMostRays) break;
     }
     std::vector<double> rates;
     for (std::size_t i = 0; i < phases.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {
             const double rate = std::abs(phases[i] - phases[j]);
             const bool known = std::any_of(rates.begin(), rates.end(), [&](double of) {
-                return std::abs(of - rate) * (largest_x_ - smallest_x_) < kSamePhase;
+                return std::abs(of - rate) * (largest_x_ - smallest_x_) <
+                       InterferenceRule::kSamePhase;
             });
-            if (!known && rates.size() < kMostRates) rates.push_back(rate);
+            if (!known && rates.size() < InterferenceRule::kMostRates) rates.push_back(rate);
         }
     }
     return rates;
@@ -253,11 +272,12 @@ Eigen::VectorXd RayInterference::factors(const Terms& terms, const Sampled& size
     const Eigen::VectorXd missed = terms.means - conditions.transpose() * roots.matrix();
     products.setZero(terms.means.size(), terms.means.size());
     products.selfadjointView<Eigen::Lower>().rankUpdate(conditions.transpose());
-    products.diagonal().array() += kGiven;
+    products.diagonal().array() += InterferenceRule::kGiven;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(products);
     Eigen::VectorXd factors = conditions * solver.solve(missed);
     factors = 1 + factors.array() / roots;
-    if (!((factors.array().abs() * roots.square()).sum() <= kLargestWeights)) factors.setOnes();
+    if (!((factors.array().abs() * roots.square()).sum() <= InterferenceRule::kLargestWeights))
+        factors.setOnes();
     return factors;
 }
 
@@ -272,11 +292,12 @@ std::array<AngularFunctionsOf<float>::Factors, 2> RayInterference::factors_of_co
         const int eights = (count + kLaneCount - 1) / kLaneCount;
         all[sample].setZero(angular.angle_count(), eights * kLaneCount * ways);
     }
-    constexpr int kAnglesPerJob = 8;
-    const int jobs = (angular.angle_count() + kAnglesPerJob - 1) / kAnglesPerJob;
+    const int jobs = (angular.angle_count() + InterferenceRule::kAnglesPerJob - 1) /
+                     InterferenceRule::kAnglesPerJob;
     run(jobs, [&](int job) {
-        const int end = std::min(angular.angle_count(), (job + 1) * kAnglesPerJob);
-        for (int angle = job * kAnglesPerJob; angle < end; ++angle) {
+        const int end =
+            std::min(angular.angle_count(), (job + 1) * InterferenceRule::kAnglesPerJob);
+        for (int angle = job * InterferenceRule::kAnglesPerJob; angle < end; ++angle) {
             const double theta = std::acos(angular.cosine(angle));
             for (int way = 0; way < ways; ++way) {
                 const Terms of_way = terms(group.first_way + way, theta);

@@ -19,7 +19,7 @@ namespace miebrdf::mie {
 /// is needed to give these terms, and low powers of ln x, the mean that they have over all sizes.
 class RayInterference {
   public:
-    /// What the sizes are to meet at one angle.
+    /// The conditions that the sizes are to meet at one angle.
     struct Terms {
         std::vector<double> rates;  ///< f
         Eigen::VectorXd means;      ///< over all sizes, in the order of the rows of the conditions
@@ -40,8 +40,8 @@ class RayInterference {
     /// New weights over those of the sizes: the least change, in squares. All 1 where these sizes
     /// cannot meet the terms without large weights of both signs.
     Eigen::VectorXd factors(const Terms& terms, const Sampled& sizes) const;
-    /// The same of both samples, angle by angle, for the columns of a group that is way by way:
-    /// those of eight sizes, then those of the next eight.
+    /// Such factors for both samples, angle by angle, for the columns of a group that is way by
+    /// way: those of eight sizes, then those of the next eight.
     std::array<AngularFunctionsOf<float>::Factors, 2> factors_of_columns(
         const RayGroup& group, const WeightedSizes* const (&sizes)[2],
         const AngularFunctionsOf<float>& angular, const Executor& run) const;

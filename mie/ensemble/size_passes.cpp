@@ -1,6 +1,7 @@
 #include "mie/ensemble/size_passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mie/ensemble/exact_extinction.h"
@@ -9,8 +10,13 @@ namespace miebrdf::mie {
 namespace {
 
 struct PassRule {
-    /// Sizes of the first pass where efficiencies are smooth, and where the even rule takes over.
-    static constexpr int kSmoothStart = 16, kSmoothLimit = 256;
+    /// Sizes of the first pass where efficiencies are smooth: at least so many, and so many for
+    /// each factor e of the sizes. Fewer agree by chance with twice as many: gamma, 10 um, variance
+    /// 0.45, 1.7 + 0.8i erred by 4.7e-6 where 1e-6 was stated.
+    static constexpr int kSmoothStart = 8;
+    static constexpr double kPerFactor = 2;
+    /// The even rule takes over beyond so many.
+    static constexpr int kSmoothLimit = 256;
     /// Sizes of the first pass of the even rule at most: where there are thousands of periods,
     /// ripple averages out over fewer sizes than one for each of them, and each pass says how far.
     static constexpr int kMostFirst = 256;
@@ -24,9 +30,14 @@ SizePasses::SizePasses(const Ensemble& ensemble) : ensemble_(ensemble) {
     if (ensemble.law().single_size) {
         rule_ = Rule::single;
         take({{ensemble.range.largest_um}, {1.0}});
-    } else if (!ensemble.ripples() || ensemble.largest_x() < PassRule::kSmallSpheres) {
+    } else if (!ensemble.ripples() ||
+               ensemble.scatterer.outer_x(ensemble.largest_x()) < PassRule::kSmallSpheres) {
         rule_ = Rule::smooth;
-        take(smooth_size_nodes(ensemble.sizes, ensemble.range, PassRule::kSmoothStart));
+        const double factors = std::log(ensemble.range.largest_um / ensemble.range.smallest_um);
+        first_count_ = PassRule::kSmoothStart;
+        while (first_count_ < PassRule::kPerFactor * factors)
+            first_count_ += PassRule::kSmoothStart;
+        take(smooth_size_nodes(ensemble.sizes, ensemble.range, first_count_));
     } else {
         start_even();
     }
@@ -51,7 +62,7 @@ bool SizePasses::refine() {
     ++pass_;
     if (rule_ == Rule::even) {
         take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, pass_));
-    } else if (const int count = PassRule::kSmoothStart << pass_; count > PassRule::kSmoothLimit) {
+    } else if (const int count = first_count_ << pass_; count > PassRule::kSmoothLimit) {
         start_even();
     } else {
         take(smooth_size_nodes(ensemble_.sizes, ensemble_.range, count));
@@ -60,7 +71,8 @@ bool SizePasses::refine() {
 }
 
 const SizeSums& SizePasses::add(const SizeSumOptions& options, const Executor& run) {
-    if (rule_ == Rule::even && !(exact_q_ext_ > 0) && ensemble_.law().analytic)
+    if (rule_ == Rule::even && !(exact_q_ext_ > 0) && ensemble_.law().analytic &&
+        ensemble_.scatterer.is_plain())
         exact_q_ext_ = exact_extinction(ensemble_, run) / ensemble_.share;
     SizeSums sums = sum_over_sizes(
         ensemble_.scatterer, WeightedSizes(nodes_, ensemble_.wave_number_per_um), options, run);

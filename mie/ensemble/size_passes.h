@@ -29,7 +29,7 @@ class SizePasses {
     /// q_ext of ensembles with ripple by exact_extinction(), after the first pass; 0: not known.
     double exact_q_ext() const { return exact_q_ext_; }
 
-    /// What the averages err by after a pass, relative.
+    /// The error of the averages after a pass, relative.
     /// @param change         by this pass, of all that counts
     /// @param missed         what extinction differs from the exact one, where that is known
     /// @param share          of the change that is believed to be left, where there is ripple

@@ -13,25 +13,28 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr int kTilesPerJob = 10;
-constexpr int kTilesWorthACopy = 16;  // of waves, which every tile reads again
-
-constexpr int kMostChunks = 8;
-constexpr int kLeastChunk = 32;
-constexpr double kChunkMemory = 24e6;  // bytes, all bands of a pass together
+// Chosen by run time (docs/internals/performance-log.md): no result hangs on them but by rounding.
+struct SumRule {
+    static constexpr int kTilesPerJob = 10;
+    /// Tiles from which on waves, which every tile reads again, are copied together.
+    static constexpr int kTilesWorthACopy = 16;
+    static constexpr int kMostChunks = 8, kLeastChunk = 32;
+    /// Bytes of all bands of a pass together.
+    static constexpr double kChunkMemory = 24e6;
+};
 
 int most_chunks(int size_count, const SizeSumOptions& options) {
     // Each chunk has sums of its own, which cost as much as some ten sizes.
     const double band_bytes = 2 * 8.0 * (options.terms + 1) * (std::max(options.band_width, 0) + 1);
-    const int fitting = std::max(4, static_cast<int>(kChunkMemory / band_bytes));
-    return std::min(size_count >= 2048 ? kMostChunks : 4, fitting);
+    const int fitting = std::max(4, static_cast<int>(SumRule::kChunkMemory / band_bytes));
+    return std::min(size_count >= 2048 ? SumRule::kMostChunks : 4, fitting);
 }
 
 // Columns that many tiles read again, copied order behind order, and the stride between orders.
 template <typename Scalar, bool kHalves>
 std::pair<WaveColumns<Scalar, kHalves>, std::ptrdiff_t> close_together(
     const WaveColumns<Scalar, kHalves>& columns, std::ptrdiff_t stride, int count, int tiles) {
-    if (tiles < kTilesWorthACopy) return {columns, stride};
+    if (tiles < SumRule::kTilesWorthACopy) return {columns, stride};
     const int step = columns.kNumbers;
     thread_local Eigen::Array<Scalar, Eigen::Dynamic, 1> kept;
     if (kept.size() < Eigen::Index(count) * step) kept.resize(Eigen::Index(count) * step);
@@ -58,7 +61,7 @@ SizeSums sum_over_blocks(const Scatterer& scatterer, const WeightedSizes& sizes,
     SphereBlockOf<Scalar> block;
     if (with_waves) {
         const auto& last = blocks.back();
-        block.make_room(number_of_terms(sizes.parameters[last.first + last.count - 1]),
+        block.make_room(scatterer.terms(sizes.parameters[last.first + last.count - 1]),
                         kMostSizesPerBlock);
     }
     for (const auto [first, count] : blocks) {
@@ -155,10 +158,10 @@ const Scalar* AngularFunctionsOf<Scalar>::of_tile(const Matrix& functions, int t
 template <typename Scalar>
 void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& run) {
     cosines_ = mu;
-    const int jobs = (tile_count() + kTilesPerJob - 1) / kTilesPerJob;
+    const int jobs = (tile_count() + SumRule::kTilesPerJob - 1) / SumRule::kTilesPerJob;
     run(jobs, [&](int job) {
-        const int end = std::min(tile_count(), (job + 1) * kTilesPerJob);
-        for (int tile = job * kTilesPerJob; tile < end; ++tile)
+        const int end = std::min(tile_count(), (job + 1) * SumRule::kTilesPerJob);
+        for (int tile = job * SumRule::kTilesPerJob; tile < end; ++tile)
             fill_tile(tile, mu.data() + tile * kAnglesPerTile);
     });
 }
@@ -369,7 +372,7 @@ void SizeSums::scale(double factor) {
 SizeSums sum_over_sizes(const Scatterer& scatterer, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
-    const SizeChunks chunks(count, most_chunks(count, options), kLeastChunk);
+    const SizeChunks chunks(count, most_chunks(count, options), SumRule::kLeastChunk);
     std::vector<SizeSums> parts(chunks.count());
     run(chunks.count(), [&](int job) {
         const int chunk = chunk_of_job(job, chunks.count());

@@ -1,4 +1,4 @@
-// What the sizes of one pass sum to: efficiencies, products of partial waves, intensities at
+// Sums over the sizes of one pass: efficiencies, products of partial waves, intensities at
 // angles.
 #pragma once
 
@@ -47,7 +47,7 @@ class AngularFunctionsOf {
     /// @throws UsageError  for an angle outside 0 to 180 degrees
     AngularFunctionsOf(std::span<const double> angles_deg, int terms,
                        const Executor& run = run_in_order);
-    /// The same at cosines of scattering angles, in [-1, 1].
+    /// Tables at cosines of scattering angles, in [-1, 1].
     AngularFunctionsOf(const Eigen::ArrayXd& cosines, int terms, const Executor& run);
 
     int angle_count() const { return angle_count_; }
@@ -56,7 +56,7 @@ class AngularFunctionsOf {
     /// Adds sum over the block's spheres of |S1 + S2|^2 + |S1 - S2|^2 at each angle; with the
     /// weights of SphereSums this is P times 2 * scattered.
     void add_intensity(const SphereBlockOf<Scalar>& block, Eigen::VectorXd& intensity) const;
-    /// The same, each column times a factor of its own at each angle.
+    /// Adds it with each column times a factor of its own at each angle.
     /// @param factors  row = angle, column = that of the block
     using Factors = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     void add_intensity(const SphereBlockOf<Scalar>& block, const Eigen::Ref<const Factors>& factors,
@@ -110,7 +110,7 @@ struct SizeSums {
     void scale(double factor);
 };
 
-/// What is summed, besides efficiencies and g.
+/// The sums that are wanted besides efficiencies and g.
 struct SizeSumOptions {
     int terms = 0;                             ///< partial waves of the largest sphere
     int band_width = -1;                       ///< of the covariance; -1: none

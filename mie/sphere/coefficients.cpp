@@ -1,6 +1,7 @@
 // Mie coefficients of one sphere, order after order.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -14,11 +15,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-void validate(Complex m, double x) {
+void validate_index(Complex m) {
     if (!(m.real() >= 0.01 && m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4)) {
         throw UsageError("relative_index", fmt::format("{} + {}i", m.real(), m.imag()),
                          "n in [0.01, 100], k in [0, 10000]");
     }
+}
+
+void validate_size(double x) {
     if (!(x >= 1e-30 && x <= 1e7)) {
         throw UsageError("size_parameter", x, "1e-30 to 1e7");
     }
@@ -62,21 +66,28 @@ Coefficients empty(int terms) {
     return {std::vector<Complex>(terms), std::vector<Complex>(terms), std::vector<double>(terms)};
 }
 
-// Number: double for a real index, else complex.
+// From the logarithmic derivatives of the waves inside, at the surface: those of a_n and of b_n.
+// Number: double where all indices are real, else complex.
 template <typename Number>
-Coefficients by_recurrence(Number m, double x) {
+Coefficients by_recurrence(Number m, double x, const std::vector<Number>& Da,
+                           const std::vector<Number>& Db) {
     const int terms = number_of_terms(x);
     const RadialFunctions radial = radial_functions(x, terms);
     const auto& psi = radial.psi;
-    const std::vector<Number> D = logarithmic_derivatives(m * x, terms);
     const Number inverse_m = 1.0 / m;
     Coefficients c = empty(terms);
     for (int n = 1; n <= terms; ++n) {
-        const Number A = D[n] * inverse_m + n / x;
-        const Number B = D[n] * m + n / x;
+        const Number A = Da[n] * inverse_m + n / x;
+        const Number B = Db[n] * m + n / x;
         set_order<Number>(c, n, A, A * psi[n] - psi[n - 1], B, B * psi[n] - psi[n - 1], radial);
     }
     return c;
+}
+
+template <typename Number>
+Coefficients by_recurrence(Number m, double x) {
+    const std::vector<Number> D = logarithmic_derivatives(m * x, number_of_terms(x));
+    return by_recurrence(m, x, D, D);
 }
 
 // p of b_n is psi_n (m D_n(mx) - D_n(x)), a difference that vanishes as x^2 relative to its parts,
@@ -110,6 +121,81 @@ Coefficients of_small_sphere(Number m, double x) {
     return c;
 }
 
+// Waves in one layer, at both of its surfaces, for n = 0 ... highest_order: psi_n and zeta_n =
+// psi_n + i eta_n by their logarithmic derivatives D1 and D3, and
+//     Q_n = (psi_n / zeta_n)(inner) / (psi_n / zeta_n)(outer),
+// as ratios, because the waves themselves leave the range of numbers in thick absorbing layers
+// (Yang 2003, Appl. Opt. 42, 1710).
+struct LayerWaves {
+    struct Surface {
+        Surface(Complex at, int highest_order)
+            : z(at), D1(logarithmic_derivatives(at, highest_order)), D3(highest_order + 1) {
+            D3[0] = Complex(0, 1);
+            for (int n = 1; n <= highest_order; ++n) {
+                const Complex n_over_z = static_cast<double>(n) / z;
+                D3[n] = 1.0 / (n_over_z - D3[n - 1]) - n_over_z;
+            }
+        }
+        // zeta_{n-1} / zeta_n over psi_{n-1} / psi_n; neither is a difference of equal numbers.
+        Complex step(int n) const {
+            const Complex n_over_z = static_cast<double>(n) / z;
+            return 1.0 / ((n_over_z - D3[n - 1]) * (D1[n] + n_over_z));
+        }
+        Complex z;
+        std::vector<Complex> D1, D3;
+    };
+
+    LayerWaves(Complex m, double inner_x, double outer_x, int highest_order)
+        : inner(m * inner_x, highest_order), outer(m * outer_x, highest_order) {
+        // psi_0 / zeta_0 = i exp(-iz) sin z; far off the axis in a form that does not overflow.
+        const Complex turn = Complex(0, 1) * (outer.z - inner.z);
+        const auto beyond = [](Complex z) { return std::exp(Complex(0, 2) * z) - 1.0; };
+        Q.push_back(inner.z.imag() > 1 ? std::exp(2.0 * turn) * beyond(inner.z) / beyond(outer.z)
+                                       : std::exp(turn) * std::sin(inner.z) / std::sin(outer.z));
+        for (int n = 1; n <= highest_order; ++n)
+            Q.push_back(Q.back() * inner.step(n) / outer.step(n));
+    }
+
+    /// The logarithmic derivative at the outer surface from that at the inner one.
+    Complex outward(int n, Complex H) const {
+        const Complex G1 = H - inner.D1[n], G2 = H - inner.D3[n];
+        return (G2 * outer.D1[n] - Q[n] * G1 * outer.D3[n]) / (G2 - Q[n] * G1);
+    }
+
+    Surface inner, outer;
+    std::vector<Complex> Q;
+};
+
+// From the core outwards: the tangential fields are continuous, so that D_n / m of a_n and m D_n of
+// b_n are the same on both sides of a surface.
+Coefficients of_layers(std::span<const SphereLayer> layers) {
+    const double x = layers.back().size_parameter;
+    const int terms = number_of_terms(x);
+    bool absorbs = false;
+    Complex m = layers.front().relative_index;
+    double inner_x = layers.front().size_parameter;
+    std::vector<Complex> Ha = logarithmic_derivatives(m * inner_x, terms), Hb = Ha;
+    for (const SphereLayer& layer : layers) {
+        absorbs = absorbs || layer.relative_index.imag() > 0;
+        if (!(layer.size_parameter > inner_x)) continue;  // the core, and shells without thickness
+        const LayerWaves waves(layer.relative_index, inner_x, layer.size_parameter, terms);
+        const Complex ratio = layer.relative_index / m;
+        for (int n = 1; n <= terms; ++n) {
+            Ha[n] = waves.outward(n, ratio * Ha[n]);
+            Hb[n] = waves.outward(n, Hb[n] / ratio);
+        }
+        m = layer.relative_index;
+        inner_x = layer.size_parameter;
+    }
+    if (absorbs) return by_recurrence(m, x, Ha, Hb);
+    const auto real_parts = [](const std::vector<Complex>& values) {
+        std::vector<double> real;
+        for (const Complex& value : values) real.push_back(value.real());
+        return real;
+    };
+    return by_recurrence(m.real(), x, real_parts(Ha), real_parts(Hb));
+}
+
 template <typename Number>
 Coefficients coefficients_of(Number m, double x) {
     // 0.5: above, the cancellation costs less than one digit. 4: no zero of psi_n(mx) below.
@@ -120,12 +206,33 @@ Coefficients coefficients_of(Number m, double x) {
 }  // namespace
 
 Coefficients mie_coefficients(Complex relative_index, double size_parameter) {
-    validate(relative_index, size_parameter);
+    validate_index(relative_index);
+    validate_size(size_parameter);
     if (relative_index.imag() == 0) return coefficients_of(relative_index.real(), size_parameter);
     const FaintAbsorption faint(relative_index);
     Coefficients c = coefficients_of(faint.index, size_parameter);
     for (double& absorbed : c.absorbed) absorbed *= faint.share;
     return c;
+}
+
+Coefficients mie_coefficients(std::span<const SphereLayer> layers) {
+    if (layers.empty()) throw UsageError("a sphere without layers; allowed: a core at least");
+    double before = 0;
+    for (const SphereLayer& layer : layers) {
+        validate_index(layer.relative_index);
+        validate_size(layer.size_parameter);
+        if (!(layer.size_parameter >= before)) {
+            throw UsageError("size_parameter", layer.size_parameter,
+                             fmt::format("{} or more, that of the layer below", before));
+        }
+        before = layer.size_parameter;
+    }
+    const bool is_plain = std::all_of(layers.begin(), layers.end(), [&](const SphereLayer& layer) {
+        return layer.relative_index == layers.front().relative_index;
+    });
+    if (is_plain || layers.front().size_parameter == before)
+        return mie_coefficients(layers.front().relative_index, before);
+    return of_layers(layers);
 }
 
 }  // namespace miebrdf::mie

@@ -1,29 +1,67 @@
-// What is averaged over sizes.
+// The particles that averages over sizes are taken of.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <vector>
+
+#include <miebrdf/sphere.h>
+#include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
 
 /// A particle without its size: averages are handed it whole and ask only what stands here, and
 /// compute_spheres(), exact_extinction() and the rays of the Debye series (where has_rays()) know
-/// how light meets it.
-///
-/// One kind so far: a homogeneous sphere.
+/// how light meets it. It is a homogeneous sphere, or one with coatings; sizes are those of the
+/// core.
 struct Scatterer {
+    /// A coating adds `thickness` to the size parameter, the same on every core, and `share` of
+    /// that of the core.
+    struct Coating {
+        std::complex<double> relative_index;
+        double thickness = 0, share = 0;
+    };
+
     // NOLINTNEXTLINE(google-explicit-constructor): an index is a sphere of it
     Scatterer(std::complex<double> index = 1.0) : relative_index(index) {}
 
-    std::complex<double> relative_index;  ///< m = n + ik of the sphere over its host
+    std::complex<double> relative_index;  ///< m = n + ik of the sphere or core over its host
+    std::vector<Coating> coatings = {};   ///< from inside out
 
-    double n() const { return relative_index.real(); }
-    bool absorbs() const { return relative_index.imag() > 0; }
+    bool is_plain() const { return coatings.empty(); }
+    /// The largest real index of all layers: it sets the ripple.
+    double n() const {
+        double largest = relative_index.real();
+        for (const Coating& coating : coatings)
+            largest = std::max(largest, coating.relative_index.real());
+        return largest;
+    }
     /// k x: a wave is damped by exp(-2 k x) on its way through the middle of the sphere, and its
-    /// resonances are as wide as k x at least.
-    double damping(double x) const { return relative_index.imag() * x; }
+    /// resonances are as wide as k x at least. The clearest of layers may have some of its own.
+    double damping(double x) const {
+        double least = relative_index.imag();
+        for (const Coating& coating : coatings)
+            least = std::min(least, coating.relative_index.imag());
+        return least * x;
+    }
     /// Whether rays of the Debye series describe it (RayWaves).
-    bool has_rays() const { return relative_index.real() > 1; }
+    bool has_rays() const { return is_plain() && relative_index.real() > 1; }
+
+    double outer_x(double x) const {
+        double outer = x;
+        for (const Coating& coating : coatings) outer += coating.thickness + coating.share * x;
+        return outer;
+    }
+    int terms(double x) const { return number_of_terms(outer_x(x)); }
+    std::vector<SphereLayer> layers(double x) const {
+        std::vector<SphereLayer> all = {{relative_index, x}};
+        for (const Coating& coating : coatings) {
+            const double outer = all.back().size_parameter + coating.thickness + coating.share * x;
+            all.push_back({coating.relative_index, outer});
+        }
+        return all;
+    }
 
     /// The distance in x after which the ripple of a transparent sphere repeats: atan(s)/s with
     /// s^2 = n^2 - 1 (Chylek 1990, J. Opt. Soc. Am. A 7, 1609, eq. 1); 1 where there is none.

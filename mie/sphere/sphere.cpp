@@ -28,6 +28,7 @@ struct OrderSums {
     std::complex<double> back = 0;  ///< sum (2n+1) (-1)^n (a_n - b_n)
 };
 
+constexpr double kEnoughDigits = 1e-12;   // accuracy that is said to be reached
 constexpr double kLeastVectorSize = 2;    // below, mie_coefficients has more care
 constexpr double kWellOffTheHost = 1e-2;  // nearer, too
 
@@ -94,8 +95,7 @@ PartialWaves by_vectors(Number m, double x) {
     return waves;
 }
 
-PartialWaves by_coefficients(Complex m, double x) {
-    const Coefficients c = mie_coefficients(m, x);
+PartialWaves by_coefficients(const Coefficients& c) {
     PartialWaves waves(static_cast<int>(c.a.size()));
     for (std::size_t i = 0; i < c.a.size(); ++i) {
         waves.a_re[i + 1] = c.a[i].real();
@@ -141,7 +141,7 @@ OrderSums sums_of(Complex m, double x) {
     const bool by_vector = x >= kLeastVectorSize && x <= 1e7 &&
                            std::abs(m - 1.0) >= kWellOffTheHost && m.real() >= 0.01 &&
                            m.real() <= 100 && m.imag() >= 0 && m.imag() <= 1e4;
-    if (!by_vector) return sum_orders(by_coefficients(m, x));
+    if (!by_vector) return sum_orders(by_coefficients(mie_coefficients(m, x)));
     return sum_orders(m.imag() == 0 ? by_vectors(m.real(), x) : by_vectors(m, x));
 }
 
@@ -152,26 +152,49 @@ double estimated_accuracy(Complex m, double x) {
     return 20 * rounding * (cancels ? std::max(1.0, 1 / std::abs(m - 1.0)) : 1.0);
 }
 
-}  // namespace
-
-SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
-    const FaintAbsorption faint(relative_index);
-    const OrderSums sums = sums_of(faint.index, size_parameter);
-    // Divided one factor at a time: x^2 alone may underflow.
-    const double x = size_parameter;
+// Divided one factor at a time: x^2 alone may underflow.
+// @param absorbed_share  of what is absorbed (FaintAbsorption)
+SphereOptics optics_of(const OrderSums& sums, double x, double accuracy, double absorbed_share) {
     SphereOptics optics;
     optics.q_sca = 2 * sums.scattered / x / x;
-    optics.q_abs = 2 * sums.absorbed / x / x * faint.share;
+    optics.q_abs =
+        std::max(0.0, 2 * sums.absorbed / x / x * absorbed_share);  // layers: 0 to rounding
     optics.q_ext = optics.q_sca + optics.q_abs;
     optics.q_back = std::norm(sums.back / x);
     optics.asymmetry = sums.scattered > 0 ? 2 * sums.asymmetric / sums.scattered : 0;
     optics.terms = number_of_terms(x);
-    optics.accuracy = estimated_accuracy(relative_index, x);
-    optics.reached = optics.accuracy <= 1e-12 && std::isfinite(optics.q_ext);
+    optics.accuracy = accuracy;
+    optics.reached = accuracy <= kEnoughDigits && std::isfinite(optics.q_ext);
+    return optics;
+}
+
+}  // namespace
+
+SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
+    const FaintAbsorption faint(relative_index);
+    SphereOptics optics =
+        optics_of(sums_of(faint.index, size_parameter), size_parameter,
+                  estimated_accuracy(relative_index, size_parameter), faint.share);
     if (!optics.reached) {
         optics.status = fmt::format("index within {:.1e} of the host's: about {} digits remain",
                                     std::abs(relative_index - 1.0),
                                     static_cast<int>(-std::log10(optics.accuracy)));
+    }
+    return optics;
+}
+
+SphereOptics scatter_by_sphere(std::span<const SphereLayer> layers) {
+    const Coefficients coefficients = mie_coefficients(layers);
+    // The layer that differs most from the host is seen, however alike the others are.
+    double contrast = 0;
+    for (const SphereLayer& layer : layers)
+        contrast = std::max(contrast, std::abs(layer.relative_index - 1.0));
+    const double x = layers.back().size_parameter;
+    SphereOptics optics = optics_of(sum_orders(by_coefficients(coefficients)), x,
+                                    estimated_accuracy(1.0 + contrast, x), 1.0);
+    if (!optics.reached) {
+        optics.status = fmt::format("indices within {:.1e} of the host's: about {} digits remain",
+                                    contrast, static_cast<int>(-std::log10(optics.accuracy)));
     }
     return optics;
 }
@@ -216,6 +239,11 @@ Amplitudes scattering_amplitudes(const Coefficients& coefficients,
 Amplitudes scattering_amplitudes(std::complex<double> relative_index, double size_parameter,
                                  std::span<const double> angles_deg) {
     return scattering_amplitudes(mie_coefficients(relative_index, size_parameter), angles_deg);
+}
+
+Amplitudes scattering_amplitudes(std::span<const SphereLayer> layers,
+                                 std::span<const double> angles_deg) {
+    return scattering_amplitudes(mie_coefficients(layers), angles_deg);
 }
 
 }  // namespace miebrdf::mie

@@ -112,13 +112,14 @@ LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns<Scalar>& to) {
     return sums;
 }
 
-// The path of single spheres, for sizes where the vector formulas lose digits.
+// The path of single spheres, for sizes where the vector formulas lose digits, and for layers.
 template <typename Scalar>
-LaneSums one_by_one(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
+LaneSums one_by_one(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
     Coefficients spheres[kLaneCount];
     std::size_t terms = 0;
     for (int lane = 0; lane < kLaneCount; ++lane) {
-        spheres[lane] = mie_coefficients(m, x[lane]);
+        spheres[lane] = scatterer.is_plain() ? mie_coefficients(scatterer.relative_index, x[lane])
+                                             : mie_coefficients(scatterer.layers(x[lane]));
         terms = std::max(terms, spheres[lane].a.size());
     }
     LaneSums sums;
@@ -166,9 +167,10 @@ void BlockColumns<Scalar>::clear_beyond(int order) const {
 
 // x: size parameters, ascending; from 2 on eight at once, below by mie_coefficients.
 template <typename Scalar>
-LaneSums compute_eight(Complex m, const Lanes& x, const BlockColumns<Scalar>& to) {
-    if (to.block) to.clear_beyond(number_of_terms(x[0]));
-    if (x[0] < 2) return one_by_one(m, x, to);
+LaneSums compute_eight(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
+    if (to.block) to.clear_beyond(scatterer.terms(x[0]));
+    if (x[0] < 2 || !scatterer.is_plain()) return one_by_one(scatterer, x, to);
+    const Complex m = scatterer.relative_index;
     if (m.imag() == 0) return by_vectors(m.real(), x, to);
     return by_vectors(m, x, to);
 }
@@ -215,10 +217,12 @@ template <typename Scalar>
 SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
                            std::span<const double> weights, SphereBlockOf<Scalar>* block) {
     const int count = static_cast<int>(size_parameters.size());
-    const FaintAbsorption faint(scatterer.relative_index);
+    const FaintAbsorption faint(scatterer.is_plain() ? scatterer.relative_index : 1.0);
+    Scatterer computed = scatterer;
+    if (scatterer.is_plain()) computed.relative_index = faint.index;
     SphereSums total;
     if (block) {
-        block->make_room(number_of_terms(size_parameters[count - 1]),
+        block->make_room(scatterer.terms(size_parameters[count - 1]),
                          (count + kLaneCount - 1) / kLaneCount * kLaneCount);
     }
     for (int first = 0; first < count; first += kLaneCount) {
@@ -230,8 +234,8 @@ SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> s
         }
         const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
         if (block && x[0] >= 2)
-            block->orders[first / kLaneCount].last = number_of_terms(x[kLaneCount - 1]);
-        const LaneSums sums = compute_eight(faint.index, x, columns);
+            block->orders[first / kLaneCount].last = scatterer.terms(x[kLaneCount - 1]);
+        const LaneSums sums = compute_eight(computed, x, columns);
         total.scattered += (weight * sums.scattered).sum();
         total.absorbed += (weight * sums.absorbed).sum();
         total.asymmetric += (weight * sums.asymmetric).sum();

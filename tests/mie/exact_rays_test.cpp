@@ -27,8 +27,7 @@ TEST_CASE("glories by rays are those of whole spheres, however many sizes there 
     request.sizes.effective_variance = 0.105;
     request.refractive_index = Complex(1.494, 4.75e-4);
     const mie::Ensemble ensemble = mie::ensemble_of(request);
-    const auto phase = [&](mie::PairedSizeSamples::Method method,
-                           int last_level) -> Eigen::VectorXd {
+    const auto phase = [&](mie::PhaseMethod method, int last_level) -> Eigen::VectorXd {
         mie::PairedSizeSamples samples(ensemble, 1e-6, method);
         std::vector<mie::PairedIntensity> parts;
         for (int level = 0; level <= last_level; ++level) {
@@ -46,12 +45,11 @@ TEST_CASE("glories by rays are those of whole spheres, however many sizes there 
         }
         return sum / scattered;
     };
-    const Eigen::VectorXd whole = phase(mie::PairedSizeSamples::Method::sizes, 5);
+    const Eigen::VectorXd whole = phase(mie::PhaseMethod::sizes, 5);
     // Some 460 sizes of each group leave what their weights do not know of; then it is single
     // precision. With orders left out at the edges: 9e-4, more with more sizes.
     for (const auto& [last_level, bound] : {std::pair(4, 2e-4), std::pair(6, 1e-5)}) {
-        const Eigen::VectorXd by_rays =
-            phase(mie::PairedSizeSamples::Method::exact_rays, last_level);
+        const Eigen::VectorXd by_rays = phase(mie::PhaseMethod::exact_rays, last_level);
         CAPTURE(last_level, whole.transpose(), by_rays.transpose());
         CHECK((by_rays - whole).cwiseAbs().cwiseQuotient(whole).maxCoeff() <= bound);
     }

@@ -240,7 +240,7 @@ TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][hon
     mie::PhaseGoal options;
     options.floor = 0.5;
     options.interpolation_tolerance = 3e-3;
-    options.by_rays = true;
+    options.method = mie::PhaseMethod::rays;
     options.ray_bias = mie::phase_ray_bias(problem);
     REQUIRE(options.ray_bias.everywhere > 0);
     options.scattering_efficiency = scattered;

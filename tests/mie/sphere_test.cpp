@@ -45,8 +45,7 @@ TEST_CASE("one sphere agrees with the 60-digit table on every row", "[mie][spher
     }
 }
 
-TEST_CASE("orders in vectors are those that mie_coefficients forms one by one",
-          "[mie][sphere]") {
+TEST_CASE("orders in vectors are those that mie_coefficients forms one by one", "[mie][sphere]") {
     // Both go their own ways to psi and eta; mie_coefficients divides by them, and rounds m x: by
     // 1e-16 |m| x of a phase, and more where a resonance is narrower.
     const Complex m = GENERATE(

@@ -13,15 +13,47 @@ namespace {
 struct SphereArguments {
     std::string index;
     std::string size_parameters;
+    std::vector<std::string> coatings;
     std::string angles;
 };
 
-Table efficiencies(std::complex<double> index, const std::vector<double>& size_parameters) {
+// The index of the core, and coatings from inside out.
+struct Particle {
+    std::complex<double> index;
+    std::vector<mie::SphereLayer> coatings;
+
+    std::vector<mie::SphereLayer> of_size(double x) const {
+        std::vector<mie::SphereLayer> layers = {{index, x}};
+        layers.insert(layers.end(), coatings.begin(), coatings.end());
+        return layers;
+    }
+};
+
+mie::SphereLayer parse_coating(const std::string& words) {
+    const std::size_t last = words.rfind(',');
+    if (last == std::string::npos || words.find(',') == last) {
+        throw UsageError(fmt::format(
+            "--coating: '{}'; allowed: N,K,Y, the coating's index and the size parameter of its "
+            "outside, such as 1.46,0,12",
+            words));
+    }
+    return {parse_index(std::vector<WordValue>{words.substr(0, last)}, "index of the coating"),
+            parse_number(words.substr(last + 1), "size parameter of the coating")};
+}
+
+Table efficiencies(const Particle& particle, const std::vector<double>& size_parameters) {
+    const std::complex<double> index = particle.index;
     Table table;
     std::string status;  // a word on rounding, the same for all sizes above the smallest
+    if (!particle.coatings.empty())
+        table.facts.emplace_back("units",
+                                 "size_parameter of the core; efficiencies over the cross-section "
+                                 "of the whole particle");
     table.columns = {"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"};
     for (const double x : size_parameters) {
-        const mie::SphereOptics sphere = mie::scatter_by_sphere(index, x);
+        const mie::SphereOptics sphere = particle.coatings.empty()
+                                             ? mie::scatter_by_sphere(index, x)
+                                             : mie::scatter_by_sphere(particle.of_size(x));
         if (!sphere.reached) status = sphere.status;
         table.rows.push_back({index.real(), index.imag(), x, sphere.q_ext, sphere.q_sca,
                               sphere.q_abs, sphere.q_back, sphere.asymmetry});
@@ -30,13 +62,14 @@ Table efficiencies(std::complex<double> index, const std::vector<double>& size_p
     return table;
 }
 
-Table amplitudes(std::complex<double> index, const std::vector<double>& size_parameters,
+Table amplitudes(const Particle& particle, const std::vector<double>& size_parameters,
                  const std::vector<double>& angles_deg) {
+    const std::complex<double> index = particle.index;
     Table table;
     table.facts.emplace_back("units", "angle_deg in degrees; S1, S2 for time factor exp(-i w t)");
     table.columns = {"n", "k", "size_parameter", "angle_deg", "s1_re", "s1_im", "s2_re", "s2_im"};
     for (const double x : size_parameters) {
-        const mie::Amplitudes a = mie::scattering_amplitudes(index, x, angles_deg);
+        const mie::Amplitudes a = mie::scattering_amplitudes(particle.of_size(x), angles_deg);
         for (std::size_t i = 0; i < angles_deg.size(); ++i) {
             table.rows.push_back({index.real(), index.imag(), x, angles_deg[i], a.s1[i].real(),
                                   a.s1[i].imag(), a.s2[i].real(), a.s2[i].imag()});
@@ -46,12 +79,13 @@ Table amplitudes(std::complex<double> index, const std::vector<double>& size_par
 }
 
 int run(const SphereArguments& arguments, const Shell& shell) {
-    const std::complex<double> index =
-        parse_index(std::vector<WordValue>{arguments.index}, "index");
+    Particle particle{parse_index(std::vector<WordValue>{arguments.index}, "index"), {}};
+    for (const std::string& words : arguments.coatings)
+        particle.coatings.push_back(parse_coating(words));
     const auto sizes = parse_number_list(arguments.size_parameters, "size parameter");
     Table table = arguments.angles.empty()
-                      ? efficiencies(index, sizes)
-                      : amplitudes(index, sizes,
+                      ? efficiencies(particle, sizes)
+                      : amplitudes(particle, sizes,
                                    parse_number_list(arguments.angles, "scattering angle (degrees)",
                                                      0.0, 180.0));
     shell.write(std::move(table));
@@ -154,6 +188,12 @@ void add_sphere(CLI::App& command, Shell& shell) {
                     "2 pi radius / wavelength in the host, list or range")
         ->type_name("LIST")
         ->required();
+    command
+        .add_option("--coating", arguments->coatings,
+                    "a coating: its index and the size parameter of its outside; repeated, from "
+                    "inside out")
+        ->type_name("N,K,Y")
+        ->take_all();
     command
         .add_option("--angles", arguments->angles,
                     "scattering angles in degrees: print amplitudes S1, S2 there instead")

@@ -23,10 +23,18 @@ inline void run_in_order(int count, const std::function<void(int)>& job) {
     for (int i = 0; i < count; ++i) job(i);
 }
 
-/// What to compute; what is not asked for is not computed.
+/// A coating of the particles: as thick on every core, as a share of the core's radius, or both.
+struct ParticleCoating {
+    std::complex<double> refractive_index;  ///< n + ik, k >= 0
+    double thickness_um = 0;
+    double share_of_radius = 0;
+};
+
+/// The wishes of a caller: only what is asked for is computed.
 struct EnsembleRequest {
-    SizeDistribution sizes = {};
+    SizeDistribution sizes = {};                 ///< of the particles, or of their cores
     std::complex<double> refractive_index = {};  ///< of the particles, n + ik, k >= 0
+    std::vector<ParticleCoating> coatings = {};  ///< of the particles, from inside out
     double host_index = 1.0;                     ///< real index of the medium between them
     double wavelength_nm = 550.0;                ///< in vacuum
     int highest_moment = -1;                     ///< chi_0 ... chi_L; -1: no moments
@@ -37,8 +45,9 @@ struct EnsembleRequest {
                                              ///< more sizes than moments do
     std::vector<double> phase_allowed = {};  ///< absolute, at each angle listed, in place of
                                              ///< phase_tolerance; empty: that
-    /// Of P at angles: sizes times partial waves times angles (3 for each one listed), per level of
-    /// sizes. Where that does not reach the tolerance, the error says so.
+    /// The most that a level of sizes for P at angles may cost: sizes times partial waves times
+    /// nodes (eight for each panel with angles). Where that does not reach the tolerance, the error
+    /// says so.
     double phase_work = std::numeric_limits<double>::infinity();
     /// A phase table for radiative transfer: P below this is resolved relative to this, because dim
     /// angles do not matter beside light that is scattered many times. Where the medium absorbs
@@ -58,7 +67,7 @@ class PhaseTable {
   public:
     static constexpr int kPanelNodes = 8;  ///< Chebyshev points with both ends, in each panel
 
-    /// What a table consists of, to be stored and made into a table again.
+    /// The content of a table, to be stored and made into a table again.
     struct Parts {
         std::vector<double> edges;         ///< radians, ascending from 0 to pi
         std::vector<double> coefficients;  ///< Chebyshev, kPanelNodes of each panel, panel by panel
@@ -67,7 +76,8 @@ class PhaseTable {
         double interpolation_error = 0;
         /// Relative to P, from its finite number of sizes, the worst node.
         double size_error = 0;
-        /// The same of each panel, rms over its nodes, relative to max(P, noise_floor); empty: 0.
+        /// Error of each panel by its sizes, rms over its nodes, relative to max(P, noise_floor);
+        /// empty: 0.
         std::vector<double> noise;
         double noise_floor = 0;
         /// The moments given beside it are its own: they share its errors.
@@ -80,7 +90,7 @@ class PhaseTable {
 
     /// @param cos_theta  cosine of the scattering angle, taken as +-1 outside [-1, 1]
     double operator()(double cos_theta) const;
-    /// What P there is expected to err by for its finite number of sizes and for interpolation
+    /// The error that P there is expected to have by its finite number of sizes and interpolation
     /// (rms, absolute).
     double noise(double cos_theta) const;
 
@@ -110,7 +120,7 @@ class PhaseTable {
 struct EnsembleOptics {
     double single_scattering_albedo = 0.0;  ///< in [0, 1]; exactly 1 for k = 0
     double one_minus_albedo = 1.0;          ///< absorption / extinction, summed, never a difference
-    double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>
+    double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>, r the radius of the core
     double q_sca = 0.0;
     double q_abs = 0.0;
     double asymmetry = 0.0;                         ///< g = chi_1
@@ -166,7 +176,7 @@ struct MatrixOptics {
     /// Albedo, efficiencies and g as average_over_sizes gives them; chi_l is a1_l / (2l + 1).
     /// Errors, size_nodes and converged are those of both averages together.
     EnsembleOptics optics;
-    /// Of spheres a2 = a1 and a4 = a3 as functions of the angle.
+    /// Spheres have a2 = a1 and a4 = a3 as functions of the angle.
     MatrixExpansion expansion;
 };
 
@@ -191,7 +201,8 @@ MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run 
 /// The largest size parameter that average_matrix takes.
 inline constexpr double kLargestMatrixSphere = 1800;
 
-/// What average_matrix will take at least, in seconds of one thread (right to a factor of three).
+/// The least time that average_matrix will take, in seconds of one thread (right to a factor of
+/// three).
 double matrix_seconds(const EnsembleRequest& request);
 
 }  // namespace miebrdf::mie

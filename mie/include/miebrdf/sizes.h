@@ -65,7 +65,7 @@ struct RadiusRange {
 /// @throws UsageError  for a radius or a variance out of range, or a table that is none
 RadiusRange radius_range(const SizeDistribution& distribution);
 
-/// The same, with laws that have no ends cut where `tail` of the scattering is left out on either
+/// The ends, with laws that have none cut where `tail` of the scattering is left out on either
 /// side: spheres scatter as their area, but below `saturation_radius_um` (that of x = 1) as r^6,
 /// where a few large ones weigh far more than their area does.
 /// @param tail  in [1e-18, 0.1]

@@ -1,5 +1,5 @@
-// Optics of one homogeneous sphere: efficiencies, scattering amplitudes, Mie coefficients.
-// Symbols, signs and normalisation: docs/conventions.md.
+// Optics of one sphere, homogeneous or of layers: efficiencies, scattering amplitudes, Mie
+// coefficients. Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
 #include <complex>
@@ -31,6 +31,18 @@ struct SphereOptics {
 /// @throws UsageError  index or size parameter out of range
 SphereOptics scatter_by_sphere(std::complex<double> relative_index, double size_parameter);
 
+/// A layer of a sphere, from its core outwards.
+struct SphereLayer {
+    std::complex<double> relative_index;  ///< n + ik over the host's
+    double size_parameter;                ///< at its outer surface; that of the layer below or more
+};
+
+/// A sphere of layers; efficiencies are over the cross-section of the whole (mie_coefficients).
+///
+/// Measured against a 60-digit table: 1e-10 for size parameters of 0.03 to 200.
+/// @throws UsageError  index or size parameter out of range, or layers out of order
+SphereOptics scatter_by_sphere(std::span<const SphereLayer> layers);
+
 /// S1 (electric field perpendicular to the scattering plane) and S2 (parallel), one entry per
 /// angle. Time factor exp(-i omega t): tables for exp(+i omega t) hold the complex conjugates.
 struct Amplitudes {
@@ -43,6 +55,9 @@ struct Amplitudes {
 /// @param angles_deg  scattering angles, 0 (forward) to 180
 /// @throws UsageError  arguments as for mie_coefficients; an angle out of range
 Amplitudes scattering_amplitudes(std::complex<double> relative_index, double size_parameter,
+                                 std::span<const double> angles_deg);
+
+Amplitudes scattering_amplitudes(std::span<const SphereLayer> layers,
                                  std::span<const double> angles_deg);
 
 /// cos of an angle in degrees, exact at 0, 60, 90, 120 and 180.
@@ -72,7 +87,15 @@ struct Coefficients {
 /// @throws UsageError  out of range
 Coefficients mie_coefficients(std::complex<double> relative_index, double size_parameter);
 
-/// The same from coefficients that are known already.
+/// Partial waves of a sphere of layers (Aden & Kerker 1951): logarithmic derivatives of the waves
+/// inside are taken from one surface to the next by ratios of Riccati-Bessel functions (Yang 2003,
+/// Appl. Opt. 42, 1710), which neither overflow in thick absorbing layers nor lose thin ones.
+///
+/// Cost: as many logarithmic derivatives as there are surfaces, twice for those between layers.
+/// Layers that absorb hardly at all keep as many digits of the absorption as k has above rounding.
+Coefficients mie_coefficients(std::span<const SphereLayer> layers);
+
+/// Amplitudes from coefficients that are known already.
 Amplitudes scattering_amplitudes(const Coefficients& coefficients,
                                  std::span<const double> angles_deg);
 
