@@ -8,6 +8,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
 #include "mie/sphere/faint_absorption.h"
+#include "mie/sphere/lane_layers.h"
 #include "mie/sphere/radial_functions.h"
 
 namespace miebrdf::mie {
@@ -121,79 +122,30 @@ Coefficients of_small_sphere(Number m, double x) {
     return c;
 }
 
-// Waves in one layer, at both of its surfaces, for n = 0 ... highest_order: psi_n and zeta_n =
-// psi_n + i eta_n by their logarithmic derivatives D1 and D3, and
-//     Q_n = (psi_n / zeta_n)(inner) / (psi_n / zeta_n)(outer),
-// as ratios, because the waves themselves leave the range of numbers in thick absorbing layers
-// (Yang 2003, Appl. Opt. 42, 1710).
-struct LayerWaves {
-    struct Surface {
-        Surface(Complex at, int highest_order)
-            : z(at), D1(logarithmic_derivatives(at, highest_order)), D3(highest_order + 1) {
-            D3[0] = Complex(0, 1);
-            for (int n = 1; n <= highest_order; ++n) {
-                const Complex n_over_z = static_cast<double>(n) / z;
-                D3[n] = 1.0 / (n_over_z - D3[n - 1]) - n_over_z;
-            }
-        }
-        // zeta_{n-1} / zeta_n over psi_{n-1} / psi_n; neither is a difference of equal numbers.
-        Complex step(int n) const {
-            const Complex n_over_z = static_cast<double>(n) / z;
-            return 1.0 / ((n_over_z - D3[n - 1]) * (D1[n] + n_over_z));
-        }
-        Complex z;
-        std::vector<Complex> D1, D3;
-    };
-
-    LayerWaves(Complex m, double inner_x, double outer_x, int highest_order)
-        : inner(m * inner_x, highest_order), outer(m * outer_x, highest_order) {
-        // psi_0 / zeta_0 = i exp(-iz) sin z; far off the axis in a form that does not overflow.
-        const Complex turn = Complex(0, 1) * (outer.z - inner.z);
-        const auto beyond = [](Complex z) { return std::exp(Complex(0, 2) * z) - 1.0; };
-        Q.push_back(inner.z.imag() > 1 ? std::exp(2.0 * turn) * beyond(inner.z) / beyond(outer.z)
-                                       : std::exp(turn) * std::sin(inner.z) / std::sin(outer.z));
-        for (int n = 1; n <= highest_order; ++n)
-            Q.push_back(Q.back() * inner.step(n) / outer.step(n));
-    }
-
-    /// The logarithmic derivative at the outer surface from that at the inner one.
-    Complex outward(int n, Complex H) const {
-        const Complex G1 = H - inner.D1[n], G2 = H - inner.D3[n];
-        return (G2 * outer.D1[n] - Q[n] * G1 * outer.D3[n]) / (G2 - Q[n] * G1);
-    }
-
-    Surface inner, outer;
-    std::vector<Complex> Q;
-};
-
-// From the core outwards: the tangential fields are continuous, so that D_n / m of a_n and m D_n of
-// b_n are the same on both sides of a surface.
+// Waves go through the layers for eight sizes at once; here all are alike.
 Coefficients of_layers(std::span<const SphereLayer> layers) {
     const double x = layers.back().size_parameter;
     const int terms = number_of_terms(x);
+    std::vector<LaneLayer> lanes;
     bool absorbs = false;
-    Complex m = layers.front().relative_index;
-    double inner_x = layers.front().size_parameter;
-    std::vector<Complex> Ha = logarithmic_derivatives(m * inner_x, terms), Hb = Ha;
     for (const SphereLayer& layer : layers) {
+        lanes.push_back({layer.relative_index, Lanes::Constant(layer.size_parameter)});
         absorbs = absorbs || layer.relative_index.imag() > 0;
-        if (!(layer.size_parameter > inner_x)) continue;  // the core, and shells without thickness
-        const LayerWaves waves(layer.relative_index, inner_x, layer.size_parameter, terms);
-        const Complex ratio = layer.relative_index / m;
-        for (int n = 1; n <= terms; ++n) {
-            Ha[n] = waves.outward(n, ratio * Ha[n]);
-            Hb[n] = waves.outward(n, Hb[n] / ratio);
-        }
-        m = layer.relative_index;
-        inner_x = layer.size_parameter;
     }
-    if (absorbs) return by_recurrence(m, x, Ha, Hb);
-    const auto real_parts = [](const std::vector<Complex>& values) {
-        std::vector<double> real;
-        for (const Complex& value : values) real.push_back(value.real());
-        return real;
-    };
-    return by_recurrence(m.real(), x, real_parts(Ha), real_parts(Hb));
+    const LayeredInside& inside = layered_inside(lanes, terms);
+    const auto surface = std::find_if(layers.begin(), layers.end(), [x](const SphereLayer& layer) {
+        return layer.size_parameter == x;
+    });
+    const Complex m = surface->relative_index;
+    std::vector<Complex> Ha, Hb;
+    std::vector<double> real_a, real_b;
+    for (int n = 0; n <= terms; ++n) {
+        Ha.emplace_back(inside.electric[n].re[0], inside.electric[n].im[0]);
+        Hb.emplace_back(inside.magnetic[n].re[0], inside.magnetic[n].im[0]);
+        real_a.push_back(Ha.back().real());
+        real_b.push_back(Hb.back().real());
+    }
+    return absorbs ? by_recurrence(m, x, Ha, Hb) : by_recurrence(m.real(), x, real_a, real_b);
 }
 
 template <typename Number>

@@ -30,6 +30,11 @@ struct Scatterer {
     std::vector<Coating> coatings = {};   ///< from inside out
 
     bool is_plain() const { return coatings.empty(); }
+    bool absorbs() const {
+        return relative_index.imag() > 0 ||
+               std::any_of(coatings.begin(), coatings.end(),
+                           [](const Coating& of) { return of.relative_index.imag() > 0; });
+    }
     /// The largest real index of all layers: it sets the ripple.
     double n() const {
         double largest = relative_index.real();

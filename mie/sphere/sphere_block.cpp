@@ -4,9 +4,11 @@
 #include <cmath>
 #include <optional>
 #include <type_traits>
+#include <vector>
 
 #include <miebrdf/sphere.h>
 #include "mie/sphere/faint_absorption.h"
+#include "mie/sphere/lane_layers.h"
 #include "mie/sphere/lane_waves.h"
 #include "mie/sphere/radial_functions.h"
 
@@ -112,7 +114,54 @@ LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns<Scalar>& to) {
     return sums;
 }
 
-// The path of single spheres, for sizes where the vector formulas lose digits, and for layers.
+// Spheres of layers: as by_vectors, from logarithmic derivatives at the surface.
+template <typename Scalar>
+LaneSums layered_by_vectors(const Scatterer& scatterer, const Lanes& x,
+                            const BlockColumns<Scalar>& to) {
+    std::vector<LaneLayer> layers = {{scatterer.relative_index, x}};
+    for (const Scatterer::Coating& coating : scatterer.coatings)
+        layers.push_back({coating.relative_index,
+                          layers.back().size_parameter + coating.thickness + coating.share * x});
+    Complex m = scatterer.relative_index;  // of the outermost layer that is there
+    for (std::size_t i = 1; i < layers.size(); ++i) {
+        if ((layers[i].size_parameter > layers[i - 1].size_parameter).all())
+            m = layers[i].relative_index;
+    }
+    const Lanes y = layers.back().size_parameter;
+    Lanes last_order;
+    for (int lane = 0; lane < kLaneCount; ++lane) last_order[lane] = number_of_terms(y[lane]);
+    const int terms = static_cast<int>(last_order.maxCoeff());
+    const LayeredInside& inside = layered_inside(layers, terms);
+    OutsideWaves outside(y);
+    LaneSums sums;
+    Asymmetry asymmetry;
+    Response a, b;
+    const bool absorbs = scatterer.absorbs();
+    for (int n = 1; n <= terms; ++n) {
+        outside.advance_some(n, last_order);
+        const Lanes n_over_y = n * outside.inverse_x;
+        ComplexLanes A = times(1.0 / m, inside.electric[n]), B = times(m, inside.magnetic[n]);
+        A.re += n_over_y;
+        B.re += n_over_y;
+        const auto with = [](const ComplexLanes& z, const Lanes& here, const Lanes& before) {
+            return ComplexLanes{z.re * here - before, z.im * here};
+        };
+        respond(with(A, outside.psi, outside.psi_before), with(A, outside.eta, outside.eta_before),
+                with(B, outside.psi, outside.psi_before), with(B, outside.eta, outside.eta_before),
+                a, b);
+        const Lanes alive = (last_order >= n).select(Lanes::Ones(), Lanes::Zero());
+        silence(a, alive);
+        silence(b, alive);
+        const double degeneracy = 2 * n + 1;
+        sums.scattered += degeneracy * (norm(a.value) + norm(b.value));
+        if (absorbs) sums.absorbed -= degeneracy * (A.im * a.inverse_norm + B.im * b.inverse_norm);
+        sums.asymmetric += asymmetry.next(n, a.value, b.value);
+        if (to.block) to.put(n, a.value, b.value);
+    }
+    return sums;
+}
+
+// The path of single spheres, for sizes where the vector formulas lose digits.
 template <typename Scalar>
 LaneSums one_by_one(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
     Coefficients spheres[kLaneCount];
@@ -169,7 +218,8 @@ void BlockColumns<Scalar>::clear_beyond(int order) const {
 template <typename Scalar>
 LaneSums compute_eight(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
     if (to.block) to.clear_beyond(scatterer.terms(x[0]));
-    if (x[0] < 2 || !scatterer.is_plain()) return one_by_one(scatterer, x, to);
+    if (x[0] < 2) return one_by_one(scatterer, x, to);
+    if (!scatterer.is_plain()) return layered_by_vectors(scatterer, x, to);
     const Complex m = scatterer.relative_index;
     if (m.imag() == 0) return by_vectors(m.real(), x, to);
     return by_vectors(m, x, to);
