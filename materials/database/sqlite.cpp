@@ -237,8 +237,7 @@ Connection Connection::open_memory() {
 std::string Connection::image() const {
     sqlite3_int64 size = 0;
     const std::unique_ptr<unsigned char, void (*)(void*)> bytes(
-        sqlite3_serialize(connection_.get(), "main", &size, 0),
-        sqlite3_free);
+        sqlite3_serialize(connection_.get(), "main", &size, 0), sqlite3_free);
     if (bytes == nullptr) fail(SQLITE_NOMEM, nullptr, name());
     return {reinterpret_cast<const char*>(bytes.get()), static_cast<std::size_t>(size)};
 }

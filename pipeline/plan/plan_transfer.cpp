@@ -67,8 +67,8 @@ void Planner::polarisation() {
     constexpr double times_the_work = 10.0;
     if (!needs_layers_ || jobs_.empty()) return;
     const double solution_s = orders() * order_seconds(size_, layers(), cosines());
-    const double more = (times_the_work - 1.0) * solution_s +
-                        (transfer_cost(orders(), layers()) - solution_s);
+    const double more =
+        (times_the_work - 1.0) * solution_s + (transfer_cost(orders(), layers()) - solution_s);
     std::map<std::string, std::size_t> scalar, polarised;
     std::size_t unknown = 0;
     for (const LayerJob& job : jobs_) {

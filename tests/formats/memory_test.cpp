@@ -8,9 +8,9 @@
 #include "pipeline/formats/table/tabulate.h"
 #include "tests/support/catch.h"
 #include "tests/support/child_process.h"
+#include "tests/support/process_memory.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
-#include "tests/support/process_memory.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kCountsMemory = false;  // freed memory stays in quarantine
