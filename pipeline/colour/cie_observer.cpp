@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf {
 namespace {
@@ -163,9 +164,8 @@ ColourMatching colour_matching(double wavelength_nm, Observer observer) {
 
 double relative_power(Illuminant illuminant, double wavelength_nm) {
     if (!(wavelength_nm >= kObserverShortest_nm && wavelength_nm <= kObserverLongest_nm)) {
-        throw std::invalid_argument(fmt::format("illuminant at {} nm; allowed: {} to {} nm",
-                                                wavelength_nm, kObserverShortest_nm,
-                                                kObserverLongest_nm));
+        throw UsageError(fmt::format("illuminant at {} nm; allowed: {} to {} nm", wavelength_nm,
+                                     kObserverShortest_nm, kObserverLongest_nm));
     }
     switch (illuminant) {
         case Illuminant::d65:

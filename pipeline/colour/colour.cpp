@@ -5,7 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include <miebrdf/error.h>
 
 namespace miebrdf {
 namespace {
@@ -45,13 +46,12 @@ const Eigen::Matrix3d& bradford() {
 }
 
 void check_ascending(const std::vector<double>& wavelength_nm) {
-    if (wavelength_nm.empty())
-        throw std::invalid_argument("colour of a spectrum without wavelengths");
+    if (wavelength_nm.empty()) throw UsageError("colour of a spectrum without wavelengths");
     for (std::size_t i = 0; i < wavelength_nm.size(); ++i) {
         const double before = i == 0 ? 0.0 : wavelength_nm[i - 1];
         if (!(wavelength_nm[i] > before && std::isfinite(wavelength_nm[i]))) {
-            throw std::invalid_argument(fmt::format("wavelengths must ascend: {} nm after {} nm",
-                                                    wavelength_nm[i], before));
+            throw UsageError(fmt::format("wavelengths must ascend: {} nm after {} nm",
+                                         wavelength_nm[i], before));
         }
     }
 }
@@ -124,8 +124,8 @@ ObserverWeights observer_weights(const std::vector<double>& wavelength_nm, const
 
 Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectance) {
     if (reflectance.size() != weights.y.size()) {
-        throw std::invalid_argument(fmt::format("{} reflectances for {} wavelengths",
-                                                reflectance.size(), weights.y.size()));
+        throw UsageError(fmt::format("{} reflectances for {} wavelengths", reflectance.size(),
+                                     weights.y.size()));
     }
     Xyz sum;
     for (std::size_t i = 0; i < reflectance.size(); ++i) {
@@ -189,6 +189,7 @@ double encode_srgb(double linear) {
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour) {
     const auto byte = [](double linear) {
         const double encoded = std::clamp(encode_srgb(linear), 0.0, 1.0);
+        if (std::isnan(encoded)) return std::uint8_t{0};
         return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
     };
     return {byte(colour.red), byte(colour.green), byte(colour.blue)};
@@ -197,7 +198,7 @@ std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour) {
 Colorimeter::Colorimeter(const std::vector<double>& wavelength_nm, const Viewing& viewing)
     : viewing_(viewing), weights_(observer_weights(wavelength_nm, viewing, Between::cubic)) {
     if (wavelength_nm.size() < 3) {
-        throw std::invalid_argument(
+        throw UsageError(
             fmt::format("a colour from {} wavelengths; allowed: 3 or more", wavelength_nm.size()));
     }
     for (std::size_t i = 0; i < wavelength_nm.size(); i += 2) every_other_.push_back(i);

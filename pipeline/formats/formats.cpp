@@ -100,6 +100,19 @@ std::vector<std::string> options_of(const Format& format) {
     return names;
 }
 
+void BrdfFile::evaluate(const Direction& direction, std::span<double> values) const {
+    std::vector<Direction> storage;
+    look_up(require_valid({&direction, 1}, values.size(), channels().size(), storage)[0], values);
+}
+
+void BrdfFile::evaluate_mueller(const Direction& direction, std::span<double> values) const {
+    const auto elements = std::size_t(components() * components());
+    std::vector<Direction> storage;
+    look_up_mueller(
+        require_valid({&direction, 1}, values.size(), channels().size() * elements, storage)[0],
+        values);
+}
+
 std::optional<Direction> BrdfFile::sample(double, double, double) const { return {}; }
 
 double BrdfFile::density(const Direction&) const { return 0.0; }

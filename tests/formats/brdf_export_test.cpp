@@ -216,7 +216,7 @@ class TinyFile : public BrdfFile {
     std::string description() const override { return "one number"; }
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return wavelength_nm_; }
-    void evaluate(const Direction&, std::span<double> values) const override { values[0] = value_; }
+    void look_up(const Direction&, std::span<double> values) const override { values[0] = value_; }
 
   private:
     double value_;

@@ -1,4 +1,5 @@
 // What `check` finds in files: physics, and tables judged at their own directions.
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -22,7 +23,7 @@ class Fake : public BrdfFile {
     std::string description() const override { return ""; }
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return none_; }
-    void evaluate(const Direction& d, std::span<double> values) const override {
+    void look_up(const Direction& d, std::span<double> values) const override {
         values[0] = brdf_(d);
     }
 
@@ -165,4 +166,19 @@ TEST_CASE("tables of few directions have no albedo, and reciprocity only where t
     CHECK_FALSE(one.reciprocity_rms.has_value());
     const FileCheck two = check_file(*table_of({{0.5, 0.9}, {0.3, 0.5, 0.9}, {0, 180}}, lopsided));
     CHECK(two.reciprocity_rms.value() > 0.3);
+}
+
+TEST_CASE("a file refuses directions that are none and values that do not fit",
+          "[formats][file_check][errors]") {
+    const Fake file([](const Direction&) { return 1.0; });
+    const double nan = std::nan("");
+    std::array<double, 1> value = {-7.0};
+    for (const Direction& wrong : {Direction{nan, 0.5, 0.0}, Direction{0.5, 1.1, 0.0},
+                                   Direction{0.5, 0.0, 0.0}, Direction{0.5, 0.5, nan}}) {
+        CAPTURE(wrong.mu_in, wrong.mu_out, wrong.azimuth_deg);
+        CHECK_THROWS_AS(file.evaluate(wrong, value), UsageError);
+        CHECK_THROWS_AS(file.evaluate_mueller(wrong, value), UsageError);
+    }
+    CHECK_THROWS_AS(file.evaluate({0.5, 0.5, 0.0}, {}), UsageError);
+    CHECK(value[0] == -7.0);
 }

@@ -1,5 +1,7 @@
 #include <miebrdf/colour.h>
+#include <miebrdf/error.h>
 
+#include <array>
 #include <cmath>
 
 #include "tests/support/catch.h"
@@ -177,4 +179,14 @@ TEST_CASE("Lab: white, greys in closed form, and the published values of sRGB re
     CHECK(std::abs(red.l - 53.24) <= 0.01);
     CHECK(std::abs(red.a - 80.09) <= 0.02);
     CHECK(std::abs(red.b - 67.20) <= 0.02);
+}
+
+TEST_CASE("colours refuse lists that do not fit, as errors of this library", "[colour][errors]") {
+    const double nan = std::nan("");
+    CHECK_THROWS_AS(observer_weights({}), UsageError);
+    CHECK_THROWS_AS(observer_weights({400, nan, 700}), UsageError);
+    CHECK_THROWS_AS(relative_power(Illuminant::d65, nan), UsageError);
+    CHECK_THROWS_AS(to_xyz(observer_weights({400, 700}), {1.0}), UsageError);
+    CHECK_THROWS_AS(Colorimeter({400, 700}), UsageError);
+    CHECK(to_srgb8({nan, 1.0, 2.0}) == std::array<std::uint8_t, 3>{0, 255, 255});
 }

@@ -54,8 +54,6 @@ void translate(std::exception_ptr thrown) {
         raise("Cancelled", error);
     } catch (const Error& error) {
         raise("Error", error);
-    } catch (const std::invalid_argument& error) {  // <miebrdf/colour.h>
-        raise("UsageError", UsageError(error.what()));
     }
 }
 

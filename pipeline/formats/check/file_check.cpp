@@ -152,7 +152,7 @@ class Exact : public BrdfFile {
     std::string description() const override { return ""; }
     const std::vector<std::string>& channels() const override { return source_.channels(); }
     const std::vector<double>& wavelength_nm() const override { return source_.wavelength_nm(); }
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         source_.evaluate({&direction, 1}, values);
     }
 

@@ -67,7 +67,7 @@ class GridFile : public BrdfFile {
                                 table_.elevation == Elevation::angle_deg};
     }
 
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         const Position i = locate(table_.in, coordinate(direction.mu_in));
         const Position o = locate(table_.out, coordinate(direction.mu_out));
         const Position a = locate(table_.azimuth_deg, azimuth(direction.azimuth_deg));

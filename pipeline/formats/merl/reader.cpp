@@ -60,7 +60,7 @@ class MerlFile : public BrdfFile {
 
     /// Linear in the three angles; as in libbsdf, bins without a value (negative) count as black,
     /// and a direction is missing only where no bin around it has a value.
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         const HalfDifference angles = half_difference(direction);
         const Axis h = half_axis(angles.theta_h / (pi / 2) * kHalf);
         const Axis d = axis(angles.theta_d / (pi / 2) * kDifference, kDifference);

@@ -192,7 +192,7 @@ class PbrtFile : public BrdfFile {
     const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
     Sampling sampling() const override { return Sampling::from_mu_out; }
 
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         std::fill(values.begin(), values.end(), 0.0);
         const auto row = spline_weights(tables_.nodes, direction.mu_out);
         const auto column = spline_weights(tables_.nodes, -direction.mu_in);

@@ -143,7 +143,7 @@ class PbsdfFile : public BrdfFile {
     int components() const override { return 4; }
 
     /// Where one of the nodes around it has no value (NaN: measured materials), Mitsuba is black.
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         const Rusinkiewicz angles{Rays(direction)};
         for (std::size_t w = 0; w < wavelength_nm_.size(); ++w) {
             const double value = element(angles, w, 0);
@@ -151,7 +151,7 @@ class PbsdfFile : public BrdfFile {
         }
     }
 
-    void evaluate_mueller(const Direction& direction, std::span<double> values) const override {
+    void look_up_mueller(const Direction& direction, std::span<double> values) const override {
         const Rays rays(direction);
         const Rusinkiewicz angles(rays);
         // The file's axis, across both rays; where they are the same, whichever their azimuths say.

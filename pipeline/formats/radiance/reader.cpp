@@ -90,7 +90,7 @@ class RadianceFile : public BrdfFile {
     const std::vector<std::string>& channels() const override { return channels_; }
     const std::vector<double>& wavelength_nm() const override { return no_wavelengths_; }
 
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         const std::size_t cell = cell_of(direction);
         const std::array<double, 3> rgb = colour_of(cell);
         std::copy(rgb.begin(), rgb.end(), values.begin());

@@ -43,7 +43,7 @@ class RglFile : public BrdfFile {
     const std::vector<double>& wavelength_nm() const override { return tables_.wavelength_nm; }
     Sampling sampling() const override { return Sampling::from_mu_in; }
 
-    void evaluate(const Direction& direction, std::span<double> values) const override {
+    void look_up(const Direction& direction, std::span<double> values) const override {
         const Incidence incidence = locate(direction.mu_in);
         const Eigen::Vector3d in = incident(direction.mu_in);
         const Point2 u = square_of((in + outgoing(direction)).normalized());

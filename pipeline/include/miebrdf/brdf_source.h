@@ -13,7 +13,8 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// One pair of directions: cosines in (0, 1], azimuth_deg 0 = mirror side.
+/// One pair of directions: cosines in (0, 1] (up to 1 + 1e-6 counts as 1: unit vectors in single
+/// precision), azimuth_deg 0 = mirror side, any finite number.
 struct Direction {
     double mu_in = 1.0;
     double mu_out = 1.0;
@@ -39,6 +40,7 @@ class ChannelMix {
   public:
     virtual ~ChannelMix() = default;
     /// values[3 * d + c] for direction d.
+    /// @throws UsageError  for directions out of range and too few values
     virtual void evaluate(std::span<const Direction> directions,
                           std::span<double> values) const = 0;
 };
@@ -57,6 +59,7 @@ class BrdfSource {
 
     /// values[d * channels().size() + c] for direction d. Directions in sequence that share
     /// (mu_in, mu_out) may be evaluated faster.
+    /// @throws UsageError  for directions out of range and too few values
     virtual void evaluate(std::span<const Direction> directions,
                           std::span<double> values) const = 0;
 
@@ -74,11 +77,24 @@ class BrdfSource {
 
     /// Sums over channels: of many channels a source may know them without evaluating each.
     /// The result must not outlive the source.
+    /// @throws UsageError  when there is not one weight for each channel
     virtual std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const;
 };
 
-/// How many directions, from the first on, share its cosines.
+/// How many directions, from the first on, share its cosines; at least one where there is any.
 std::size_t count_sharing_cosines(std::span<const Direction> directions);
+
+/// What every source asks of its arguments.
+/// @param storage  takes the directions where cosines count as 1
+/// @return the directions to evaluate
+/// @throws UsageError  naming the first cosine or azimuth that is out of range, or the number of
+///         values where there are too few
+std::span<const Direction> require_valid(std::span<const Direction> directions, std::size_t values,
+                                         std::size_t values_of_direction,
+                                         std::vector<Direction>& storage);
+
+/// @throws UsageError  when there is not one for each channel
+void require_weights(const BrdfSource& source, const ColourWeights& weights);
 
 /// "550 nm" for each wavelength, in the shortest form that reads back to the same double.
 std::vector<std::string> channel_names(const std::vector<double>& wavelength_nm);

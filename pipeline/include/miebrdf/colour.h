@@ -40,7 +40,7 @@ enum class Illuminant {
 };
 
 /// Relative spectral power, 100 at 560 nm.
-/// @throws std::invalid_argument  outside 360 to 830 nm
+/// @throws UsageError  outside 360 to 830 nm
 double relative_power(Illuminant illuminant, double wavelength_nm);
 
 /// Under which light and by which eye a colour is seen.
@@ -101,12 +101,12 @@ enum class Between {
 /// beyond the first and last, integrated at 1 nm from 360 to 830 nm. Each of x, y, z sums to the
 /// white of the illuminant, so one wavelength alone stands for a grey.
 /// @param wavelength_nm  ascending, at least one
-/// @throws std::invalid_argument  for an empty list or one that does not ascend
+/// @throws UsageError  for an empty list or one that does not ascend
 ObserverWeights observer_weights(const std::vector<double>& wavelength_nm,
                                  const Viewing& viewing = {}, Between between = Between::linear);
 
 /// @param reflectance  one value for each weight, e.g. pi times a BRDF, or an albedo
-/// @throws std::invalid_argument  when the lengths differ
+/// @throws UsageError  when the lengths differ
 Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectance);
 
 /// Of a reflectance of 1: the chromaticity of the illuminant.
@@ -131,7 +131,7 @@ LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing = {});
 /// The transfer function of IEC 61966-2-1, [0, 1] to [0, 1]; odd beyond 0, continued above 1.
 double encode_srgb(double linear);
 
-/// Encoded, clipped to [0, 1], rounded to 0 ... 255.
+/// Encoded, clipped to [0, 1], rounded to 0 ... 255; NaN is 0.
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour);
 
 /// The colour of a reflectance.
@@ -149,11 +149,11 @@ struct Colour {
 class Colorimeter {
   public:
     /// @param wavelength_nm  ascending, at least three
-    /// @throws std::invalid_argument  for fewer, or for a list that does not ascend
+    /// @throws UsageError  for fewer, or for a list that does not ascend
     explicit Colorimeter(const std::vector<double>& wavelength_nm, const Viewing& viewing = {});
 
     /// @param reflectance  one value for each wavelength
-    /// @throws std::invalid_argument  when the lengths differ
+    /// @throws UsageError  when the lengths differ
     Colour operator()(const std::vector<double>& reflectance) const;
 
     const Viewing& viewing() const { return viewing_; }

@@ -275,12 +275,11 @@ class BrdfFile {
 
     /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
     /// holds none.
-    virtual void evaluate(const Direction& direction, std::span<double> values) const = 0;
+    /// @throws UsageError  for a direction out of range and too few values
+    void evaluate(const Direction& direction, std::span<double> values) const;
     /// Mueller matrices as of BrdfSource, of one direction; 1 component: none.
     virtual int components() const { return 1; }
-    virtual void evaluate_mueller(const Direction& direction, std::span<double> values) const {
-        evaluate(direction, values);
-    }
+    void evaluate_mueller(const Direction& direction, std::span<double> values) const;
     /// Of tables over lists of directions.
     virtual std::optional<ListedDirections> listed() const { return {}; }
 
@@ -292,6 +291,13 @@ class BrdfFile {
     virtual std::optional<Direction> sample(double mu_fixed, double u, double v) const;
     /// Of `sample`, per unit of solid angle, at any direction.
     virtual double density(const Direction& direction) const;
+
+  protected:
+    /// `evaluate`, its arguments checked.
+    virtual void look_up(const Direction& direction, std::span<double> values) const = 0;
+    virtual void look_up_mueller(const Direction& direction, std::span<double> values) const {
+        look_up(direction, values);
+    }
 };
 
 /// Reads whatever `content` is, recognised by its first bytes and structure, not by a name. Binary
