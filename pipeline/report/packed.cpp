@@ -57,6 +57,11 @@ nlohmann::json PageBytes::add(const std::vector<std::vector<double>>& rows) {
     return add(std::span<const double>(all));
 }
 
+nlohmann::json PageBytes::add(const Eigen::MatrixXd& rows) {
+    const Eigen::MatrixXd columns = rows.transpose();
+    return add(std::span<const double>(columns.data(), std::size_t(columns.size())));
+}
+
 nlohmann::json PageBytes::add(std::span<const int> values) {
     const std::size_t offset = bytes_.size();
     for (const int value : values) {

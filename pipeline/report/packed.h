@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/report/low_rank.h"
+#include "pipeline/solve/low_rank.h"
 
 namespace miebrdf::report {
 
@@ -20,6 +20,7 @@ class PageBytes {
     nlohmann::json add(std::span<const double> values);
     /// The rows one after the other.
     nlohmann::json add(const std::vector<std::vector<double>>& rows);
+    nlohmann::json add(const Eigen::MatrixXd& rows);
     /// Appends whole numbers in as few bytes as each needs. @return {"int": [offset, count]}
     nlohmann::json add(std::span<const int> values);
     /// {"rows", "rank", "columns", "scale", "column_scale", "basis", "coefficients", "unit"}: value

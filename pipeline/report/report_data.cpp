@@ -9,11 +9,10 @@
 #include <numeric>
 #include <string_view>
 
-#include "pipeline/report/half_sine_nodes.h"
 #include "pipeline/report/packed.h"
-#include "pipeline/report/page_table.h"
 #include "pipeline/scene/labels.h"
 #include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/compact_table.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/single_scattering.h"
 
@@ -29,16 +28,16 @@ constexpr double kPhaseTolerance = 1e-3;
 constexpr int kSkyCosines = 17;
 constexpr double kLeastCosine = 1e-3;
 
-json table_json(const PageTable& table, PageBytes& bytes) {
+json table_json(const CompactTable& table, PageBytes& bytes) {
     json all = {{"cosines", table.pair_cosines()},
                 {"orders", bytes.add(std::span<const int>(table.orders()))},
                 {"multiple", bytes.add(table.multiple())},
                 {"angles", table.angles()},
                 {"slants", table.slants()},
-                {"first_q", PageTable::kFirstQ},
-                {"last_q", PageTable::kLastQ}};
-    if (table.angles() > 0) all["once"] = bytes.add(table.once());
-    if (!table.in().empty()) {
+                {"first_q", CompactTable::kFirstQ},
+                {"last_q", CompactTable::kLastQ}};
+    if (table.angles() > 0) all["once"] = bytes.add(table.single_scattering());
+    if (table.in().size() > 0) {
         all["in"] = bytes.add(table.in());
         all["out"] = bytes.add(table.out());
     }
@@ -50,7 +49,7 @@ json table_json(const PageTable& table, PageBytes& bytes) {
                        {"masking", bytes.add(std::span<const double>(lobe->masking))},
                        {"fresnel", bytes.add(lobe->fresnel)},
                        {"only_in_pictures", lobe->only_in_pictures}};
-        if (!lobe->scale.empty()) all["lobe"]["scale"] = bytes.add(lobe->scale);
+        if (lobe->scale.size() > 0) all["lobe"]["scale"] = bytes.add(lobe->scale);
     }
     return all;
 }
@@ -61,9 +60,9 @@ json table_json(const PageTable& table, PageBytes& bytes) {
 /// By reciprocity it is the plane albedo at mu_out. The paper's coupling to a surface is not
 /// reciprocal: there the layers' part is integrated over all incidences, and the lobe's, which is
 /// reciprocal, is what the surface does not let in.
-std::vector<std::vector<double>> sky_reflection(const PageTable& table, const Brdf& brdf) {
+std::vector<std::vector<double>> sky_reflection(const CompactTable& table, const Brdf& brdf) {
     const std::size_t count = table.wavelengths();
-    std::vector<double> nodes = half_sine_nodes(kSkyCosines);
+    std::vector<double> nodes = half_sine_nodes(std::size_t(kSkyCosines));
     nodes.front() = kLeastCosine;
     const Scene& scene = brdf.scene();
     if (!scene.surface || scene.coupling != rte::SurfaceCoupling::paper)
@@ -71,7 +70,7 @@ std::vector<std::vector<double>> sky_reflection(const PageTable& table, const Br
     std::vector<std::vector<double>> sky(count);
     // Midpoint rules in angles: smooth, and 0 at both ends by the cosine and the sine.
     constexpr int kZeniths = 24, kAzimuths = 16;
-    std::vector<double> values;
+    std::vector<double> values(count);
     for (const double mu_out : nodes) {
         std::vector<double> row(count, 0.0);
         for (int z = 0; z < kZeniths; ++z) {
@@ -79,8 +78,8 @@ std::vector<std::vector<double>> sky_reflection(const PageTable& table, const Br
             const double weight = 0.5 * std::numbers::pi / kZeniths * std::sin(theta) *
                                   std::cos(theta) * 2.0 * std::numbers::pi / kAzimuths;
             for (int a = 0; a < kAzimuths; ++a) {
-                table.evaluate_layers({std::cos(theta), mu_out, 180.0 * (a + 0.5) / kAzimuths},
-                                      values);
+                const double azimuth = std::numbers::pi * (a + 0.5) / kAzimuths;
+                table.evaluate_layers(std::cos(theta), mu_out, std::cos(azimuth), values);
                 for (std::size_t w = 0; w < count; ++w) row[w] += weight * values[w];
             }
         }
@@ -207,7 +206,7 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
             const Brdf& brdf = variant.brdf;
             const Plan plan = plan_evaluate(brdf, {{0.2, 0.5, 1.0}, {0.1, 0.6}, {0.0, 90.0}});
             const BrdfTable solved = brdf.table();
-            const PageTable table(solved, kPageTolerance, control);
+            const CompactTable table({&solved, 1}, {.tolerance = kPageTolerance}, control);
             const AlbedoValues albedo = brdf.albedo(mu);
             const bool converged = solved.report().converged() && albedo.converged();
             data.converged = data.converged && converged;

@@ -1,4 +1,4 @@
-// What a report page shows: BRDF, albedos, colours and single scattering of scenes.
+// The numbers that a report page shows: BRDF, albedos, colours and single scattering of scenes.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -13,7 +13,7 @@
 
 namespace miebrdf::report {
 
-/// What the page says in words: name and text.
+/// The page says these in words: name and text.
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 /// One member of a family of scenes: the scene itself where nothing is varied.
@@ -21,7 +21,7 @@ struct Variant {
     Brdf brdf;
     std::string label = {};  ///< "optical depth 0.5"
     double value = 0.0;      ///< of what is varied
-    /// What the page says of how it was solved.
+    /// The page says these of how it was solved.
     std::function<Facts(const ResultReport&)> facts = {};
 };
 
@@ -40,7 +40,8 @@ struct ReportData {  // NOLINT(bugprone-exception-escape): moving JSON does not 
     nlohmann::json root;
     PageBytes bytes;  ///< the arrays that it names
     bool converged = true;
-    double interpolation_error = 0.0;  ///< largest of all scenes (PageTable::interpolation_error)
+    double interpolation_error =
+        0.0;  ///< largest of all scenes (CompactTable::interpolation_error)
 };
 
 /// A whole scene without sizes and amounts: "Au (optical depth 0.5) on TiO2".

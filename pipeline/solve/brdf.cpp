@@ -12,8 +12,8 @@
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/rules.h"
+#include "pipeline/solve/solved_table.h"
 #include "pipeline/solve/surface_part.h"
-#include "pipeline/solve/wavelength_table.h"
 
 namespace miebrdf {
 namespace {
@@ -207,8 +207,8 @@ BrdfTable Brdf::table(const TableOptions& options) const {
     }
     SolverOptions solver = state_->solver;
     if (solver.stokes == 0 && options.whole_matrix) solver.stokes = 4;
-    return BrdfTable(
-        make_table(state_->resolved, describe(state_->scene), solver, options, state_->control));
+    return BrdfTable(std::make_shared<const SolvedTable>(state_->resolved, describe(state_->scene),
+                                                         solver, options, state_->control));
 }
 
 ResultReport Brdf::report() const {

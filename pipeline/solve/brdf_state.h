@@ -29,11 +29,4 @@ inline std::vector<std::size_t> all_wavelengths(const ResolvedScene& scene) {
 /// Refuses directions out of range. @throws UsageError  (brdf.cpp)
 void require_valid(const Directions& directions);
 
-/// brdf_table.cpp
-std::shared_ptr<const BrdfTable::State> make_table(const ResolvedScene& scene,
-                                                   const std::string& title,
-                                                   const SolverOptions& solver,
-                                                   const TableOptions& options,
-                                                   const Control& control);
-
 }  // namespace miebrdf

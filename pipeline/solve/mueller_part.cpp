@@ -4,7 +4,6 @@
 #include <limits>
 #include <numbers>
 
-#include "rte/stokes/polarised_beams.h"
 
 namespace miebrdf {
 namespace {
@@ -55,21 +54,20 @@ MuellerPart::MuellerPart(const rte::TabulatedOrders& table, int components)
     }
 }
 
-void MuellerPart::evaluate(const rte::ScaledStack& stack, const std::vector<rte::Optics>& seen,
+void MuellerPart::evaluate(const rte::FirstOrder& first_order,
                            std::span<const Direction> directions, std::span<const double> first,
                            double* matrix, std::size_t stride) const {
     const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
     for (std::size_t d = 0; d < directions.size(); ++d) {
         Eigen::Matrix4d once =
-            rte::scattered_once(stack, seen, mu_in, mu_out, directions[d].azimuth_deg) /
-            std::numbers::pi;
+            first_order.matrix(mu_in, mu_out, directions[d].azimuth_deg) / std::numbers::pi;
         if (once(0, 0) > 0.0) once *= first[d] / once(0, 0);
         for (int row = 0; row < components_; ++row) {
             for (int column = 0; column < components_; ++column)
                 matrix[d * stride + std::size_t(row * components_ + column)] = once(row, column);
         }
     }
-    const NodeStencil in(mu_in), out(mu_out);
+    const SixNodes in = SmoothPart::place_of(mu_in), out = SmoothPart::place_of(mu_out);
     std::vector<double> series;
     for (int element = 0; element < components_ * components_; ++element) {
         elements_[std::size_t(element)].series_at(in, out, mu_in + mu_out, series);

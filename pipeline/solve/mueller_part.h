@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/solve/smooth_part.h"
+#include "rte/first_order/first_order.h"
 #include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
@@ -24,14 +25,12 @@ class MuellerPart {
     int components() const { return components_; }
 
     /// Mueller matrices of the BRDF in 1/sr, at directions that share their cosines.
-    /// @param stack    as it was solved
-    /// @param seen     of its media, as light scattered once sees them
+    /// @param first_order  of the stack as it was solved
     /// @param first    what is scattered once of element 11, of each direction: the matrix of
     ///                 the first order is brought to this, which has narrow features corrected
     /// @param matrix   receives values[d * stride + row * components + column]
-    void evaluate(const rte::ScaledStack& stack, const std::vector<rte::Optics>& seen,
-                  std::span<const Direction> directions, std::span<const double> first,
-                  double* matrix, std::size_t stride) const;
+    void evaluate(const rte::FirstOrder& first_order, std::span<const Direction> directions,
+                  std::span<const double> first, double* matrix, std::size_t stride) const;
 
   private:
     int components_;

@@ -9,14 +9,12 @@
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
-#include "rte/grid/refraction_grid.h"
-#include "rte/phase/scaled_medium.h"
-#include "rte/stack/refracted_first_order.h"
+#include "rte/stack/scaled_stack.h"
 
 namespace miebrdf {
 namespace {
 
-/// Of an error of P that is known by its rms.
+/// An estimate of an error of P that is known by its rms is so many times that.
 constexpr double kDeviations = 2.0;
 /// Where the moments come from the same table, its errors are in them, too, and the forward peak
 /// falls to nothing over the degrees that they may have: what an error of P does lies between what
@@ -29,17 +27,16 @@ struct PeakShare {
 };
 constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareBeforeBack = {1.0, 0.2},
                     kPeakShareNearBack = {0.6, 0.2};
-/// Less than the rms, which is 0.1 for a pair of large spheres and 0.2 for all that were measured:
-/// 0.13 leaves 13 wavelengths of 31 of the pair unconverged, of which those looked at err by half
-/// of 1e-3.
 constexpr PeakShare kPeakShareBack = {0.3, 0.05};
 // Cosines of 165, 176.4 and 179.3 degrees.
 constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;
 
+bool is_straight_back(double cos_theta) { return cos_theta <= kStraightBack; }
+
 PeakShare peak_share(double cos_theta) {
     if (cos_theta > kBeforeBack) return kPeakShare;
     if (cos_theta > kNearBack) return kPeakShareBeforeBack;
-    return cos_theta > kStraightBack ? kPeakShareNearBack : kPeakShareBack;
+    return is_straight_back(cos_theta) ? kPeakShareBack : kPeakShareNearBack;
 }
 
 /// The phase function of one species of a layer.
@@ -49,17 +46,10 @@ struct PhasePart {
     double share = 1.0;                     ///< of the layer's scattering
     std::size_t species = 0;                ///< of the medium
 
-    /// What it adds to the layer's P, per its own.
+    /// The layer's P has this times the part's own.
     double factor(double cos_theta) const {
         return crowded == nullptr ? share : share * crowded->factor(cos_theta);
     }
-};
-
-struct PhaseLayer {
-    std::vector<PhasePart> parts = {};  ///< none: nothing errs
-    double albedo = 0.0;
-    double depth_factor = 1.0;  ///< of delta-M
-    double optical_depth = 0.0;
 };
 
 /// The parts of a layer's phase function that come from Mie theory.
@@ -83,23 +73,7 @@ std::vector<PhasePart> parts_of(const rte::Optics& optics) {
     return parts;
 }
 
-/// The layers from the top down.
-std::vector<PhaseLayer> layers_of(const SolvedLayers& solved) {
-    std::vector<PhaseLayer> layers;
-    const auto add = [&](const rte::Optics& optics, double optical_depth) {
-        const auto scaled = rte::scale_optics(optics, std::max(1, solved.moments), solved.delta_m);
-        layers.push_back({parts_of(optics), optics.single_scattering_albedo, scaled.depth_factor,
-                          optical_depth});
-    };
-    const rte::Stack& stack = solved.stack;
-    for (auto coat = stack.coats.rbegin(); coat != stack.coats.rend(); ++coat)
-        add(coat->optics, coat->optical_depth);
-    if (stack.base_kind == rte::BaseKind::half_space)
-        add(stack.base, std::numeric_limits<double>::infinity());
-    return layers;
-}
-
-/// What an error of a layer's P does to R.
+/// The change of R by an error of a layer's P.
 struct Weight {
     double scattered = 0.0;  ///< dR / dP of what the forward peak does not reach
     double by_peak = 0.0;    ///< more than that where it is in the moments, times PeakShare
@@ -110,82 +84,111 @@ struct Weight {
     double doubt(double cos_theta) const { return peak_share(cos_theta).doubt * by_peak; }
 };
 
-/// Of each layer at a pair of cosines.
-void find_weights(const std::vector<PhaseLayer>& layers, double mu_in, double mu_out,
-                  std::vector<Weight>& weights) {
-    const double q = 1.0 / mu_in + 1.0 / mu_out;
-    double above = 0.25 / (mu_in + mu_out), above_scaled = above;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        const PhaseLayer& layer = layers[i];
-        const double slant = layer.optical_depth * q, scaled = slant * layer.depth_factor;
-        const double as_peak =
-            above_scaled * layer.albedo / layer.depth_factor * -std::expm1(-scaled);
-        const double as_scattered = above * layer.albedo * -std::expm1(-slant);
-        const bool in_moments =
-            !layer.parts.empty() &&
-            std::all_of(layer.parts.begin(), layer.parts.end(),
-                        [](const PhasePart& part) { return part.table->parts().gave_moments; });
-        weights[i] =
-            in_moments ? Weight{as_scattered, as_peak - as_scattered} : Weight{as_peak, 0.0};
-        above *= std::exp(-slant);
-        above_scaled *= std::exp(-scaled);
+/// One part of one layer at one angle, and the change of R by its errors at a direction.
+struct Term {
+    std::size_t layer, part;
+    double cos_theta;
+    double value, doubt;  ///< of Weight, times the part's share
+};
+
+/// Of each scaled medium, its place among the stack's from the top down. Layers without depth, of
+/// which some are left out, scatter nothing.
+std::vector<std::size_t> places_from_top(const rte::Stack& stack, const rte::ScaledStack& scaled) {
+    std::vector<std::size_t> with_depth, places(scaled.media.size(), 0);
+    for (std::size_t c = 0; c < stack.coats.size(); ++c) {
+        if (stack.coats[stack.coats.size() - 1 - c].optical_depth > 0.0) with_depth.push_back(c);
     }
+    with_depth.push_back(stack.coats.size());  // the base
+    std::size_t next = 0;
+    for (std::size_t i = scaled.media.size(); i-- > 0;) {
+        if (scaled.media[i].scaled_optical_depth > 0.0) places[i] = with_depth[next++];
+    }
+    return places;
 }
 
-/// Calls visit(index, cos Theta, weights of the layers, largest value at that incidence).
-/// @param index  under a smooth boundary, else 1
+/// All that errs in the layers of a scene, and how it comes into R.
+class NoisyLayers {
+  public:
+    explicit NoisyLayers(const SolvedLayers& solved)
+        : solved_(solved),
+          scaled_(rte::scale_stack(solved.stack, std::max(1, solved.moments), solved.delta_m,
+                                   rte::NarrowPart::ignored)),
+          unscaled_(rte::scale_stack(solved.stack, 1, false, rte::NarrowPart::ignored)) {
+        for (const rte::ScaledMedium& medium : scaled_.media) {
+            parts_.push_back(parts_of(medium.exact));
+            const std::vector<PhasePart>& parts = parts_.back();
+            in_moments_.push_back(std::all_of(
+                parts.begin(), parts.end(),
+                [](const PhasePart& part) { return part.table->parts().gave_moments; }));
+            part_count_ += parts.size();
+        }
+        places_ = places_from_top(solved.stack, scaled_);
+        // A rough boundary averages over angles.
+        if (solved.stack.boundary && solved.stack.boundary->is_rough()) part_count_ = 0;
+    }
+    NoisyLayers(const NoisyLayers&) = delete;
+
+    /// 0: nothing errs.
+    std::size_t part_count() const { return part_count_; }
+    /// From the bottom up.
+    std::size_t layers() const { return parts_.size(); }
+    const std::vector<PhasePart>& parts(std::size_t layer) const { return parts_[layer]; }
+    /// Among the stack's media, from the top down.
+    std::size_t place(std::size_t layer) const { return places_[layer]; }
+
+    /// Calls visit(index, terms, largest value at that incidence) for each direction.
+    template <typename Visit>
+    void for_each_direction(const std::vector<double>& reflection, const Visit& visit) const;
+
+  private:
+    const SolvedLayers& solved_;
+    rte::ScaledStack scaled_, unscaled_;
+    std::vector<std::vector<PhasePart>> parts_;
+    std::vector<std::size_t> places_;
+    std::vector<bool> in_moments_;
+    std::size_t part_count_ = 0;
+};
+
 template <typename Visit>
-void for_each_direction(const std::vector<PhaseLayer>& layers, double index,
-                        const Directions& directions, const std::vector<double>& reflection,
-                        const Visit& visit) {
-    const auto& [mu_in, mu_out, azimuths] = directions;
+void NoisyLayers::for_each_direction(const std::vector<double>& reflection,
+                                     const Visit& visit) const {
+    const auto& [mu_in, mu_out, azimuths] = solved_.directions;
     const std::size_t block = mu_out.size() * azimuths.size();
-    std::vector<double> cosines;
-    cosines.reserve(azimuths.size());
-    std::vector<Weight> weights(layers.size());
-    for (const double azimuth : azimuths)
-        cosines.push_back(std::cos(azimuth * (std::numbers::pi / 180.0)));
+    const rte::FirstOrder with_peak(scaled_, true), without_peak(unscaled_, true);
+    std::vector<Term> terms;
     std::size_t k = 0;
     for (const double in : mu_in) {
         const auto first = reflection.begin() + static_cast<std::ptrdiff_t>(k);
         const double brightest =
             *std::max_element(first, first + static_cast<std::ptrdiff_t>(block));
-        const double inner_in = rte::refracted_cosine(index, in);
         for (const double out : mu_out) {
-            const double inner_out = rte::refracted_cosine(index, out);
-            find_weights(layers, inner_in, inner_out, weights);
-            const double paths = rte::straight_paths_factor(index, in, out);
-            for (Weight& weight : weights) {
-                weight.scattered *= paths;
-                weight.by_peak *= paths;
-            }
-            for (const double cosine : cosines) {
-                visit(k++, rte::cos_scattering_angle(inner_in, inner_out, cosine), weights,
-                      brightest);
+            const auto as_peak = with_peak.weights(in, out);
+            const auto as_scattered = without_peak.weights(in, out);
+            for (const double azimuth : azimuths) {
+                const double cosine = std::cos(azimuth * (std::numbers::pi / 180.0));
+                terms.clear();
+                const auto add = [&](std::size_t layer, double cos_theta, double peak,
+                                     double scattered) {
+                    const Weight weight = in_moments_[layer] ? Weight{scattered, peak - scattered}
+                                                             : Weight{peak, 0.0};
+                    for (std::size_t p = 0; p < parts_[layer].size(); ++p) {
+                        const double factor = parts_[layer][p].factor(cos_theta);
+                        terms.push_back({layer, p, cos_theta, factor * weight.value(cos_theta),
+                                         factor * weight.doubt(cos_theta)});
+                    }
+                };
+                for (std::size_t i = 0; i < layers(); ++i) {
+                    if (parts_[i].empty()) continue;
+                    const rte::PhaseWeights& at = as_peak[i];
+                    const rte::ScatteringAngles angles(at.mu_in, at.mu_out);
+                    add(i, angles.back(cosine), at.back, as_scattered[i].back);
+                    if (at.forward > 0.0)
+                        add(i, angles.forward(cosine), at.forward, as_scattered[i].forward);
+                }
+                visit(k++, terms, brightest);
             }
         }
     }
-}
-
-// A rough boundary averages over angles.
-bool is_rough(const rte::Stack& stack) { return stack.boundary && stack.boundary->is_rough(); }
-
-// As boundaries see the topmost layer. Layers of other hosts and beams that mirrors send back see
-// other angles; their noise is taken as that of the topmost one's.
-double index_of(const rte::Stack& stack) { return stack.boundary ? rte::top_index(stack) : 1.0; }
-
-bool has_one_index(const rte::Stack& stack) {
-    if (stack.base_kind == rte::BaseKind::mirror) return false;
-    if (!stack.boundary) return true;
-    const double index = rte::top_index(stack);
-    return (stack.base_kind != rte::BaseKind::half_space || stack.base_index == index) &&
-           std::all_of(stack.coats.begin(), stack.coats.end(),
-                       [=](const rte::Coat& coat) { return coat.index == index; });
-}
-
-bool any_noisy(const std::vector<PhaseLayer>& layers) {
-    return std::any_of(layers.begin(), layers.end(),
-                       [](const PhaseLayer& layer) { return !layer.parts.empty(); });
 }
 
 /// P of one layer at one angle, anew.
@@ -195,12 +198,19 @@ struct Point {
     double noise = 0.0;   ///< rms
 };
 
-/// By angle, of each part of each layer; angles that differ by rounding are one.
+/// Points of each part of each layer by angle; angles that differ by rounding are one.
 using Points = std::vector<std::vector<std::map<double, Point>>>;
 
 double angle_of(double cos_theta) {
     constexpr double step = 1e-6;  // degrees
     return step * std::round(std::acos(cos_theta) * (180.0 / std::numbers::pi) / step);
+}
+
+const Point* find_point(const Points& points, const Term& term) {
+    if (points.empty()) return nullptr;
+    const std::map<double, Point>& of_part = points[term.layer][term.part];
+    const auto found = of_part.find(angle_of(term.cos_theta));
+    return found == of_part.end() ? nullptr : &found->second;
 }
 
 /// P of a species at the angles of its points, from as many sizes as that takes.
@@ -226,7 +236,7 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
 }
 
-/// What a point may err by where the doubt about the peak takes a part of what is left of the
+/// A point may err by this where the doubt about the peak takes a part of what is left of the
 /// tolerance there: the part that points do not have in any case, then theirs, but for half of it.
 double beside_doubt(double allowed, double doubt) {
     const double left = allowed / kShareOfPoints;
@@ -239,34 +249,25 @@ void raise(double& largest, double value) {
     if (value > largest || std::isnan(value)) largest = value;
 }
 
-PhaseErrors errors_left(const std::vector<PhaseLayer>& layers, const SolvedLayers& solved,
+PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
                         const std::vector<double>& reflection, const Points& points) {
     const Directions& directions = solved.directions;
     const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
     PhaseErrors worst;
-    for_each_direction(
-        layers, index_of(solved.stack), directions, reflection,
-        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double brightest) {
-            const double of_transfer = solved.transfer_errors[k];
+    layers.for_each_direction(
+        reflection, [&](std::size_t k, const std::vector<Term>& terms, double brightest) {
             double noise = 0.0;
-            for (std::size_t i = 0; i < layers.size(); ++i) {
-                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
-                    const PhasePart& part = layers[i].parts[p];
-                    double own = part.table->noise(cos_theta), change = 0.0;
-                    if (!points.empty() && !points[i][p].empty()) {
-                        const auto known = points[i][p].find(angle_of(cos_theta));
-                        if (known != points[i][p].end()) {
-                            own = known->second.noise;
-                            change = known->second.change;
-                        }
-                    }
-                    const double factor = part.factor(cos_theta);
-                    noise = std::hypot(noise, factor * weights[i].value(cos_theta) * own,
-                                       factor * weights[i].doubt(cos_theta) * change);
+            for (const Term& term : terms) {
+                double own = layers.parts(term.layer)[term.part].table->noise(term.cos_theta);
+                double change = 0.0;
+                if (const Point* known = find_point(points, term)) {
+                    own = known->noise;
+                    change = known->change;
                 }
+                noise = std::hypot(noise, term.value * own, term.doubt * change);
             }
             noise = brightest > 0.0 ? noise / brightest : 0.0;
-            raise(worst.with_transfer, of_transfer + kDeviations * noise);
+            raise(worst.with_transfer, solved.transfer_errors[k] + kDeviations * noise);
             if (!(noise > worst.noise.largest)) return;
             worst.noise = {noise, directions.mu_in[k / azimuths / outs],
                            directions.mu_out[k / azimuths % outs],
@@ -283,10 +284,10 @@ PhaseErrors of_transfer_alone(const SolvedLayers& solved) {
 
 }  // namespace
 
-PhaseErrors phase_errors(const SolvedLayers& layers, const std::vector<double>& reflection) {
-    const std::vector<PhaseLayer> list = layers_of(layers);
-    if (!any_noisy(list) || is_rough(layers.stack)) return of_transfer_alone(layers);
-    return errors_left(list, layers, reflection, {});
+PhaseErrors phase_errors(const SolvedLayers& solved, const std::vector<double>& reflection) {
+    const NoisyLayers layers(solved);
+    if (layers.part_count() == 0) return of_transfer_alone(solved);
+    return errors_left(layers, solved, reflection, {});
 }
 
 bool has_noisy_phase(const rte::Stack& stack) {
@@ -299,60 +300,42 @@ bool has_noisy_phase(const rte::Stack& stack) {
 PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
                          const SolvedLayers& solved, const std::vector<double>& allowed,
                          std::vector<double>& reflection, const mie::Executor& run) {
-    const std::vector<PhaseLayer> layers = layers_of(solved);
-    if (!any_noisy(layers) || is_rough(solved.stack) || !has_one_index(solved.stack))
-        return phase_errors(solved, reflection);
-    const double index = index_of(solved.stack);
-    Points points(layers.size());
-    std::size_t parts = 0;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        points[i].resize(layers[i].parts.size());
-        parts += layers[i].parts.size();
-    }
-    // An rms; parts err independently of each other.
-    const double share = 1.0 / (kDeviations * std::sqrt(static_cast<double>(parts)));
-    for_each_direction(
-        layers, index, solved.directions, reflection,
-        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double brightest) {
-            const double largest = share * allowed[k] * std::max(brightest, 0.0);
-            for (std::size_t i = 0; i < layers.size(); ++i) {
-                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
-                    const PhasePart& part = layers[i].parts[p];
-                    const double factor = part.factor(cos_theta);
-                    const double weight = weights[i].value(cos_theta) * factor;
-                    if (!(weight > 0.0)) continue;
-                    const double noise = part.table->noise(cos_theta);
-                    if (noise <= largest / weight) continue;
-                    // The table's noise is what P will change by, as far as is known before.
-                    const double doubt = weights[i].doubt(cos_theta) * factor * noise;
-                    const double enough = beside_doubt(largest, doubt) / weight;
-                    Point& point = points[i][p][angle_of(cos_theta)];
-                    point.allowed = std::min(point.allowed, enough);
-                }
-            }
-        });
-    for (std::size_t i = 0; i < layers.size(); ++i) {
+    const NoisyLayers layers(solved);
+    if (layers.part_count() == 0) return of_transfer_alone(solved);
+    Points points(layers.layers());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i].resize(layers.parts(i).size());
+    layers.for_each_direction(reflection, [&](std::size_t k, const std::vector<Term>& terms,
+                                              double brightest) {
+        // An rms; terms err independently of each other.
+        const double largest = allowed[k] * std::max(brightest, 0.0) /
+                               (kDeviations * std::sqrt(static_cast<double>(terms.size())));
+        for (const Term& term : terms) {
+            if (!(term.value > 0.0)) continue;
+            const double noise = layers.parts(term.layer)[term.part].table->noise(term.cos_theta);
+            if (noise <= largest / term.value) continue;
+            // The table's noise is what P will change by, as far as is known before. Straight back
+            // the doubt is so large that no number of sizes makes up for it: it is stated.
+            const double doubt = term.doubt * noise;
+            Point& point = points[term.layer][term.part][angle_of(term.cos_theta)];
+            point.allowed = std::min(point.allowed, beside_doubt(largest, doubt) / term.value);
+        }
+    });
+    for (std::size_t i = 0; i < points.size(); ++i) {
         // The layers that show are the scene's topmost.
-        const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - i];
-        for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
-            const PhasePart& part = layers[i].parts[p];
+        const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - layers.place(i)];
+        for (std::size_t p = 0; p < points[i].size(); ++p) {
+            const PhasePart& part = layers.parts(i)[p];
             if (!points[i][p].empty())
                 find_points(medium.species[part.species], w, demand, part, run, points[i][p]);
         }
     }
-    for_each_direction(
-        layers, index, solved.directions, reflection,
-        [&](std::size_t k, double cos_theta, const std::vector<Weight>& weights, double) {
-            for (std::size_t i = 0; i < layers.size(); ++i) {
-                for (std::size_t p = 0; p < layers[i].parts.size(); ++p) {
-                    if (points[i][p].empty()) continue;
-                    const auto point = points[i][p].find(angle_of(cos_theta));
-                    if (point == points[i][p].end()) continue;
-                    reflection[k] += weights[i].value(cos_theta) *
-                                     layers[i].parts[p].factor(cos_theta) * point->second.change;
-                }
-            }
-        });
+    layers.for_each_direction(reflection,
+                              [&](std::size_t k, const std::vector<Term>& terms, double) {
+                                  for (const Term& term : terms) {
+                                      if (const Point* point = find_point(points, term))
+                                          reflection[k] += term.value * point->change;
+                                  }
+                              });
     return errors_left(layers, solved, reflection, points);
 }
 

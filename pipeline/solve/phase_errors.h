@@ -1,4 +1,4 @@
-// What errors of the phase function do to R at single directions, and the cure for a few of them.
+// Errors of the phase function change R at single directions; a few of them are cured here.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -32,12 +32,12 @@ struct PhaseErrors {
 ///
 /// Single scattering with the noise for P, weakened by what lies above; layers err independently.
 /// Where the moments come from the same table, its errors are in both, and light that is diffracted
-/// before or after counts by what degree they belong to (rte/first_order/narrow_features.h).
+/// before or after counts by what degree they belong to (rte/first_order/glory_correction.h).
 ///
 /// @param reflection  R laid out as BrdfValues::Slice
 PhaseErrors phase_errors(const SolvedLayers& layers, const std::vector<double>& reflection);
 
-/// Whether a layer has a phase function that errs at single angles.
+/// True if a layer has a phase function that errs at single angles.
 bool has_noisy_phase(const rte::Stack& stack);
 
 /// P anew, at the angles of directions where twice the noise is above `allowed`, from as many sizes

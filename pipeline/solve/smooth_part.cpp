@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace miebrdf {
@@ -29,42 +28,11 @@ std::size_t orders_that_matter(const double* a, std::size_t orders) {
 
 }  // namespace
 
-NodeStencil::NodeStencil(double mu) {
-    constexpr int intervals = SmoothPart::kNodes - 1;
-    constexpr int count = kNodes;
-    const double x =
-        2.0 / std::numbers::pi * std::asin(std::sqrt(std::clamp(mu, 0.0, 1.0))) * intervals;
-    const int lowest = std::clamp(static_cast<int>(x) - count / 2 + 1, 0, intervals + 1 - count);
-    first = static_cast<std::size_t>(lowest);
-    // Rounding of sin and asin must not turn a node into something between nodes.
-    const double nearest = std::round(x);
-    const double t = (std::abs(x - nearest) < 1e-11 * intervals ? nearest : x) - lowest;
-    // 1 / product over i != j of (j - i).
-    constexpr std::array<double, kNodes> factor = {-1.0 / 120, 1.0 / 24,  -1.0 / 12,
-                                                   1.0 / 12,   -1.0 / 24, 1.0 / 120};
-    std::array<double, kNodes> before = {1.0}, after = {};
-    for (int j = 1; j < count; ++j)
-        before[std::size_t(j)] = before[std::size_t(j - 1)] * (t - (j - 1));
-    after[kNodes - 1] = 1.0;
-    for (int j = count - 2; j >= 0; --j)
-        after[std::size_t(j)] = after[std::size_t(j + 1)] * (t - (j + 1));
-    for (std::size_t j = 0; j < kNodes; ++j) weight[j] = factor[j] * before[j] * after[j];
-}
-
-double NodeStencil::of(const std::vector<double>& at_nodes) const {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < kNodes; ++j) sum += weight[j] * at_nodes[first + j];
-    return sum;
-}
-
 const std::vector<double>& SmoothPart::nodes() {
     static const std::vector<double> cosines = [] {
-        std::vector<double> list;
-        for (std::size_t k = 0; k < kNodes; ++k) {
-            const double sine = std::sin(std::numbers::pi / 2 * static_cast<double>(k) /
-                                         static_cast<double>(kNodes - 1));
-            list.push_back(k + 1 == kNodes ? 1.0 : std::max(sine * sine, kHorizon));
-        }
+        std::vector<double> list = half_sine_nodes(kNodes);
+        list.front() = kHorizon;
+        list.back() = 1.0;
         return list;
     }();
     return cosines;
@@ -93,10 +61,10 @@ void SmoothPart::count_needed() {
     for (std::size_t in = 0; in < kStencils; ++in) {
         for (std::size_t out = 0; out < kStencils; ++out) {
             std::size_t most = 1;
-            for (std::size_t i = 0; i < NodeStencil::kNodes; ++i) {
+            for (std::size_t i = 0; i < SixNodes::kCount; ++i) {
                 const auto row =
                     of_pair.begin() + static_cast<std::ptrdiff_t>((in + i) * kNodes + out);
-                most = std::max(most, *std::max_element(row, row + NodeStencil::kNodes));
+                most = std::max(most, *std::max_element(row, row + SixNodes::kCount));
             }
             needed_[in * kStencils + out] = static_cast<std::uint32_t>(most);
         }
@@ -125,10 +93,10 @@ void SmoothPart::add(const SmoothPart& other, double weight) {
 }
 
 void SmoothPart::series_at(double mu_in, double mu_out, std::vector<double>& series) const {
-    series_at(NodeStencil(mu_in), NodeStencil(mu_out), mu_in + mu_out, series);
+    series_at(place_of(mu_in), place_of(mu_out), mu_in + mu_out, series);
 }
 
-void SmoothPart::series_at(const NodeStencil& in, const NodeStencil& out, double mu_sum,
+void SmoothPart::series_at(const SixNodes& in, const SixNodes& out, double mu_sum,
                            std::vector<double>& series) const {
     if (modes_.empty()) {
         series.assign(kLanes, 0.0);
@@ -136,17 +104,13 @@ void SmoothPart::series_at(const NodeStencil& in, const NodeStencil& out, double
     }
     series.resize(whole_lanes(needed_[in.first * kStencils + out.first]));
     math::SeriesTable::Weights weight_in, weight_out;
-    for (std::size_t j = 0; j < NodeStencil::kNodes; ++j) {
+    for (std::size_t j = 0; j < SixNodes::kCount; ++j) {
         weight_in[j] = static_cast<float>(in.weight[j] / mu_sum);
         weight_out[j] = static_cast<float>(out.weight[j]);
     }
     const math::SeriesTable neighbours{&modes_[(in.first * kNodes + out.first) * orders_],
                                        kNodes * orders_, orders_};
     neighbours.add_up(weight_in, weight_out, series);
-}
-
-double at_cosine(const std::vector<double>& at_nodes, double mu) {
-    return NodeStencil(mu).of(at_nodes);
 }
 
 }  // namespace miebrdf

@@ -1,29 +1,17 @@
 // Light scattered more than once: smooth enough to be tabulated over cosines and azimuthal orders.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/solve/cosine_nodes.h"
 #include "rte/math/cosine_series.h"
 
 namespace miebrdf {
 
-/// Six neighbouring nodes of SmoothPart and their Lagrange weights: where a cosine lies.
-struct NodeStencil {
-    static constexpr std::size_t kNodes = math::SeriesTable::kNeighbours;
-
-    explicit NodeStencil(double mu);
-    /// Any function given at the nodes.
-    double of(const std::vector<double>& at_nodes) const;
-
-    std::size_t first = 0;
-    std::array<double, kNodes> weight = {};
-};
-
-/// (mu_in + mu_out) R^m on the cosines sin^2(pi x / 2), x = 0, 1/48, ..., 1, interpolated between
-/// them in x by sixth-order Lagrange polynomials; at these cosines nothing is interpolated. Kept in
+/// (mu_in + mu_out) R^m on 49 half_sine_nodes, interpolated between them by sixth-order Lagrange
+/// polynomials (SixNodes); at these cosines nothing is interpolated. Kept in
 /// single precision: 1e-7 of a pair's largest order, where interpolation is seldom better than
 /// 1e-6.
 class SmoothPart {
@@ -34,6 +22,8 @@ class SmoothPart {
 
     /// The cosines, ascending; the first stands for the horizon.
     static const std::vector<double>& nodes();
+
+    static SixNodes place_of(double mu) { return SixNodes::of_share(mu, kNodes); }
 
     /// Nothing: R = 0.
     SmoothPart() = default;
@@ -49,21 +39,18 @@ class SmoothPart {
 
     /// The coefficients a_m at a pair of cosines, filled up with zeros to a multiple of kLanes.
     void series_at(double mu_in, double mu_out, std::vector<double>& series) const;
-    /// The same for places that are known; many wavelengths share them.
+    /// The coefficients for places (place_of) that are known; many wavelengths share them.
     /// @param mu_sum  mu_in + mu_out
-    void series_at(const NodeStencil& in, const NodeStencil& out, double mu_sum,
+    void series_at(const SixNodes& in, const SixNodes& out, double mu_sum,
                    std::vector<double>& series) const;
 
   private:
-    static constexpr std::size_t kStencils = kNodes - NodeStencil::kNodes + 1;
+    static constexpr std::size_t kStencils = kNodes - SixNodes::kCount + 1;
     void count_needed();
 
     std::size_t orders_ = 0;  ///< a multiple of kLanes, filled up with zeros
     std::vector<float> modes_;
     std::vector<std::uint32_t> needed_;  ///< orders that matter, [first_in * kStencils + first_out]
 };
-
-/// Any function given at the nodes, between them.
-double at_cosine(const std::vector<double>& at_nodes, double mu);
 
 }  // namespace miebrdf

@@ -14,7 +14,7 @@ namespace {
 // peak; cut off at four sigma.
 constexpr double kSigma = 12.0;
 constexpr int kHalfWindow = 48;
-// The rest counts when it could move first-order light by this much (times 1 / (1 - alpha f)).
+// The structure counts when it could move first-order light by this much (times 1 / (1 - alpha f)).
 constexpr double kNegligible = 1e-7;
 
 double chi_at(const Optics& optics, std::size_t degree) {
@@ -172,10 +172,10 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cut
         }
         smooth = std::clamp(smooth, -highest[std::size_t(l)], highest[std::size_t(l)]);
         split.peak.push_back(smooth);
-        split.rest.push_back(chi[std::size_t(l)] - smooth);
-        largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.rest.back()));
+        split.structure.push_back(chi[std::size_t(l)] - smooth);
+        largest = std::max(largest, (2.0 * l + 1.0) * std::abs(split.structure.back()));
     }
-    if (largest <= kNegligible) split.rest.clear();
+    if (largest <= kNegligible) split.structure.clear();
     return split;
 }
 

@@ -42,7 +42,7 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m);
 /// @param scaled  overwritten; its memory is used again
 void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled);
 
-/// Moments chi_l, l >= L, split into the smooth forward peak F_l and the rest N_l (glory,
+/// Moments chi_l, l >= L, split into the smooth forward peak F_l and the structure N_l (glory,
 /// rainbows).
 ///
 /// delta-M treats light in the peak as not scattered, so first-order light of TMS carries the full
@@ -50,9 +50,9 @@ void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics&
 /// glory before or after. Narrow features of degree l are only fed by what stays narrow at that
 /// degree: they get 1 / (1 - alpha F_l) in place of 1 / (1 - alpha f).
 struct ForwardPeak {
-    int first_degree = 0;      ///< L
-    std::vector<double> peak;  ///< F_l, l = L, L + 1, ...
-    std::vector<double> rest;  ///< N_l = chi_l - F_l; empty when there is nothing to correct
+    int first_degree = 0;           ///< L
+    std::vector<double> peak;       ///< F_l, l = L, L + 1, ...
+    std::vector<double> structure;  ///< N_l = chi_l - F_l; empty when there is nothing to correct
 };
 
 /// F_l is the running Gaussian mean of chi over l, sigma 12 degrees; geometric where chi is
@@ -71,12 +71,12 @@ struct ScaledMedium {
     Optics exact;
     ScaledOptics scaled;
     double scaled_optical_depth = 0.0;  ///< tau', by delta-M; infinite for a half-space
-    /// Degrees beyond delta-M; without a rest where there is nothing to correct.
+    /// Degrees beyond delta-M; without structure where there is nothing to correct.
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
     /// Shares of degrees that the nodes do not resolve near retro-reflection, [degree][angle of
     /// zenith, kResolvedAngles in equal steps to the horizon]; none: whatever moments describe, or
-    /// `narrow` has no rest.
+    /// `narrow` has no structure.
     std::vector<double> unresolved_shares = {};
 };
 

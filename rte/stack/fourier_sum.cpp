@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "rte/first_order/narrow_features.h"
+#include "rte/first_order/glory_correction.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/stack_solver.h"
 
@@ -81,7 +81,7 @@ double FourierSizes::relative(const Eigen::VectorXd& largest) const {
 }
 
 FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
-    : strengths_(NarrowStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
+    : strengths_(GloryStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
 
 // Near retro-reflection the orders above m are the share 2/pi acos(m / l) of P_l.
 double FeatureOrders::beyond(int m) const {

@@ -11,12 +11,11 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
-#include "rte/stack/refracted_first_order.h"
 #include "rte/stack/stack_solver.h"
-#include "rte/stokes/polarised_beams.h"
 
 namespace miebrdf::rte {
 
@@ -74,11 +73,12 @@ double more_unresolved_at_zenith(const ScaledStack& stack) {
         double in_values = 0.0, at_zenith = 0.0;
         const auto degrees =
             std::min(medium.unresolved_shares.size() / kResolvedAngles,
-                     std::size_t(medium.narrow.first_degree) + medium.narrow.rest.size());
+                     std::size_t(medium.narrow.first_degree) + medium.narrow.structure.size());
         for (auto l = std::size_t(medium.narrow.first_degree); l < degrees; ++l) {
             const double share = medium.unresolved_shares[l * kResolvedAngles];
-            const double rest = medium.narrow.rest[l - std::size_t(medium.narrow.first_degree)];
-            const double size = (2.0 * double(l) + 1.0) * std::abs(rest);
+            const double structure =
+                medium.narrow.structure[l - std::size_t(medium.narrow.first_degree)];
+            const double size = (2.0 * double(l) + 1.0) * std::abs(structure);
             in_values += share * size;
             at_zenith += share > 0.0 ? size : 0.0;
         }
@@ -121,21 +121,6 @@ void pad_moments(Optics& optics) {
                       0.0);
 }
 
-/// Light scattered once, as the light that is solved has it.
-struct FirstOrderOfLight {
-    std::optional<StackFirstOrder> number = {};
-    std::optional<StokesFirstOrderOfStack> stokes = {};
-
-    FirstOrderOfLight(const Directions& judged, const SolvedLight& light,
-                      const SolverOptions& options) {
-        if (light.components == 1) {
-            number.emplace(judged, options);
-        } else {
-            stokes.emplace(judged, light.shown(), options);
-        }
-    }
-};
-
 struct Request {
     const Stack& stack;
     const Directions& directions;
@@ -146,7 +131,7 @@ struct Request {
 
 void reflect_with(const Request& request, const Discretisation& discretisation,
                   SolutionMemory::Parts::AtStreams& memory, FourierOrders& orders,
-                  FirstOrderOfLight& first_order, Solution& solution) {
+                  FirstOrderSum& first_order, Solution& solution) {
     const SolverOptions& options = request.options;
     ScaledStack& scaled = memory.scaled;
     scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored,
@@ -173,11 +158,8 @@ void reflect_with(const Request& request, const Discretisation& discretisation,
             std::max(solution.report.error_estimate, kEquationShare * options.tolerance);
     }
     if (!solution.physical) return;
-    if (first_order.stokes) {
-        first_order.stokes->add_to(solution.values, scaled);
-        return;
-    }
-    first_order.number->add_to(solution.values, scaled, &solution.unresolved);
+    first_order.add_to(solution.values, scaled,
+                       request.light.components == 1 ? &solution.unresolved : nullptr);
     if (!solution.unresolved.empty())
         add_at_zenith(request.directions, more_unresolved_at_zenith(scaled), solution.unresolved);
 }
@@ -242,10 +224,10 @@ void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_
     if (exact.boundary && exact.boundary->is_rough()) return;
     for (const double mu : mu_in) {
         if (light.components == 1) {
-            reflectances.push_back(mirror_reflectance(exact, mu));
+            reflectances.push_back(mirror_reflection<double>(exact, mu));
             continue;
         }
-        const Eigen::Matrix4d M = mueller_of(polarised_mirror_reflection(exact, mu));
+        const Eigen::Matrix4d M = mueller_of(mirror_reflection<FresnelMatrix>(exact, mu));
         for (int element = 0, c = light.shown(); element < c * c; ++element)
             reflectances.push_back(M(element / c, element % c));
     }
@@ -292,7 +274,7 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     SolutionMemory::Parts& kept = (memory != nullptr ? *memory : own.emplace()).parts();
     FourierOrders orders;  // of the solution before, with fewer nodes
     int nodes_before = 0;
-    FirstOrderOfLight first_order(judged, light, options);
+    FirstOrderSum first_order(judged, options, light.components, light.shown());
     const Request request{stack, judged, requested, light, options};
     Solutions solutions;
     const JudgedValues values{

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "rte/first_order/narrow_features.h"
+#include "rte/first_order/glory_correction.h"
 #include "rte/stack/hidden_layers.h"
 
 namespace miebrdf::rte {
@@ -61,18 +61,6 @@ std::vector<double> indices_of(const ScaledStack& stack) {
 }
 
 }  // namespace
-
-bool ScaledStack::refracts() const {
-    return top_index != 1.0 || ground_index != 1.0 ||
-           std::any_of(media.begin(), media.end(),
-                       [](const ScaledMedium& medium) { return medium.index != 1.0; });
-}
-
-bool ScaledStack::has_mirrors() const {
-    return base == BaseKind::mirror || ground_index != top_index ||
-           std::any_of(media.begin(), media.end(),
-                       [this](const ScaledMedium& medium) { return medium.index != top_index; });
-}
 
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted) {
     ScaledStack scaled;
@@ -160,7 +148,7 @@ void split_by_resolution(ScaledStack& stack, const StackGrids& grids) {
     for (ScaledMedium& medium : stack.media) {
         medium.narrow = split_forward_peak(medium.exact.chi, 1, medium.scaled.first_cutoff);
         medium.unresolved_shares.clear();
-        if (medium.narrow.rest.empty()) continue;
+        if (medium.narrow.structure.empty()) continue;
         medium.unresolved_shares = unresolved_shares(
             resolved_waves(grids.of(medium.index), kResolvedAngles), int(medium.scaled.chi.size()));
     }

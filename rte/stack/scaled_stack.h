@@ -1,40 +1,15 @@
-// A stack of media as the discrete equations see it, and the nodes of each medium.
+// How a stack is scaled for the discrete equations, and the nodes of each medium.
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <vector>
 
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 #include "rte/grid/refraction_grid.h"
-#include "rte/phase/scaled_medium.h"
+#include "rte/phase/stack_of_media.h"
 
 namespace miebrdf::rte {
-
-struct ScaledStack {
-    std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
-    BaseKind base = BaseKind::half_space;
-    double ground_albedo = 0.0;
-    std::complex<double> mirror_index = 1.0;
-    /// The indices of what lies on the ground or mirror, and of the topmost medium, as far as
-    /// boundaries see them: without a boundary the topmost is 1, media have their neighbours'
-    /// index.
-    double ground_index = 1.0, top_index = 1.0;
-    std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
-    int moments = 1;                        ///< Legendre moments of the medium that has most
-    /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is
-    /// left out.
-    bool transmits = false;
-    /// Lower bound of the largest reflection at every incidence (least_brightness): below a deep
-    /// coat is left out what does not show beside that. 0: nothing is.
-    double brightness = 0.0;
-
-    /// Any index but one: nodes and requested cosines differ from medium to medium.
-    bool refracts() const;
-    /// Beams come back from mirrors or boundaries below a medium.
-    bool has_mirrors() const;
-};
 
 enum class NarrowPart { split, ignored };
 

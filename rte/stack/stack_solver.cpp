@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "rte/boundary/rough_top.h"
+#include "rte/first_order/first_order.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
-#include "rte/stack/refracted_first_order.h"
 
 namespace miebrdf::rte {
 namespace {

@@ -10,6 +10,7 @@
 
 #include <miebrdf/solver.h>
 #include "rte/boundary/smooth_boundary.h"
+#include "rte/first_order/first_order.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
 #include "rte/stack/scaled_stack.h"
@@ -19,10 +20,6 @@
 namespace miebrdf::rte {
 
 class RoughTop;
-
-/// Of a rough boundary over mirrors, whose series has no end. Without the narrowest lobe
-/// (MirroredLobe) the orders of the roughness 0.02 have fallen to 1e-4 of the first within so many.
-inline constexpr int kMostBoundaryOrders = 192;
 
 /// A boundary at the cosines where it was last needed.
 struct KnownBoundary {

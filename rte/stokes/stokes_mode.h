@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rte/fourier/fourier_mode.h"
-#include "rte/stokes/matrix_strengths.h"
+#include "rte/phase/matrix_strengths.h"
 
 namespace miebrdf::rte {
 

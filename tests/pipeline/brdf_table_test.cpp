@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
+#include <string>
 
 #include "pipeline/solve/parallel.h"
 #include "tests/support/catch.h"
@@ -221,4 +224,47 @@ TEST_CASE("copies of a table outlive the BRDF that made them", "[pipeline][table
         copy = table;
     }
     CHECK(values_at(*copy, {0.3, 0.4, 50})[0] == expected);
+}
+
+TEST_CASE("a table refuses directions that are none and values that do not fit",
+          "[pipeline][table][errors]") {
+    // NaN equals no cosine, so that a loop over directions that share theirs never ended once; a
+    // span too short was written beyond its end.
+    const BrdfTable table =
+        solve(scene_of("hg:0.9,0.4"), {500, 600}, {.stokes = 3}).table({.whole_matrix = true});
+    REQUIRE(table.components() == 3);
+    const auto mix = table.mix({{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}});
+    const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+    const auto refuses = [&](const Direction& wrong, const std::string& field) {
+        const std::vector<Direction> directions = {{0.5, 0.5, 10.0}, wrong, {0.5, 0.5, 20.0}};
+        std::vector<double> values(3 * 2), mixed(3 * 3), matrices(3 * 2 * 9);
+        CAPTURE(wrong.mu_in, wrong.mu_out, wrong.azimuth_deg);
+        CHECK_THROWS_WITH(table.evaluate(directions, values), Catch::Contains(field));
+        CHECK_THROWS_WITH(mix->evaluate(directions, mixed), Catch::Contains(field));
+        CHECK_THROWS_WITH(table.evaluate_mueller(directions, matrices), Catch::Contains(field));
+        CHECK_THROWS_AS(evaluate_all(table, directions, "test", {}), UsageError);
+    };
+    for (const double mu : {nan, 0.0, -0.5, 1.01, inf}) {
+        refuses({mu, 0.5, 0.0}, "mu_in");
+        refuses({0.5, mu, 0.0}, "mu_out");
+    }
+    for (const double azimuth : {nan, inf, -inf}) refuses({0.5, 0.5, azimuth}, "azimuth_deg");
+
+    const std::vector<Direction> three(3, {0.5, 0.4, 30.0});
+    std::vector<double> memory(100, -7.0);
+    const std::span<double> all = memory;
+    CHECK_THROWS_WITH(table.evaluate(three, all.first(5)), Catch::Contains("room for 6"));
+    CHECK_THROWS_WITH(mix->evaluate(three, all.first(8)), Catch::Contains("room for 9"));
+    CHECK_THROWS_WITH(table.evaluate_mueller(three, all.first(53)), Catch::Contains("room for 54"));
+    CHECK(std::all_of(memory.begin(), memory.end(), [](double v) { return v == -7.0; }));
+    CHECK_THROWS_WITH(table.mix({{1.0, 0.0, 0.0}}), Catch::Contains("one for each channel"));
+    CHECK(count_sharing_cosines(std::vector<Direction>(2, {nan, 0.5, 0.0})) == 1);
+    CHECK(count_sharing_cosines({}) == 0);
+}
+
+TEST_CASE("unit vectors in single precision may be longer than 1", "[pipeline][table]") {
+    const BrdfTable table = solve(scene_of("hg:0.9,0.4", {"rayleigh:0.5@0.1"}), {550}).table();
+    const double beyond = 1.0 + 1e-7;
+    CHECK(values_at(table, {beyond, 0.4, 50}) == values_at(table, {1.0, 0.4, 50}));
+    CHECK(values_at(table, {0.4, beyond, 50}) == values_at(table, {0.4, 1.0, 50}));
 }

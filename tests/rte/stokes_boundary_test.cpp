@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "rte/boundary/fresnel_matrix.h"
+#include "rte/first_order/meridian_planes.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/phase/polarisation.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stokes/polarised_beams.h"
 #include "tests/rte/jones_photons.h"
 #include "tests/rte/stokes_media.h"
 #include "tests/support/catch.h"

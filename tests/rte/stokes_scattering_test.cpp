@@ -2,10 +2,10 @@
 #include <numbers>
 
 #include <miebrdf/error.h>
+#include "rte/first_order/meridian_planes.h"
 #include "rte/math/wigner.h"
 #include "rte/phase/polarisation.h"
 #include "rte/stack/stack_solver.h"
-#include "rte/stokes/stokes_first_order.h"
 #include "rte/stokes/stokes_mode.h"
 #include "tests/rte/stokes_media.h"
 #include "tests/support/catch.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
-#include "rte/stokes/stokes_first_order.h"
+#include "rte/first_order/meridian_planes.h"
 #include "tests/support/test_material.h"
 
 namespace miebrdf::support {

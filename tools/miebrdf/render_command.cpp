@@ -13,8 +13,8 @@
 #include <miebrdf/version.h>
 #include "pipeline/render/image.h"
 #include "pipeline/render/lighting.h"
-#include "pipeline/render/ray_table.h"
 #include "pipeline/render/renderer.h"
+#include "pipeline/render/solved_material.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/render_options.h"
@@ -98,10 +98,10 @@ void write_spectral_exr(const render::SpectralPicture& picture,
     render::write_exr(all, names, notes, path);
 }
 
-/// A material of the picture: its BRDFs as tables, one, or one for each wavelength.
+/// A material of the picture: its BRDFs as tables, one, or one for each wavelength, and made fast.
 struct Material {
     std::vector<BrdfTable> tables;
-    std::shared_ptr<const render::RayTable> rays;
+    std::shared_ptr<const render::SolvedMaterial> compact;
 };
 
 /// Wavelengths of a picture that asks for none: where all bundled materials are known, and close
@@ -142,7 +142,7 @@ std::vector<std::vector<Request>> material_requests(const RenderArguments& argum
 std::vector<Material> make_materials(const RenderArguments& arguments,
                                      const std::vector<std::vector<Request>>& requests,
                                      const Shell& shell) {
-    const auto [cosines, azimuths] = parse_pair(arguments.table, "table");
+    const auto [cosines, orders] = parse_pair(arguments.table, "table");
     const BrdfPart part = parse_brdf_part(arguments.component);
     std::vector<Material> materials;
     for (const std::vector<Request>& request : requests) {
@@ -150,14 +150,16 @@ std::vector<Material> make_materials(const RenderArguments& arguments,
         for (const Request& one : request)
             material.tables.push_back(
                 solved(one, shell.control()).table({part, shell.command_line()}));
-        material.rays = std::make_shared<render::RayTable>(
-            material.tables, render::TableSize{int(cosines), int(azimuths)});
+        material.compact = std::make_shared<render::SolvedMaterial>(
+            material.tables,
+            CompactOptions{render::SolvedMaterial::kTolerance, int(cosines), int(orders)},
+            shell.control());
         if (!arguments.measure_interpolation) continue;
         if (request.size() > 1 || part != BrdfPart::total) {
             throw UsageError("--measure-interpolation needs one request and the total component");
         }
-        const auto error =
-            render::interpolation_error(*material.rays, solved(request.front(), shell.control()));
+        const auto error = render::interpolation_error(material.compact->table(),
+                                                       solved(request.front(), shell.control()));
         shell.note(
             fmt::format("interpolation error relative to the largest value at each incidence: "
                         "median {:.1e}, largest {:.1e}",
@@ -213,7 +215,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     const std::vector<Material> materials = make_materials(arguments, requests, shell);
     const double solve_s = watch.lap_s();
     render::RenderScene scene{std::move(object), std::move(map), {}, std::move(lighting)};
-    for (const Material& material : materials) scene.materials.push_back(material.rays);
+    for (const Material& material : materials) scene.materials.push_back(material.compact);
     const render::SpectralPicture picture =
         render::render_picture(scene, camera, options, shell.control());
     const double render_s = watch.lap_s();

@@ -34,7 +34,8 @@ void add_material_options(CLI::App& command, RenderArguments& a) {
         ->capture_default_str();
     group
         ->add_option("--table", a.table,
-                     "cosines and azimuths of the table of light scattered more than once")
+                     "cosines and most azimuthal orders of the table of light scattered more than "
+                     "once; 0: as many as it takes")
         ->type_name("N,N")
         ->capture_default_str();
     group->add_flag("--measure-interpolation", a.measure_interpolation,

@@ -29,7 +29,7 @@ struct RenderArguments {
     std::string background = "1,1,1";
     double exposure = 0.0;
     std::string exr;
-    std::string table = "49,33";
+    std::string table = "49,0";
     bool measure_interpolation = false;
     render::RenderOptions options;
 };

@@ -200,6 +200,8 @@ struct LayerOptics {
     std::optional<double> mass_extinction_m2_per_kg;  ///< of the particles
 };
 
+struct SolvedTable;
+
 struct TableOptions {
     BrdfPart part = BrdfPart::total;
     std::string command_line = {};  ///< for Provenance
@@ -227,12 +229,12 @@ class BrdfTable : public BrdfSource {
     /// How well the scene was solved, at directions of all kinds; not the interpolation.
     const ResultReport& report() const;
 
-    struct State;
-    explicit BrdfTable(std::shared_ptr<const State> state) : state_(std::move(state)) {}
-    const State& state() const { return *state_; }  ///< for the library itself
+    /// For the library itself.
+    explicit BrdfTable(std::shared_ptr<const SolvedTable> solved) : solved_(std::move(solved)) {}
+    const SolvedTable& solved() const { return *solved_; }
 
   private:
-    std::shared_ptr<const State> state_;
+    std::shared_ptr<const SolvedTable> solved_;
 };
 
 /// A scene at some wavelengths. Copies share one solution; functions may be called from several

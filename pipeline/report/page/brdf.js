@@ -1,4 +1,4 @@
-// The solved BRDF at any directions: the same sums as PageTable::evaluate of the program.
+// The solved BRDF at any directions: the same sums as CompactTable::evaluate of the program.
 const Brdf = (() => {
   'use strict';
   const PI = Math.PI;

@@ -1,4 +1,4 @@
-#include "rte/first_order/narrow_features.h"
+#include "rte/first_order/glory_correction.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace miebrdf::rte {
 namespace {
 
-// Of interpolation in log q. A coat of tau = 0.1 takes 9 at a tolerance of 1e-3.
+// Nodes of interpolation in log q. A coat of tau = 0.1 takes 9 at a tolerance of 1e-3.
 constexpr int kFewPoints = 9, kMostPoints = 48;
 
 // sum_l strengths(j, l) P_l(cos angle): row = angle, column = j.
@@ -39,12 +39,12 @@ bool depends_on_q(std::span<const std::vector<ScaledMedium>> stacks) {
 
 // Row = place in the list of log q * stacks + stack, column = degree.
 template <typename Strengths>
-Eigen::MatrixXd strengths_at(const std::vector<NarrowStrengths>& stacks,
+Eigen::MatrixXd strengths_at(const std::vector<GloryStrengths>& stacks,
                              const Strengths& strengths_of, const Eigen::VectorXd& log_q) {
     std::vector<Eigen::VectorXd> rows;
     Eigen::Index degrees = 0;
     for (const double at : log_q) {
-        for (const NarrowStrengths& stack : stacks) {
+        for (const GloryStrengths& stack : stacks) {
             rows.push_back(strengths_of(stack, std::exp(at)));
             degrees = std::max(degrees, rows.back().size());
         }
@@ -94,7 +94,7 @@ struct Reduced {
     Eigen::MatrixXd strengths;  // row = function * stacks + stack, column = degree
 };
 
-// As few functions as the tolerance allows in place of one for each node.
+// Replaces one function for each node by as few as the tolerance allows.
 // of_node: column = degree * stacks + stack
 Reduced reduce_rank(const Eigen::MatrixXd& of_node, Eigen::Index stacks, double tolerance) {
     const Eigen::Index others = of_node.cols();
@@ -141,9 +141,9 @@ Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_d
     const Eigen::Index degrees = std::max(narrow_degrees(media).end, 1);
     Eigen::MatrixXd strengths = Eigen::MatrixXd::Zero(Eigen::Index(media.size()), degrees);
     for (std::size_t i = 0; i < media.size(); ++i) {
-        const auto& [first, peak, rest] = media[i].narrow;
-        for (int l = std::max(first, first_degree); l < first + int(rest.size()); ++l)
-            strengths(Eigen::Index(i), l) = (2.0 * l + 1.0) * rest[std::size_t(l - first)];
+        const auto& [first, peak, structure] = media[i].narrow;
+        for (int l = std::max(first, first_degree); l < first + int(structure.size()); ++l)
+            strengths(Eigen::Index(i), l) = (2.0 * l + 1.0) * structure[std::size_t(l - first)];
     }
     if (!worth_a_table(std::size_t(angles.size()))) return sum_degrees(strengths, angles);
     const math::AngleTable table = table_of(strengths, tolerance);
@@ -156,33 +156,33 @@ Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_d
     return values;
 }
 
-NarrowFeatures::NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
-                               double tolerance, const DegreeRange& degrees, NarrowSum sum)
+GloryCorrection::GloryCorrection(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
+                                 double tolerance, const DegreeRange& degrees, NarrowSum sum)
     : stacks_(stacks.size()), tolerance_(tolerance) {
     const double lowest = log_q_of(1.0, 1.0);
     const double highest = log_q_of(mu_least, mu_least);
     log_q_middle_ = 0.5 * (lowest + highest);
     log_q_half_ = std::max(0.5 * (highest - lowest), 1e-3);
-    std::vector<NarrowStrengths> all;
+    std::vector<GloryStrengths> all;
     for (const auto& media : stacks) all.emplace_back(media, degrees, sum);
     const bool one_q = !depends_on_q(stacks);
-    known_ = slant_functions(all, one_q, std::mem_fn(&NarrowStrengths::of_all), tolerance_);
+    known_ = slant_functions(all, one_q, std::mem_fn(&GloryStrengths::of_all), tolerance_);
     strengths_ = known_.strengths;
     if (sum == NarrowSum::correction) add_unresolved(all, one_q);
 }
 
-void NarrowFeatures::tabulate() {
+void GloryCorrection::tabulate() {
     if (!none()) table_.emplace(table_of(strengths_, tolerance_));
 }
 
-Eigen::VectorXd NarrowFeatures::SlantFunctions::at(double t) const {
+Eigen::VectorXd GloryCorrection::SlantFunctions::at(double t) const {
     if (strengths.size() == 0) return {};
     if (nodes.count() == 1) return Eigen::VectorXd::Ones(1);
     return at_nodes.transpose() * nodes.weights(t);
 }
 
-NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
-    const std::vector<NarrowStrengths>& stacks, bool one_q, const Strengths& strengths_of,
+GloryCorrection::SlantFunctions GloryCorrection::slant_functions(
+    const std::vector<GloryStrengths>& stacks, bool one_q, const Strengths& strengths_of,
     double tolerance) const {
     const auto log_q = [&](double t) { return log_q_middle_ + log_q_half_ * t; };
     SlantFunctions functions;
@@ -223,9 +223,9 @@ NarrowFeatures::SlantFunctions NarrowFeatures::slant_functions(
     return functions;
 }
 
-void NarrowFeatures::add_unresolved(const std::vector<NarrowStrengths>& stacks, bool one_q) {
+void GloryCorrection::add_unresolved(const std::vector<GloryStrengths>& stacks, bool one_q) {
     // Sums over degrees are over all angles of zenith here, and two of these count.
-    unresolved_ = slant_functions(stacks, one_q, std::mem_fn(&NarrowStrengths::of_unresolved),
+    unresolved_ = slant_functions(stacks, one_q, std::mem_fn(&GloryStrengths::of_unresolved),
                                   0.5 * kResolvedAngles * tolerance_);
     const Eigen::MatrixXd& strengths = unresolved_.strengths;
     const Eigen::Index stack_count = Eigen::Index(stacks_);
@@ -252,7 +252,7 @@ void NarrowFeatures::add_unresolved(const std::vector<NarrowStrengths>& stacks, 
     strengths_ = std::move(both);
 }
 
-void NarrowFeatures::weights_at(double mu_in, double mu_out, Eigen::VectorXd& weights) const {
+void GloryCorrection::weights_at(double mu_in, double mu_out, Eigen::VectorXd& weights) const {
     const double t = (std::log(1.0 / mu_in + 1.0 / mu_out) - log_q_middle_) / log_q_half_;
     const Eigen::VectorXd known = known_.at(t), unresolved = unresolved_.at(t);
     weights.setZero(known.size() + at_pairs_.cols());
@@ -271,9 +271,9 @@ void NarrowFeatures::weights_at(double mu_in, double mu_out, Eigen::VectorXd& we
     weights /= 4.0 * (mu_in + mu_out);
 }
 
-void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
-                            std::span<const double> mu_out, std::span<const double> cos_azimuth,
-                            double* unresolved) const {
+void GloryCorrection::add_to(double* reflection, std::span<const double> mu_in,
+                             std::span<const double> mu_out, std::span<const double> cos_azimuth,
+                             double* unresolved) const {
     if (none()) return;
     if (table_) {
         add_from_table(reflection, mu_in, mu_out, cos_azimuth, unresolved);
@@ -303,9 +303,10 @@ void NarrowFeatures::add_to(double* reflection, std::span<const double> mu_in,
     }
 }
 
-void NarrowFeatures::add_from_table(double* reflection, std::span<const double> mu_in,
-                                    std::span<const double> mu_out,
-                                    std::span<const double> cos_azimuth, double* unresolved) const {
+void GloryCorrection::add_from_table(double* reflection, std::span<const double> mu_in,
+                                     std::span<const double> mu_out,
+                                     std::span<const double> cos_azimuth,
+                                     double* unresolved) const {
     Scratch scratch;
     std::vector<double> angles(cos_azimuth.size());
     for (const double in : mu_in) {
@@ -320,9 +321,9 @@ void NarrowFeatures::add_from_table(double* reflection, std::span<const double> 
     }
 }
 
-void NarrowFeatures::add_at(double* reflection, double mu_in, double mu_out,
-                            std::span<const double> scattering_angles, Scratch& scratch,
-                            double* unresolved) const {
+void GloryCorrection::add_at(double* reflection, double mu_in, double mu_out,
+                             std::span<const double> scattering_angles, Scratch& scratch,
+                             double* unresolved) const {
     if (none()) return;
     scratch.values.resize(strengths_.rows());
     weights_at(mu_in, mu_out, scratch.weights);

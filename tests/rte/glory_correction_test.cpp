@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "rte/first_order/first_order.h"
-#include "rte/first_order/narrow_features.h"
+#include "rte/first_order/glory_correction.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/phase/scaled_medium.h"
 #include "rte/stack/fourier_sum.h"
@@ -95,7 +95,7 @@ TEST_CASE("light that nodes resolve in part is as bright at retro-reflection as 
     // The part of the first order that stands for what is not resolved.
     rte::ScaledStack scaled = rte::scale_stack(stack, 4 * streams, true, rte::NarrowPart::ignored);
     rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, streams));
-    const rte::NarrowFeatures features({&scaled.media, 1}, mu, 1e-9);
+    const rte::GloryCorrection features({&scaled.media, 1}, mu, 1e-9);
     double change = 0.0, unresolved = 0.0;
     const double towards_source = -1.0;
     features.add_to(&change, {&mu, 1}, {&mu, 1}, {&towards_source, 1}, &unresolved);
@@ -145,10 +145,11 @@ TEST_CASE("the waves that nodes resolve are those of their distances", "[rte][na
 }
 
 TEST_CASE("Henyey-Greenstein has no narrow features, short lists none either", "[rte][narrow]") {
-    CHECK(rte::split_forward_peak(rte::henyey_greenstein_optics(1.0, 0.97).chi, 30).rest.empty());
-    CHECK(rte::split_forward_peak(std::vector<double>{1.0, 0.5}, 4).rest.empty());
+    CHECK(rte::split_forward_peak(rte::henyey_greenstein_optics(1.0, 0.97).chi, 30)
+              .structure.empty());
+    CHECK(rte::split_forward_peak(std::vector<double>{1.0, 0.5}, 4).structure.empty());
     const auto split = rte::split_forward_peak(glory_optics(1.0).chi, 30);
-    REQUIRE(split.rest.size() == 170);
+    REQUIRE(split.structure.size() == 170);
     // The peak is smooth on the scale of the window: its own bend adds 2 % of its value.
     for (int l = 60; l < 140; ++l) {
         CHECK(std::abs(split.peak[std::size_t(l - 30)] - 0.5 * std::exp(-std::pow(l / 90.0, 2))) <=
@@ -166,7 +167,7 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, 24, true).media;
     const double tolerance = 1e-7;
     const double mu_least = 0.01;
-    rte::NarrowFeatures features({&media, 1}, mu_least, tolerance);
+    rte::GloryCorrection features({&media, 1}, mu_least, tolerance);
     if (GENERATE(false, true)) features.tabulate();
     REQUIRE(!features.none());
     double largest = 0.0;
@@ -174,7 +175,7 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     for (const double mu_in : {0.01, 0.033, 0.25, 0.7, 1.0}) {
         for (const double mu_out : {0.01, 0.02, 0.5, 0.93, 1.0}) {
             const Eigen::VectorXd strengths =
-                rte::NarrowStrengths(media).of_all(1.0 / mu_in + 1.0 / mu_out);
+                rte::GloryStrengths(media).of_all(1.0 / mu_in + 1.0 / mu_out);
             for (const double cos_azimuth : {-1.0, -0.9, 0.1, 1.0}) {
                 const double x = rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth);
                 double P0 = 1.0;
@@ -219,10 +220,11 @@ TEST_CASE("what is kept of narrow features does not depend on the moments of the
     double largest = 0.0;
     // More than 128 moments are too many for what the first call has kept.
     for (const int moments : {24, 96, 200, 48}) {
-        const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, moments, true).media;
-        const rte::NarrowFeatures whole({&media, 1}, 0.1, 1e-9);
+        const rte::ScaledStack scaled = rte::scale_stack(stack, moments, true);
+        const std::vector<rte::ScaledMedium>& media = scaled.media;
+        const rte::GloryCorrection whole({&media, 1}, 0.1, 1e-9);
         std::vector<double> values(3 * 3 * 4, 0.0);
-        kept.add_to(values, media);
+        kept.add_to(values, scaled);
         auto value = values.begin();
         for (const double mu_in : directions.mu_in) {
             for (const double mu_out : directions.mu_out) {
@@ -281,10 +283,10 @@ TEST_CASE("the running mean of the forward peak has no step where moments turn n
     for (int l = 0; l < 400; ++l)
         chi[std::size_t(l)] = std::pow(1 - l / 300.0, 3) * std::exp(-l / 200.0);
     const auto split = rte::split_forward_peak(chi, 32);
-    REQUIRE(split.rest.size() > 300);
+    REQUIRE(split.structure.size() > 300);
     double largest = 0;
     for (std::size_t k = 1; k < 300; ++k) {
-        const double step = std::abs(split.rest[k] - split.rest[k - 1]);
+        const double step = std::abs(split.structure[k] - split.structure[k - 1]);
         largest = std::max(largest, step * (2.0 * double(k + 32) + 1));
     }
     CHECK(largest <= 1.5e-2);  // the function itself changes by 7.6e-3 at most

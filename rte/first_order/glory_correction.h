@@ -14,7 +14,7 @@
 
 namespace miebrdf::rte {
 
-/// Of P_l, l = 0 ... degrees - 1, near retro-reflection, the shares that nodes do not resolve:
+/// The shares of P_l, l = 0 ... degrees - 1, near retro-reflection that nodes do not resolve:
 /// [degree][angle of zenith, kResolvedAngles of them].
 /// @param resolved_waves  by the nodes, at these angles; empty: everything is resolved
 std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves, int degrees);
@@ -25,12 +25,12 @@ struct DegreeRange {
     int end = std::numeric_limits<int>::max();
 };
 
-/// Of these, those that narrow features of the media have; none: an empty range.
+/// The degrees among these that narrow features of the media have; an empty range if none do.
 DegreeRange narrow_degrees(const std::vector<ScaledMedium>& media, const DegreeRange& wanted = {});
 
 /// Which sum over the degrees of narrow features.
 enum class NarrowSum {
-    correction,  ///< C of NarrowFeatures
+    correction,  ///< C of GloryCorrection
     features     ///< sum over media, sum_l (2l+1) N_l P_l G(F_l): no nodes and no delta-M in it
 };
 
@@ -39,18 +39,17 @@ enum class NarrowSum {
 Eigen::MatrixXd narrow_phase(const std::vector<ScaledMedium>& media, int first_degree,
                              const Eigen::VectorXd& angles, double tolerance);
 
-/// Whether so many directions or angles are worth a table.
+/// True if so many directions or angles are worth a table.
 bool worth_a_table(std::size_t directions);
 
-/// What the media of one stack change in C of NarrowFeatures (below), degree by degree: all that
+/// The part of each degree in C of GloryCorrection (below) for the media of one stack: all that
 /// does not depend on q = 1/mu_in + 1/mu_out is computed once.
-class NarrowStrengths {
+class GloryStrengths {
   public:
     /// @param media    from the bottom up, as for single_scattering
     /// @param degrees  that are summed; none of others
-    explicit NarrowStrengths(const std::vector<ScaledMedium>& media,
-                             const DegreeRange& degrees = {},
-                             NarrowSum sum = NarrowSum::correction);
+    explicit GloryStrengths(const std::vector<ScaledMedium>& media, const DegreeRange& degrees = {},
+                            NarrowSum sum = NarrowSum::correction);
 
     /// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C at one q; empty if there are none.
     Eigen::VectorXd of_all(double q) const;
@@ -62,12 +61,13 @@ class NarrowStrengths {
     Eigen::VectorXd of_unresolved(double q) const;
 
   private:
-    /// Of degrees from first_ on.
+    /// One medium, its lists from degree first_ on.
     struct Medium {
         double scaled_optical_depth = 0.0;
         double depth_factor = 1.0;
         Eigen::ArrayXd strength;  ///< alpha (2l+1) N_l
-        /// Of light when F_l of the scattering counts as none, relative to that by delta-M.
+        /// The loss of light when F_l of the scattering counts as none, relative to that by
+        /// delta-M.
         Eigen::ArrayXd loss;
         Eigen::ArrayXd loss_of_kept;  ///< the same with what the discrete equations keep of F_l
         Eigen::ArrayXd share_kept;    ///< of N_l in the discrete equations
@@ -85,7 +85,7 @@ class NarrowStrengths {
     std::vector<Medium> media_;          ///< from the top down
 };
 
-/// What the first order must change because light is diffracted before and after it is scattered:
+/// The first order must change because light is diffracted before and after it is scattered, by
 /// C(q, Theta) / (4 (mu_in + mu_out)),
 /// C = sum over media, sum_{l >= K} (2l+1) N_l P_l(cos Theta)
 ///     [G(F_l) - G(f) - s_l (G(F'_l) - G(f))],
@@ -102,18 +102,18 @@ class NarrowStrengths {
 /// q. The sums are done at every direction or, for many directions, tabulated.
 ///
 /// Several stacks, one wavelength each, share what depends on directions alone.
-class NarrowFeatures {
+class GloryCorrection {
   public:
     /// Nothing to correct anywhere.
-    NarrowFeatures() = default;
+    GloryCorrection() = default;
 
     /// @param stacks     of each the media from the bottom up, as for single_scattering
     /// @param mu_least   smallest cosine that will be asked for, in (0, 1]
     /// @param tolerance  of C, absolute
     /// @param degrees    that are summed; none of others
-    NarrowFeatures(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
-                   double tolerance, const DegreeRange& degrees = {},
-                   NarrowSum sum = NarrowSum::correction);
+    GloryCorrection(std::span<const std::vector<ScaledMedium>> stacks, double mu_least,
+                    double tolerance, const DegreeRange& degrees = {},
+                    NarrowSum sum = NarrowSum::correction);
 
     bool none() const { return strengths_.size() == 0; }
     bool has_unresolved() const { return at_pairs_.cols() > 0; }
@@ -122,7 +122,7 @@ class NarrowFeatures {
     /// Makes a table in Theta (worth_a_table).
     void tabulate();
 
-    /// What to add to R at all combinations of cosines, none below mu_least, and azimuths:
+    /// Adds the correction to R at all combinations of cosines, none below mu_least, and azimuths:
     /// reflection[((i * mu_out.size() + o) * cos_azimuth.size() + a) * stacks() + stack].
     /// @param unresolved  null, or as reflection: the part of that which the nodes do not resolve
     void add_to(double* reflection, std::span<const double> mu_in, std::span<const double> mu_out,
@@ -132,7 +132,7 @@ class NarrowFeatures {
     struct Scratch {
         Eigen::VectorXd values, weights;
     };
-    /// The same after tabulate() at one pair of cosines, where the angles of scattering are known:
+    /// Adds it after tabulate() at one pair of cosines, where the angles of scattering are known:
     /// reflection[a * stacks() + stack].
     void add_at(double* reflection, double mu_in, double mu_out,
                 std::span<const double> scattering_angles, Scratch& scratch,
@@ -146,13 +146,13 @@ class NarrowFeatures {
         Eigen::MatrixXd strengths;  ///< row = function * stacks + stack, column = degree
         Eigen::VectorXd at(double t) const;
     };
-    using Strengths = std::function<Eigen::VectorXd(const NarrowStrengths&, double q)>;
+    using Strengths = std::function<Eigen::VectorXd(const GloryStrengths&, double q)>;
     /// With as many nodes as the tolerance needs, and as few functions of them as that allows.
     /// @param one_q  the strengths do not depend on q
-    SlantFunctions slant_functions(const std::vector<NarrowStrengths>& stacks, bool one_q,
+    SlantFunctions slant_functions(const std::vector<GloryStrengths>& stacks, bool one_q,
                                    const Strengths& strengths, double tolerance) const;
-    /// What the nodes do not resolve, with functions of q and of both cosines.
-    void add_unresolved(const std::vector<NarrowStrengths>& stacks, bool one_q);
+    /// Adds what the nodes do not resolve, with functions of q and of both cosines.
+    void add_unresolved(const std::vector<GloryStrengths>& stacks, bool one_q);
     void add_from_table(double* reflection, std::span<const double> mu_in,
                         std::span<const double> mu_out, std::span<const double> cos_azimuth,
                         double* unresolved) const;

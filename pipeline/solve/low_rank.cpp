@@ -1,26 +1,19 @@
-#include "pipeline/report/low_rank.h"
+#include "pipeline/solve/low_rank.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace miebrdf::report {
+namespace miebrdf {
 namespace {
 
-/// Steps of the basis times the largest coefficient, over the scales of rows and columns.
-constexpr double kBasisStep = 8e-5;
+/// Steps of the basis times the largest coefficient, over the scales of rows and columns and the
+/// accuracy.
+constexpr double kBasisStep = 0.1;
 
 }  // namespace
 
-Eigen::VectorXd LowRank::sum_of_rows(const Eigen::VectorXi& rows,
-                                     const Eigen::VectorXd& weights) const {
-    Eigen::VectorXd in_basis = Eigen::VectorXd::Zero(basis.cols());
-    for (Eigen::Index k = 0; k < rows.size(); ++k)
-        in_basis += weights[k] * scale[rows[k]] * basis.row(rows[k]).transpose();
-    return column_scale.cwiseProduct(coefficients.transpose() * in_basis);
-}
-
 LowRank reduce_rank(const Eigen::MatrixXd& table, Eigen::VectorXd scale,
-                    Eigen::VectorXd column_scale, double tolerance) {
+                    Eigen::VectorXd column_scale, double tolerance, double accuracy) {
     const auto inverse = [](double value) { return value > 0.0 ? 1.0 / value : 0.0; };
     Eigen::MatrixXd rest = scale.unaryExpr(inverse).asDiagonal() * table *
                            column_scale.unaryExpr(inverse).asDiagonal();
@@ -41,7 +34,8 @@ LowRank reduce_rank(const Eigen::MatrixXd& table, Eigen::VectorXd scale,
     }
     LowRank reduced{std::move(scale), std::move(column_scale), basis.leftCols(rank), {}, {}};
     reduced.coefficients = reduced.basis.transpose() * scaled;
-    reduced.step = reduced.coefficients.cwiseAbs().rowwise().maxCoeff().cwiseInverse() * kBasisStep;
+    reduced.step = reduced.coefficients.cwiseAbs().rowwise().maxCoeff().cwiseInverse() *
+                   (kBasisStep * accuracy);
     for (Eigen::Index k = 0; k < rank; ++k) {
         const double step = reduced.step[k];
         reduced.basis.col(k) =
@@ -50,4 +44,4 @@ LowRank reduce_rank(const Eigen::MatrixXd& table, Eigen::VectorXd scale,
     return reduced;
 }
 
-}  // namespace miebrdf::report
+}  // namespace miebrdf

@@ -1,17 +1,17 @@
-// What narrow features of a phase function are worth, degree by degree.
+// The strengths of narrow features of a phase function, degree by degree.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "rte/first_order/narrow_features.h"
+#include "rte/first_order/glory_correction.h"
 
 namespace miebrdf::rte {
 namespace {
 
 // One degree of a medium's phase function.
 struct DegreeOfMedium {
-    double rest = 0.0;       // N_l
+    double structure = 0.0;  // N_l
     double peak = 0.0;       // F_l
     double kept_peak = 0.0;  // what the discrete equations have of F_l: all of it below the cutoffs
     double share_kept = 1.0;  // of N_l in the discrete equations
@@ -26,9 +26,10 @@ DegreeOfMedium degree_of(const ScaledMedium& medium, int l) {
     if (k < 0 || medium.narrow.peak.empty()) return degree;
     const bool listed = k < int(medium.narrow.peak.size());
     degree.peak = listed ? medium.narrow.peak[std::size_t(k)] : 0.0;
-    if (k < int(medium.narrow.rest.size())) degree.rest = medium.narrow.rest[std::size_t(k)];
+    if (k < int(medium.narrow.structure.size()))
+        degree.structure = medium.narrow.structure[std::size_t(k)];
     if (l < medium.scaled.chi.size()) {
-        degree.kept_peak += (1.0 - f) * medium.scaled.chi[l] - degree.share_kept * degree.rest;
+        degree.kept_peak += (1.0 - f) * medium.scaled.chi[l] - degree.share_kept * degree.structure;
     }
     return degree;
 }
@@ -52,7 +53,7 @@ Eigen::ArrayXd one_minus_exp(const Eigen::ArrayXd& x) {
     return (x < few).select(small * series, 1.0 - (-x).exp());
 }
 
-// What a medium takes of the light that reaches it, degree by degree.
+// The light that a medium takes of what reaches it, degree by degree.
 Eigen::ArrayXd absorbed_of(const Eigen::ArrayXd& above, double slant, const Eigen::ArrayXd& loss) {
     if (!std::isfinite(slant)) return above;
     return above * one_minus_exp(slant * loss);
@@ -63,10 +64,10 @@ Eigen::ArrayXd absorbed_of(const Eigen::ArrayXd& above, double slant, const Eige
 DegreeRange narrow_degrees(const std::vector<ScaledMedium>& media, const DegreeRange& wanted) {
     DegreeRange range = {0, 0};
     for (const ScaledMedium& medium : media) {
-        if (medium.narrow.rest.empty()) continue;
+        if (medium.narrow.structure.empty()) continue;
         const int first = medium.narrow.first_degree;
         range.first = range.end == 0 ? first : std::min(range.first, first);
-        range.end = std::max(range.end, first + int(medium.narrow.rest.size()));
+        range.end = std::max(range.end, first + int(medium.narrow.structure.size()));
     }
     range.first = std::max(range.first, wanted.first);
     range.end = std::clamp(range.end, range.first, std::max(range.first, wanted.end));
@@ -82,8 +83,8 @@ std::vector<double> unresolved_shares(const std::vector<double>& resolved_waves,
     return shares;
 }
 
-NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media, const DegreeRange& degrees,
-                                 NarrowSum sum)
+GloryStrengths::GloryStrengths(const std::vector<ScaledMedium>& media, const DegreeRange& degrees,
+                               NarrowSum sum)
     : sum_(sum) {
     const DegreeRange range = narrow_degrees(media, degrees);
     first_ = range.first;
@@ -110,7 +111,7 @@ NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media, const D
         for (Eigen::Index i = 0; i < count_; ++i) {
             const int l = first_ + int(i);
             const DegreeOfMedium degree = degree_of(*from, l);
-            medium.strength[i] = alpha * (2.0 * l + 1.0) * degree.rest;
+            medium.strength[i] = alpha * (2.0 * l + 1.0) * degree.structure;
             medium.loss[i] = loss_with(degree.peak) / medium.depth_factor;
             medium.share_kept[i] = degree.share_kept;
             if (i < kept_)
@@ -123,7 +124,7 @@ NarrowStrengths::NarrowStrengths(const std::vector<ScaledMedium>& media, const D
 // G of each medium, from the top down, is how much light reaches it and how much of that it can
 // scatter.
 template <typename Visit>
-void NarrowStrengths::for_each_medium(double q, Eigen::Index degrees, const Visit& visit) const {
+void GloryStrengths::for_each_medium(double q, Eigen::Index degrees, const Visit& visit) const {
     double above_without = 1.0;
     Eigen::ArrayXd above = Eigen::ArrayXd::Ones(degrees), above_kept = Eigen::ArrayXd::Ones(kept_);
     for (const Medium& medium : media_) {
@@ -140,7 +141,7 @@ void NarrowStrengths::for_each_medium(double q, Eigen::Index degrees, const Visi
     }
 }
 
-Eigen::VectorXd NarrowStrengths::of_all(double q) const {
+Eigen::VectorXd GloryStrengths::of_all(double q) const {
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
     auto sums = strengths.tail(count_).array();
     for_each_medium(q, count_,
@@ -157,7 +158,7 @@ Eigen::VectorXd NarrowStrengths::of_all(double q) const {
     return strengths;
 }
 
-Eigen::VectorXd NarrowStrengths::of_kept(double q) const {
+Eigen::VectorXd GloryStrengths::of_kept(double q) const {
     Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
     for_each_medium(
         q, 0,
@@ -169,7 +170,7 @@ Eigen::VectorXd NarrowStrengths::of_kept(double q) const {
     return strengths;
 }
 
-Eigen::VectorXd NarrowStrengths::of_unresolved(double q) const {
+Eigen::VectorXd GloryStrengths::of_unresolved(double q) const {
     std::size_t listed = 0;
     for (const Medium& medium : media_) listed = std::max(listed, medium.unresolved_shares.size());
     const Eigen::Index degrees =

@@ -1,4 +1,4 @@
-#include "rte/stokes/matrix_strengths.h"
+#include "rte/phase/matrix_strengths.h"
 
 #include <cmath>
 #include <vector>

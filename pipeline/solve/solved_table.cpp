@@ -1,0 +1,198 @@
+#include "pipeline/solve/solved_table.h"
+
+#include <fmt/format.h>
+#include <miebrdf/version.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <miebrdf/surface.h>
+#include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/checks.h"
+#include "pipeline/solve/parallel.h"
+#include "rte/boundary/rough_top.h"
+#include "rte/stack/layered_reflection.h"
+
+namespace miebrdf {
+namespace {
+
+rte::SpectralFirstOrder first_order_of(std::span<const SolvedWavelength> wavelengths,
+                                       const SolverOptions& solver) {
+    std::vector<rte::SpectralFirstOrder::Wavelength> list;
+    for (const SolvedWavelength& at : wavelengths) list.push_back({&at.stack(), at.is_polarised()});
+    return {list, solver.single_scattering_correction, solver.tolerance};
+}
+
+/// Solves every wavelength, in parallel.
+std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const Control& control) {
+    const ResolvedScene& scene = state.scene;
+    const std::size_t count = scene.wavelength_nm.size();
+    std::vector<SceneOptics> optics(count);
+    std::vector<LightChoice> light(count);
+    if (state.part != BrdfPart::surface) {
+        const auto demand = demand_of(state.solver, scene.particles.tolerance, PhaseDemand::whole);
+        const LayerRequest request{scene, probe_directions(), state.solver};
+        const std::vector<std::size_t> all = all_wavelengths(scene);
+        const double hiding = state.solver.tolerance;
+        light = choose_light(request, all, hiding, demand, control);
+        optics = optics_in(light, request, all, hiding, demand, control);
+    }
+    std::vector<std::optional<SolvedWavelength>> solved(count);
+    run_parallel("radiative transfer", count, control, [&](std::size_t w) {
+        solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
+                          state.components > 1);
+    });
+    std::vector<SolvedWavelength> wavelengths;
+    wavelengths.reserve(solved.size());
+    for (auto& at : solved) wavelengths.push_back(std::move(*at));
+    return wavelengths;
+}
+
+/// The first order of all wavelengths, some at a time, in parallel.
+std::vector<SharpPart> make_sharp_parts(const SolvedTable& state, const Control& control) {
+    constexpr std::size_t kMost = SharpPart::kMostWavelengths;
+    const std::span<const SolvedWavelength> all = state.wavelengths;
+    std::vector<std::optional<SharpPart>> made((all.size() + kMost - 1) / kMost);
+    run_parallel("first order", made.size(), control, [&](std::size_t p) {
+        const std::size_t first = p * kMost, count = std::min(kMost, all.size() - first);
+        made[p].emplace(all.subspan(first, count), state.solver);
+    });
+    std::vector<SharpPart> parts;
+    parts.reserve(made.size());
+    for (auto& part : made) parts.push_back(std::move(*part));
+    return parts;
+}
+
+}  // namespace
+
+const Directions& probe_directions() {
+    static const Directions directions{
+        {0.05, 0.3, 0.6, 1.0}, {0.05, 0.2, 0.5, 0.8, 1.0}, {0, 45, 90, 135, 180}};
+    return directions;
+}
+
+SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
+                                   const SceneOptics& optics, const SolverOptions& solver,
+                                   BrdfPart part, const LightChoice& light, bool whole_matrix) {
+    report_.converged = report_.solver.converged = true;
+    if (part == BrdfPart::surface) {
+        // Of the layers nothing is wanted.
+    } else {
+        solve(optics, solver, light.components, whole_matrix);
+        report_.polarisation_left_out = light.left_out;
+    }
+    report_.wavelength_nm = scene.wavelength_nm[w];
+    if (scene.surface && part != BrdfPart::subsurface) {
+        lobe_.emplace(scene.surface_index[w], *scene.surface);
+        const rte::SurfaceTransmission transmission(*lobe_, scene.coupling);
+        for (const double mu : SmoothPart::nodes()) {
+            factor_in_.push_back(transmission.in(mu));
+            factor_out_.push_back(transmission.out(mu));
+        }
+        smooth_.scale(factor_in_, factor_out_);
+    }
+}
+
+void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& solver, int components,
+                             bool whole_matrix) {
+    const rte::Stack& stack = optics.stack;
+    report_.stokes = components;
+    if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary) return;
+    SolverOptions options = solver;
+    options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);
+    const rte::SolvedLight light{components, components > 1 && !whole_matrix};
+    report_.solver = components > 1
+                         ? rte::reflect_polarised(stack, probe_directions(), light, options).report
+                         : rte::reflect(stack, probe_directions(), options).report;
+    options.streams = report_.solver.streams;
+    rte::TabulatedOrders table =
+        rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options);
+    smooth_ = smooth_element(table, light.shown(), 0, 0);
+    if (whole_matrix && components > 1) mueller_.emplace(table, components);
+    report_.solver.fourier_orders = static_cast<int>(table.orders.size());
+    report_.solver.converged = report_.solver.converged && table.converged && table.physical;
+    stack_ = std::move(table.stack);
+    is_polarised_ = components > 1;
+    if (stack_.boundary && stack_.boundary->is_rough()) {
+        const std::vector<double>& nodes = SmoothPart::nodes();
+        const Eigen::VectorXd scale = rte::outer_lobe_scale(
+            stack_.top_index, *stack_.boundary,
+            Eigen::Map<const Eigen::VectorXd>(nodes.data(), Eigen::Index(nodes.size())));
+        lobe_scale_.assign(scale.begin(), scale.end());
+        lobe_ = rte::outer_lobe(*stack_.boundary, stack_.top_index);
+    }
+    judge(report_, optics.mie_error_estimate, solver.tolerance);
+}
+
+double SolvedWavelength::lobe(const Direction& direction) const {
+    const auto& [mu_in, mu_out, azimuth_deg] = direction;
+    return lobe_ ? lobe_scale(mu_in) * lobe_scale(mu_out) * lobe_->brdf(mu_in, mu_out, azimuth_deg)
+                 : 0.0;
+}
+
+double SolvedWavelength::lobe_scale(double mu) const {
+    return lobe_scale_.empty() ? 1.0 : at_cosine(lobe_scale_, mu);
+}
+
+double SolvedWavelength::transmitted(double mu_in, double mu_out) const {
+    return factor_in_.empty() ? 1.0 : at_cosine(factor_in_, mu_in) * at_cosine(factor_out_, mu_out);
+}
+
+SharpPart::SharpPart(std::span<const SolvedWavelength> wavelengths, const SolverOptions& solver)
+    : wavelengths_(wavelengths), first_order_(first_order_of(wavelengths, solver)) {}
+
+void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values,
+                         EvaluationScratch& scratch) const {
+    const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
+    const std::size_t count = wavelengths();
+    first_order_.evaluate(mu_in, mu_out, scratch.cos_azimuth, values, scratch.first_order);
+    for (std::size_t w = 0; w < count; ++w) {
+        const SolvedWavelength& at = wavelengths_[w];
+        const double transmitted = at.transmitted(mu_in, mu_out) / std::numbers::pi;
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            double& value = values[d * count + w];
+            value *= transmitted;
+            if (at.has_lobe()) value += at.lobe(directions[d]);
+        }
+    }
+}
+
+void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch) {
+    scratch.cos_azimuth.clear();
+    for (const Direction& d : directions)
+        scratch.cos_azimuth.push_back(std::cos(d.azimuth_deg * (std::numbers::pi / 180)));
+}
+
+void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride,
+                    EvaluationScratch& scratch) const {
+    smooth.series_at(in_, out_, mu_sum_, scratch.series);
+    for (std::size_t d = 0; d < scratch.cos_azimuth.size(); ++d)
+        values[d * stride] +=
+            math::cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
+}
+
+SolvedTable::SolvedTable(const ResolvedScene& resolved, const std::string& title,
+                         const SolverOptions& options, const TableOptions& table_options,
+                         const Control& control)
+    : scene(resolved),
+      solver(options),
+      part(table_options.part),
+      channels(channel_names(resolved.wavelength_nm)),
+      components(part == BrdfPart::surface ? 1 : std::max(1, options.stokes)) {
+    wavelengths = solve_wavelengths(*this, control);
+    report.tolerance = solver.tolerance;
+    report.sources = scene.sources;
+    report.notes = scene.notes;
+    for (const SolvedWavelength& at : wavelengths) report.wavelengths.push_back(at.report());
+    provenance = {std::string("miebrdf ") + kVersion,
+                  table_options.command_line,
+                  title,
+                  name_of(part),
+                  report.summary(),
+                  fmt::format("{}", fmt::join(report.polarisation(), "; ")),
+                  scene.sources};
+    sharp = make_sharp_parts(*this, control);
+}
+
+}  // namespace miebrdf
