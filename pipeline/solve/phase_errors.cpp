@@ -27,7 +27,7 @@ struct PeakShare {
 };
 constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareBeforeBack = {1.0, 0.2},
                     kPeakShareNearBack = {0.6, 0.2};
-constexpr PeakShare kPeakShareBack = {0.3, 0.05};
+constexpr PeakShare kPeakShareBack = {0.3, 0.19};
 // Cosines of 165, 176.4 and 179.3 degrees.
 constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;
 
@@ -315,7 +315,7 @@ PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const Optics
             if (noise <= largest / term.value) continue;
             // The table's noise is what P will change by, as far as is known before. Straight back
             // the doubt is so large that no number of sizes makes up for it: it is stated.
-            const double doubt = term.doubt * noise;
+            const double doubt = is_straight_back(term.cos_theta) ? 0.0 : term.doubt * noise;
             Point& point = points[term.layer][term.part][angle_of(term.cos_theta)];
             point.allowed = std::min(point.allowed, beside_doubt(largest, doubt) / term.value);
         }
