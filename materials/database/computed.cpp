@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <tuple>
 #include <vector>
 
 #include <miebrdf/database.h>
 #include "materials/database/models.h"
 #include "materials/index/units.h"
+#include "materials/readers/text.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -42,39 +45,93 @@ std::optional<TemperatureName> parse_temperature(const std::string& name) {
     return TemperatureName{call->arguments[0], *value + zero_k};
 }
 
-/// The datasets of a material that have a temperature, the coldest first. Of several with one
-/// temperature the first stays: the default comes first.
-std::vector<DatasetInfo> by_temperature(const std::vector<DatasetInfo>& all) {
+/// "liquid" in "Sinnock-liquid-122K" or "Liquid krypton at 122 K"; empty where nothing says it.
+std::string phase_of(const DatasetInfo& d) {
+    const std::string text = lower_case(d.label + " " + d.note);
+    for (const std::string_view word : split_words(text, " -_,.;:()/\t\n")) {
+        for (const std::string_view phase : {"gas", "liquid", "solid", "amorphous"}) {
+            if (word == phase) return std::string(phase);
+        }
+        if (word == "vapour" || word == "vapor") return "gas";
+    }
+    return "";
+}
+
+/// Whether n + ik may be interpolated from one to the other: the same ray of the same phase.
+bool are_alike(const DatasetInfo& a, const DatasetInfo& b) {
+    const std::string phase_a = phase_of(a), phase_b = phase_of(b);
+    return a.ray == b.ray && (phase_a == phase_b || phase_a.empty() || phase_b.empty());
+}
+
+std::string described(const DatasetInfo& d) {
+    std::string text = fmt::format("{} K ({}/{}", *d.temperature_k, d.material, d.label);
+    if (!d.ray.empty()) text += ", ray " + d.ray;
+    const std::string phase = phase_of(d);
+    if (!phase.empty()) text += ", " + phase;
+    return text + (d.k_known ? ")" : ", k unknown)");
+}
+
+/// The two datasets around a temperature; twice the same where one has it. Of several pairs the one
+/// of the default dataset's ray, then one with k known in both, then the closest, then the first.
+/// @throws InputError  with the temperatures that there are
+std::pair<DatasetInfo, DatasetInfo> around(const std::string& name, double temperature_k,
+                                           const std::vector<DatasetInfo>& all) {
     std::vector<DatasetInfo> known;
     for (const DatasetInfo& d : all) {
-        if (!d.temperature_k || !d.n_known || !(d.shortest_nm < d.longest_nm)) continue;
-        const bool is_new = std::none_of(known.begin(), known.end(), [&](const DatasetInfo& other) {
-            return other.temperature_k == d.temperature_k;
-        });
-        if (is_new) known.push_back(d);
+        if (d.temperature_k && d.n_known && d.shortest_nm < d.longest_nm) known.push_back(d);
     }
+    std::optional<std::pair<DatasetInfo, DatasetInfo>> best;
+    std::tuple<bool, bool, double> best_rank;
+    for (const DatasetInfo& colder : known) {
+        for (const DatasetInfo& warmer : known) {
+            const bool is_one = colder.label == warmer.label;
+            const double distance = *warmer.temperature_k - *colder.temperature_k;
+            const bool brackets =
+                *colder.temperature_k <= temperature_k && temperature_k <= *warmer.temperature_k;
+            if (!brackets || is_one != (distance == 0.0) || !are_alike(colder, warmer)) continue;
+            const std::tuple rank(colder.ray != all.front().ray,
+                                  !(colder.k_known && warmer.k_known), distance);
+            if (best && !(rank < best_rank)) continue;
+            best.emplace(colder, warmer);
+            best_rank = rank;
+        }
+    }
+    if (best) return *best;
     std::sort(known.begin(), known.end(), [](const DatasetInfo& a, const DatasetInfo& b) {
         return *a.temperature_k < *b.temperature_k;
     });
-    return known;
+    std::vector<std::string> there;
+    for (const DatasetInfo& d : known) there.push_back(described(d));
+    throw InputError(
+        fmt::format("'{}': {} K does not lie between two datasets of one ray and one phase: {}",
+                    name, temperature_k,
+                    there.empty() ? "none of them has a temperature"
+                                  : fmt::format("{}", fmt::join(there, ", "))));
 }
 
-/// The two datasets around a temperature, of one source where several have been measured.
-/// @throws InputError  with the temperatures that there are
-std::pair<DatasetInfo, DatasetInfo> around(const std::string& name, double temperature_k,
-                                           const std::vector<DatasetInfo>& known) {
-    const auto above = std::find_if(known.begin(), known.end(), [&](const DatasetInfo& d) {
-        return *d.temperature_k >= temperature_k;
-    });
-    const bool is_exact = above != known.end() && *above->temperature_k == temperature_k;
-    if (is_exact) return {*above, *above};
-    if (above != known.end() && above != known.begin()) return {*std::prev(above), *above};
-    std::vector<std::string> there;
-    for (const DatasetInfo& d : known)
-        there.push_back(fmt::format("{} K ({}/{})", *d.temperature_k, d.material, d.label));
-    throw InputError(fmt::format(
-        "'{}': {} K lies outside the temperatures of the datasets: {}", name, temperature_k,
-        there.empty() ? "none of them has one" : fmt::format("{}", fmt::join(there, ", "))));
+/// Between two datasets k can be interpolated where both know it, or where it is 0.
+void require_alike(const std::string& name, const std::vector<double>& grid_nm,
+                   const RefractiveIndex& colder, const RefractiveIndex& warmer) {
+    // n^2 - 1 goes with the density: in hundreds of degrees a solid or liquid changes it by a few
+    // percent, boiling changes it by a factor of hundreds.
+    constexpr double kMostChange = 3.0;
+    for (const double w : grid_nm) {
+        const std::complex<double> cold = colder.at(w), warm = warmer.at(w);
+        const double ratio = std::abs(cold * cold - 1.0) / std::abs(warm * warm - 1.0);
+        if (!(ratio <= kMostChange && ratio >= 1.0 / kMostChange)) {
+            throw InputError(fmt::format(
+                "'{}': at {} nm the colder dataset has n + ik = {} + {}i, the warmer one {} + {}i; "
+                "allowed: n^2 - 1 within a factor of {}, as of one phase",
+                name, w, cold.real(), cold.imag(), warm.real(), warm.imag(), kMostChange));
+        }
+        if (colder.k_known() == warmer.k_known()) continue;
+        const double k = (colder.k_known() ? cold : warm).imag();
+        if (k == 0.0) continue;
+        throw InputError(fmt::format(
+            "'{}': k is {} at {} nm in the {} dataset and unknown in the other, so nothing lies "
+            "between; name one of them, or import one with k",
+            name, k, w, colder.k_known() ? "colder" : "warmer"));
+    }
 }
 
 std::vector<double> common_grid(const RefractiveIndex& a, const RefractiveIndex& b,
@@ -102,6 +159,7 @@ IndexFunction between(const std::string& name, const RefractiveIndex& colder,
             colder.shortest_nm(), colder.longest_nm(), warmer.shortest_nm(), warmer.longest_nm()));
     }
     function.grid_nm = common_grid(colder, warmer, function.shortest_nm, function.longest_nm);
+    require_alike(name, function.grid_nm, colder, warmer);
     function.k_known = colder.k_known() && warmer.k_known();
     function.at = [colder, warmer, share_of_warmer](double wavelength_nm) {
         return (1.0 - share_of_warmer) * colder.at(wavelength_nm) +
@@ -137,8 +195,7 @@ std::optional<Database::Computed> Database::computed(const std::string& name,
     }
     const auto asked = parse_temperature(name);
     if (!asked) return std::nullopt;
-    const auto [colder, warmer] =
-        around(name, asked->temperature_k, by_temperature(datasets(asked->material)));
+    const auto [colder, warmer] = around(name, asked->temperature_k, datasets(asked->material));
     const std::string cold_name = colder.material + "/" + colder.label,
                       warm_name = warmer.material + "/" + warmer.label;
     const double distance = *warmer.temperature_k - *colder.temperature_k;

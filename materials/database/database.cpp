@@ -118,9 +118,29 @@ std::vector<std::string> Database::all_names() const {
     return {names.begin(), names.end()};
 }
 
+// Some words name what is made of materials.
+static std::string advice_for(const std::string& name) {
+    static constexpr std::pair<const char*, const char*> kAdvice[] = {
+        {"snow",
+         "snow is grains of H2O_ice in air: H2O_ice,radius=100um, with soot or dust if dirty"},
+        {"frost", "frost is grains of H2O_ice in air: H2O_ice,radius=50um"},
+        {"ice", "ice is H2O_ice"},
+        {"cloud", "a cloud is drops of water in air: water,radius=10um"},
+        {"fog", "fog is drops of water in air: water,radius=5um"},
+        {"paint", "paint is a pigment in a binder: TiO2,radius=0.13,volume=15% in PMMA"},
+        {"milk", "milk is drops of fat in water: index:1.46,radius=1,volume=3.5% in water"},
+        {"soot", "soot is called soot_diesel, or carbon"}};
+    for (const auto& [word, advice] : kAdvice) {
+        if (normalised(name) == word) return advice;
+    }
+    return "";
+}
+
 void Database::throw_unknown(const std::string& name) const {
     std::vector<std::string> nearest = nearest_names(name, all_names());
     std::string message = fmt::format("no material is named '{}'", name);
+    const std::string advice = advice_for(name);
+    if (!advice.empty()) throw UnknownMaterial(message + "; " + advice, name, {});
     message += nearest.empty()
                    ? ", and nothing is spelled like it; search looks through titles and sources too"
                    : fmt::format("; did you mean {}?", fmt::join(nearest, ", "));

@@ -127,23 +127,7 @@ Dataset Database::dataset(const std::string& name) const {
     if (auto mixed = unstored(name)) return *std::move(mixed);
     const DatasetInfo info = dataset_info(name);
     Dataset dataset;
-    dataset.material = info.material;
-    dataset.label = info.label;
-    dataset.source = info.source;
-    dataset.key = info.key;
-    dataset.reference = info.reference;
-    dataset.doi = info.doi;
-    dataset.licence = info.licence;
-    dataset.ray = info.ray;
-    dataset.composition = info.composition;
-    dataset.note = info.note;
-    dataset.format = info.format;
-    dataset.file = info.file;
-    dataset.file_sha256 = info.file_sha256;
-    dataset.temperature_k = info.temperature_k;
-    dataset.density_g_cm3 = info.density_g_cm3;
-    dataset.density_source = info.density_source;
-    dataset.corrections = info.corrections;
+    static_cast<DatasetOrigin&>(dataset) = info;
     for (const auto& layer : layers_) {
         const auto material = layer->material(info.material);
         if (!material) continue;

@@ -12,6 +12,7 @@
 #include "materials/readers/catalogue.h"
 #include "materials/readers/file_format.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -144,7 +145,8 @@ class Importer {
     }
 
     void add_catalogue(const fs::path& file) {
-        for (const CataloguePage& page : read_catalogue(read_text(file), file.string())) {
+        for (const CataloguePage& page :
+             read_catalogue(without_mark(read_bytes(file), file.string()), file.string())) {
             Candidate candidate{page.data, false, {}, page.refusal};
             try {
                 if (candidate.refusal.empty())

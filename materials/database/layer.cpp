@@ -201,15 +201,9 @@ std::optional<Series> Database::Layer::series(std::int64_t dataset_id, char quan
 
 DatasetInfo describe_unstored(const Dataset& d) {
     DatasetInfo info;
-    info.material = d.material;
-    info.label = d.label;
+    static_cast<DatasetOrigin&>(info) = d;
     info.layer = "nowhere: computed";
-    info.source = d.source;
-    info.reference = d.reference;
-    info.format = d.format;
     info.content_sha256 = content_sha256(d);
-    info.density_g_cm3 = d.density_g_cm3;
-    info.density_source = d.density_source;
     info.k_known = d.k.has_value();
     info.rows = static_cast<int>(d.n->x.size());
     info.n_shortest_nm = info.shortest_nm = d.n->shortest_nm;

@@ -10,7 +10,7 @@
 
 namespace miebrdf::materials {
 
-/// What one layer knows of a material.
+/// A material as one layer knows it.
 struct LayerMaterial {
     std::int64_t id = 0;
     std::string name, title, formula, default_label;
@@ -29,14 +29,14 @@ struct Database::Layer {
     /// In the order they were added.
     std::vector<std::pair<std::int64_t, DatasetInfo>> datasets(std::int64_t material_id) const;
     std::vector<std::string> materials_with_key(const std::string& key) const;
-    /// Of the table that says which material an entry of a collection belongs to.
+    /// An entry of the table that says which material an entry of a collection belongs to.
     std::optional<std::string> collected(const std::string& source, const std::string& key) const;
     std::vector<std::string> full_text(const std::string& query) const;
     bool indexed(std::int64_t material_id, const std::string& query) const;
     std::optional<Series> series(std::int64_t dataset_id, char quantity) const;
 };
 
-/// What is known of a dataset that no layer holds (a mixture).
+/// Describes a dataset that no layer holds (a mixture).
 DatasetInfo describe_unstored(const Dataset& dataset);
 
 }  // namespace miebrdf::materials

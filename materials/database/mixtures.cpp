@@ -11,9 +11,10 @@
 #include <vector>
 
 #include <miebrdf/database.h>
+#include "materials/database/models.h"
 #include "materials/index/mixing_rules.h"
-#include "materials/index/units.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -34,32 +35,6 @@ struct Mixture {
     throw UsageError(fmt::format("mixture '{}': {}", name, reason));
 }
 
-// Commas inside of inner parentheses belong to a mixture that is a part.
-std::vector<std::string> split_parts(const std::string& text) {
-    std::vector<std::string> parts(1);
-    int depth = 0;
-    for (const char c : text) {
-        depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-        if (c == ',' && depth == 0) {
-            parts.emplace_back();
-        } else {
-            parts.back() += c;
-        }
-    }
-    for (std::string& part : parts) part = std::string(without_blanks(part));
-    return parts;
-}
-
-// "30%" or "0.3"; nothing when it is no number: then the colon belongs to a name (sopra:GAP).
-std::optional<double> read_fraction(std::string_view text) {
-    text = without_blanks(text);
-    const bool percent = text.ends_with('%');
-    if (percent) text.remove_suffix(1);
-    const auto value = parse_number(text);
-    if (!value) return std::nullopt;
-    return percent ? *value / 100 : *value;
-}
-
 void settle_fractions(Mixture& mixture, const std::string& name,
                       const std::vector<std::optional<double>>& given) {
     const auto missing = std::count(given.begin(), given.end(), std::nullopt);
@@ -72,7 +47,8 @@ void settle_fractions(Mixture& mixture, const std::string& name,
         sum += *fraction;
     }
     if (missing > 1 && !(powder && missing == 2))
-        refuse(name, "write a fraction of the volume for all parts but one: TiO2:30%,SiO2");
+        refuse(name,
+               "write a fraction of the volume for all parts but one; allowed: TiO2:30%,SiO2");
     constexpr double kRounding = 1e-9;
     if (missing == 0 ? std::abs(sum - 1) > kRounding : sum > 1 + kRounding)
         refuse(name, fmt::format("the fractions add up to {}; allowed: 1", sum));
@@ -92,20 +68,20 @@ std::string join(const std::vector<std::string>& texts) {
 /// powder of a uniaxial crystal, 2/3 and 1/3.
 /// @throws UsageError  for parts that are missing or too many, and fractions that do not add up
 std::optional<Mixture> parse_mixture(const std::string& asked) {
-    std::string name(without_blanks(asked));
-    if (name.ends_with(fmt::format(")/{}", kLabel))) name.resize(name.size() - kLabel.size() - 1);
-    const std::size_t open = name.find('(');
-    if (open == std::string::npos || !name.ends_with(')')) return std::nullopt;
+    const std::string name(without_blanks(asked));
+    const auto call = parse_call(name, kLabel);
+    if (!call) return std::nullopt;
     Mixture mixture;
-    mixture.rule = find_mixing_rule(without_blanks(name.substr(0, open)));
+    mixture.rule = find_mixing_rule(call->name);
     if (mixture.rule == nullptr) return std::nullopt;
     if (std::count(name.begin(), name.end(), '(') > 4)
         refuse(name, "more than 4 rules in one name");
     std::vector<std::optional<double>> given;
-    for (const std::string& part : split_parts(name.substr(open + 1, name.size() - open - 2))) {
+    for (const std::string& part : call->arguments) {
+        // A colon without a number behind it belongs to a name (sopra:GAP).
         const std::size_t colon = part.rfind(':');
         const auto fraction =
-            colon == std::string::npos ? std::nullopt : read_fraction(part.substr(colon + 1));
+            colon == std::string::npos ? std::nullopt : table_number(part.substr(colon + 1));
         given.push_back(fraction);
         mixture.parts.push_back(
             {std::string(without_blanks(fraction ? part.substr(0, colon) : part)), 0.0});
@@ -118,6 +94,29 @@ std::optional<Mixture> parse_mixture(const std::string& asked) {
     }
     settle_fractions(mixture, name, given);
     return mixture;
+}
+
+/// Whether a part of unknown k is transparent: a dispersion formula, of the collections or of the
+/// user, describes a material where it does not absorb.
+bool is_transparent(const Dataset& part) {
+    return (part.n && !part.n->tabulated()) || part.format == kModelLabel;
+}
+
+/// A part that nobody measured k of, beside one that absorbs, leaves the mixture's k unknown.
+/// @param largest_k  of each part; 0: unknown, or none
+void require_k(const Mixture& mixture, const std::string& name,
+               const std::vector<Dataset>& datasets, const std::vector<double>& largest_k) {
+    const auto absorbing = std::max_element(largest_k.begin(), largest_k.end());
+    if (!(*absorbing > 0.0)) return;
+    for (std::size_t i = 0; i < datasets.size(); ++i) {
+        if (datasets[i].k || is_transparent(datasets[i])) continue;
+        throw InputError(fmt::format(
+            "mixture '{}': k of {} ({}/{}) is unknown, while {} absorbs (k up to {}); allowed: "
+            "parts "
+            "with known k, and parts given by a dispersion formula, which do not absorb",
+            name, mixture.parts[i].name, datasets[i].material, datasets[i].label,
+            mixture.parts[std::size_t(absorbing - largest_k.begin())].name, *absorbing));
+    }
 }
 
 /// Tabulated at every wavelength of the parts' tables where all parts are known, and at seven
@@ -141,9 +140,7 @@ Dataset mix(const Mixture& mixture, const std::string& name,
             fmt::format("mixture '{}': its parts have no range in common: {}", name, ranges));
     }
     std::set<double> grid{shortest_nm, longest_nm};
-    bool k_known = true;
     for (const RefractiveIndex& index : indices) {
-        k_known = k_known && index.k_known();
         for (const double w : index.table().wavelength_nm) {
             if (w > shortest_nm && w < longest_nm) grid.insert(w);
         }
@@ -156,7 +153,7 @@ Dataset mix(const Mixture& mixture, const std::string& name,
         if (!(last > first * (1 + 1e-9))) continue;
         for (int i = 1; i < 8; ++i) grid.insert(w, 1 / (((8 - i) / first + i / last) / 8));
     }
-    std::vector<double> wavelength_nm, n, k;
+    std::vector<double> wavelength_nm, n, k, largest_k(indices.size(), 0.0);
     for (const double w : grid) {
         // Wavelengths that differ by rounding alone: the same row of two tables.
         if (!wavelength_nm.empty() && !(w > wavelength_nm.back() * (1 + 1e-12))) continue;
@@ -164,6 +161,7 @@ Dataset mix(const Mixture& mixture, const std::string& name,
         for (std::size_t i = 0; i < indices.size(); ++i) {
             const std::complex<double> m = indices[i].at(w);
             parts.push_back({m * m, mixture.parts[i].fraction});
+            largest_k[i] = std::max(largest_k[i], m.imag());
         }
         const std::complex<double> m = std::sqrt(mixture.rule->permittivity(parts));
         wavelength_nm.push_back(w);
@@ -177,7 +175,18 @@ Dataset mix(const Mixture& mixture, const std::string& name,
     mixed.source = "mixing rule";
     mixed.format = "mixture";
     mixed.n = make_table(Unit::nanometre, wavelength_nm, n);
-    if (k_known) mixed.k = make_table(Unit::nanometre, wavelength_nm, k);
+    require_k(mixture, name, datasets, largest_k);
+    const auto knows_k = [](const Dataset& part) { return part.k.has_value(); };
+    const bool absorbs = *std::max_element(largest_k.begin(), largest_k.end()) > 0.0;
+    if (absorbs || std::all_of(datasets.begin(), datasets.end(), knows_k))
+        mixed.k = make_table(Unit::nanometre, wavelength_nm, k);
+    for (const Dataset& part : datasets) {
+        if (!mixed.k || part.k) continue;
+        mixed.note += fmt::format(
+            "{}k of {}/{} is 0, its dispersion formula being that of a "
+            "transparent range",
+            mixed.note.empty() ? "" : "; ", part.material, part.label);
+    }
     std::vector<std::string> titles, references;
     if (*mixture.rule->reference != '\0') references.emplace_back(mixture.rule->reference);
     double density = 0;

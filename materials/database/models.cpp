@@ -19,6 +19,9 @@ namespace {
 // Models are used where nobody measured; these are the ends of what optics calls light.
 constexpr double kShortest_nm = 10.0, kLongest_nm = 1e6;
 
+constexpr char kAdvice[] =
+    "; range=FROM:TO (nm) as the last argument keeps the model to where it is one";
+
 [[noreturn]] void refuse_model(const std::string& name, const std::string& reason) {
     throw UsageError(fmt::format("model '{}': {}", name, reason));
 }
@@ -132,6 +135,7 @@ Model model_of(double eps_inf, std::vector<Oscillator> oscillators, double short
     model.reference = fmt::format("{}", fmt::join(references, "; "));
     model.index.shortest_nm = shortest_nm;
     model.index.longest_nm = longest_nm;
+    model.index.advice = kAdvice;
     model.index.grid_nm = sample(shortest_nm, longest_nm, oscillators);
     model.index.at = [eps_inf, oscillators = std::move(oscillators)](double wavelength_nm) {
         const double energy_ev = from_nm(wavelength_nm, Unit::electronvolt);
@@ -200,6 +204,7 @@ Model formula_model(const std::string& name, Call call) {
     model.reference = "formula of the user";
     model.index.shortest_nm = shortest_nm;
     model.index.longest_nm = longest_nm;
+    model.index.advice = kAdvice;
     model.index.grid_nm = sample(shortest_nm, longest_nm, {});
     model.index.k_known = !as_index || imaginary;
     model.index.at = [as_index, real, imaginary](double wavelength_nm) {

@@ -17,7 +17,7 @@ namespace {
 // How long to wait for another process that is writing.
 constexpr int kBusyTimeoutMs = 30000;
 
-// What the system said when a file could not be read or written; 0 when it said nothing.
+// The system's message when a file could not be read or written; 0 when it said nothing.
 int system_error(sqlite3* connection) {
     return connection == nullptr ? 0 : sqlite3_system_errno(connection);
 }
@@ -35,7 +35,7 @@ bool no_room(int code, sqlite3* connection) {
     return (code & 0xff) == SQLITE_FULL || ((code & 0xff) == SQLITE_IOERR && full);
 }
 
-// What the codes mean for a materials database, in the words of its user.
+// The codes' meaning for a materials database, in the words of its user.
 std::string reason(int code, sqlite3* connection) {
     if (no_room(code, connection))
         return "cannot be written: the disk is full; nothing was changed";

@@ -33,7 +33,7 @@ struct OscillatorKind {
     const char* reference;  ///< publication
     std::vector<OscillatorParameter> parameters;
     std::size_t fewest_parameters;  ///< the others may be left out together
-    /// What it adds to the permittivity. @param energy_ev  > 0
+    /// Its addend to the permittivity. @param energy_ev  > 0
     std::complex<double> (*susceptibility)(std::span<const double> parameters, double energy_ev);
     /// Where it changes quickly, and over what width, in eV; width 0: nowhere.
     std::pair<double, double> (*feature)(std::span<const double> parameters);

@@ -70,6 +70,10 @@ class IndexCurve {
     std::optional<Pchip> pchip_;
 };
 
+static bool is_index(std::complex<double> m) {
+    return m.real() > 0 && m.real() <= kLargestIndex && m.imag() >= 0 && m.imag() <= kLargestIndex;
+}
+
 struct RefractiveIndex::State {
     std::string material;
     std::optional<IndexCurve> n;  // nothing: the function says it
@@ -79,6 +83,14 @@ struct RefractiveIndex::State {
     std::vector<Coverage> alternatives;
     double shortest_nm = 0.0;
     double longest_nm = 0.0;
+
+    /// The value of the data inside their range, which need not be a refractive index.
+    std::complex<double> value(double wavelength_nm) const {
+        if (function) return function->at(wavelength_nm);
+        const bool has_k =
+            k && within(wavelength_nm, k->series().shortest_nm, k->series().longest_nm);
+        return {n->at(wavelength_nm), has_k ? k->at(wavelength_nm) : 0.0};
+    }
 
     std::string allowed() const { return fmt::format("{} to {} nm", shortest_nm, longest_nm); }
 
@@ -170,29 +182,28 @@ std::complex<double> RefractiveIndex::at(double wavelength_nm) const {
         throw s.refusal(s.out_of_range_message(wavelength_nm), wavelength_nm);
     }
     const double used_nm = std::clamp(wavelength_nm, s.shortest_nm, s.longest_nm);
-    if (s.function) {
-        const std::complex<double> m = s.function->at(used_nm);
-        if (m.real() > 0 && m.real() <= kLargestIndex && m.imag() >= 0 && m.imag() <= kLargestIndex)
-            return m;
-        throw s.refusal(fmt::format("{}: n + ik is {} + {}i at {} nm; allowed: n > 0, k >= 0, both "
-                                    "up to {:g}",
-                                    s.material, m.real(), m.imag(), used_nm, kLargestIndex),
-                        wavelength_nm);
-    }
-    const double n = s.n->at(used_nm);
-    if (!(n > 0)) {
-        throw s.refusal(fmt::format("{}: its dispersion formula {} has no real value at {} nm",
-                                    s.material, s.n->series().formula, used_nm),
-                        wavelength_nm);
-    }
-    const bool has_k = s.k && within(used_nm, s.k->series().shortest_nm, s.k->series().longest_nm);
-    return {n, has_k ? s.k->at(used_nm) : 0.0};
+    const std::complex<double> m = s.value(used_nm);
+    if (is_index(m)) return m;
+    throw s.refusal(
+        s.function
+            ? fmt::format(
+                  "{}: n + ik is {} + {}i at {} nm; allowed: n > 0, k >= 0, both up to {:g}{}",
+                  s.material, m.real(), m.imag(), used_nm, kLargestIndex, s.function->advice)
+            : fmt::format("{}: its dispersion formula {} has no real value at {} nm", s.material,
+                          s.n->series().formula, used_nm),
+        wavelength_nm);
 }
 
 double RefractiveIndex::shortest_nm() const { return state_->shortest_nm; }
 double RefractiveIndex::longest_nm() const { return state_->longest_nm; }
 bool RefractiveIndex::k_known() const {
     return state_->function ? state_->function->k_known : state_->k.has_value();
+}
+
+bool RefractiveIndex::k_known_at(double wavelength_nm) const {
+    if (!state_->k) return k_known();
+    const Series& k = state_->k->series();
+    return within(wavelength_nm, k.shortest_nm, k.longest_nm);
 }
 
 bool RefractiveIndex::covers(double wavelength_nm) const {
@@ -219,6 +230,10 @@ IndexTable RefractiveIndex::table() const {
     }
     std::sort(grid.begin(), grid.end());
     grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+    // Where a formula or model has no value, its table has no row.
+    if (state_->function || !state_->n->series().tabulated())
+        std::erase_if(grid, [&](double w) { return !is_index(state_->value(w)); });
+    if (grid.empty()) at(shortest_nm());
     for (const double w : grid) {
         const std::complex<double> m = at(w);
         table.n.push_back(m.real());

@@ -114,6 +114,8 @@ void check_series(const Series& series, char quantity) {
     }
     if (!series.tabulated()) {
         if (series.formula < 1 || series.formula > 9) refuse("formulas are numbered 1 to 9");
+        const std::string mismatch = formula_mismatch(series.formula, series.y);
+        if (!mismatch.empty()) refuse(mismatch);
         return;
     }
     if (series.x.size() != series.y.size()) {
@@ -141,6 +143,27 @@ void check_series(const Series& series, char quantity) {
         }
         previous_nm = wavelength_nm;
         previous_ev = energy_ev;
+    }
+}
+
+std::string formula_mismatch(int formula, std::span<const double> coefficients) {
+    const std::size_t count = coefficients.size();
+    const auto reason = [&](std::string_view allowed) {
+        return fmt::format("formula {} with {} coefficients; allowed: {}", formula, count, allowed);
+    };
+    switch (formula) {
+        case 4: {  // a constant, two terms of four coefficients, then pairs
+            const bool whole = count == 1 || count == 5 || (count >= 9 && count % 2 == 1);
+            return whole ? "" : reason("1, 5, 9 or an odd number above");
+        }
+        case 7:
+            return count == 5 || count == 6 ? "" : reason("5 or 6");
+        case 8:
+            return count == 4 ? "" : reason("4");
+        case 9:
+            return count == 6 ? "" : reason("6");
+        default:  // a constant, then pairs
+            return count % 2 == 1 ? "" : reason("an odd number, a constant and pairs");
     }
 }
 

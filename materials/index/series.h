@@ -22,8 +22,12 @@ void check_series(const Series& series, char quantity);
 /// range, first at 420.5 nm". Empty when there is none. The samples are even in photon energy.
 std::string formula_gap(const Series& series);
 
-/// n of formula 1-9 at a vacuum wavelength in micrometres; coefficients as in the source, missing
-/// trailing ones are 0. With L the wavelength:
+/// Why a formula cannot have these coefficients: a term lacks one, or there are more than it has.
+/// Empty when it can. Sources leave whole terms away, never a part of one.
+std::string formula_mismatch(int formula, std::span<const double> coefficients);
+
+/// n of formula 1-9 at a vacuum wavelength in micrometres; coefficients as in the source; terms
+/// that are not given are 0. With L the wavelength:
 ///   1  n^2 - 1 = c1 + sum c_i L^2 / (L^2 - c_{i+1}^2)    (Sellmeier)
 ///   2  n^2 - 1 = c1 + sum c_i L^2 / (L^2 - c_{i+1})
 ///   3  n^2 = c1 + sum c_i L^c_{i+1}                       (polynomial)

@@ -14,18 +14,9 @@ namespace {
 bool never(std::string_view) { return false; }
 
 Dataset read_atrri(const SourceFile& source, const ReadOptions& options) {
-    const std::string file = source.path.string();
     Dataset dataset;
     dataset.format = "atrri";
-    RawTable table;
-    table.unit = Unit::nanometre;
-    Columns columns = read_columns(source.text, '#', 3, file, options);
-    for (const auto& [line, numbers] : columns.rows) {
-        table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
-    }
-    columns.bad.record(dataset, table.rows.size());
-    take_remarks(dataset, columns.remarks);
-    add_table(dataset, std::move(table), file, options);
+    read_bare_columns(dataset, source.text, {}, source.path.string(), options);
     return dataset;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include <miebrdf/database.h>
@@ -15,12 +16,15 @@ namespace fs = std::filesystem;
 
 using Pages = std::vector<CataloguePage>;
 
-// A shelf or book may be empty.
-const std::vector<YamlNode>& content_of(const YamlNode& node) {
-    static const std::vector<YamlNode> nothing;
-    const YamlNode* content = node.find("content");
-    return content != nullptr && content->kind == YamlNode::Kind::sequence ? content->items
-                                                                           : nothing;
+// A shelf or book may be empty, and editors have left the key `content` twice, once with nothing
+// under it: all that stands under either counts.
+std::vector<const YamlNode*> content_of(const YamlNode& node) {
+    std::vector<const YamlNode*> content;
+    for (std::size_t i = 0; i < node.keys.size(); ++i) {
+        if (node.keys[i] != "content") continue;
+        for (const YamlNode& item : node.items[i].items) content.push_back(&item);
+    }
+    return content;
 }
 
 // Manufacturers' data sheets: on this shelf a book is a maker and every page another glass.
@@ -61,7 +65,16 @@ void check_folder(CataloguePage& page, const std::string& book,
         fmt::format("{}: the catalogue lists a file of {} under {}", page.data, folder, book);
 }
 
+/// Which key says twice what an entry is; empty where none does.
+std::string key_said_twice(const YamlNode& entry) {
+    for (const char* key : {"SHELF", "BOOK", "PAGE", "data"}) {
+        if (std::count(entry.keys.begin(), entry.keys.end(), key) > 1) return key;
+    }
+    return "";
+}
+
 void check_page(CataloguePage& page, const std::string& book, const std::set<std::string>& books) {
+    if (!page.refusal.empty()) return;
     if (page.label.empty() || book.empty() || page.data.empty()) {
         page.refusal = fmt::format("{}: a page without name or data file", page.key);
     } else if (page.data.find("..") != std::string::npos || page.data.front() == '/') {
@@ -92,13 +105,19 @@ Pages read_catalogue(std::string_view text, const std::string& file) {
     for (const YamlNode& shelf : root.items) {
         if (shelf.find("SHELF") == nullptr) continue;  // a divider
         if (repeats_others(shelf.text_of("SHELF"))) continue;
-        for (const YamlNode& book : content_of(shelf)) {
-            if (book.find("BOOK") == nullptr) continue;
-            books.insert(shelf.text_of("SHELF") + "/" + book.text_of("BOOK"));
-            for (const YamlNode& page : content_of(book)) {
-                if (page.find("PAGE") == nullptr) continue;
-                pages.push_back(make_page(shelf.text_of("SHELF"), book, page));
-                owners.push_back(book.text_of("BOOK"));
+        for (const YamlNode* book : content_of(shelf)) {
+            if (book->find("BOOK") == nullptr) continue;
+            books.insert(shelf.text_of("SHELF") + "/" + book->text_of("BOOK"));
+            for (const YamlNode* page : content_of(*book)) {
+                if (page->find("PAGE") == nullptr) continue;
+                pages.push_back(make_page(shelf.text_of("SHELF"), *book, *page));
+                owners.push_back(book->text_of("BOOK"));
+                for (const YamlNode* entry : {&shelf, book, page}) {
+                    const std::string key = key_said_twice(*entry);
+                    if (key.empty()) continue;
+                    pages.back().refusal = fmt::format("{}: the key '{}' stands twice in line {}",
+                                                       pages.back().key, key, entry->line);
+                }
             }
         }
     }

@@ -3,80 +3,74 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <initializer_list>
 #include <iterator>
-#include <limits>
 #include <optional>
 
 #include "materials/index/units.h"
 #include "materials/readers/file_format.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 namespace {
 
-std::string lower_case(std::string_view text) {
-    std::string out(without_blanks(text));
-    std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) {
-        return c < 0x80 ? static_cast<char>(std::tolower(c)) : static_cast<char>(c);
-    });
-    return out;
-}
-
+/// Which columns hold what; -1: none does.
 struct CsvHeader {
     int x = -1, n = -1, k = -1;
-    std::optional<Unit> unit;
+    bool is_permittivity = false;  ///< n and k are the columns of eps' and eps''
+    SpectralName spectral;
     std::string x_name;
     std::vector<std::string> unused;
-    bool bare = false;  ///< there is none: wavelength, n and perhaps k
 };
 
-// "wavelength_um", "Wavelength (nm)", "lambda[A]", "energy_eV", "nm" -> unit; "wl" alone is what
-// refractiveindex.info writes, in micrometres. Empty when it is no spectral column at all.
-std::optional<std::string> unit_text(const std::string& name) {
-    static constexpr std::string_view kQuantities[] = {
-        "wavelength", "lambda", "wl", "\xce\xbb", "energy", "photon", "wavenumber", "frequency"};
-    if (parse_unit(name)) return name;
-    for (const std::string_view quantity : kQuantities) {
-        if (!name.starts_with(quantity)) continue;
-        const std::string rest = name.substr(quantity.size());
-        const auto first = rest.find_first_not_of(" _([,/");
-        if (first == std::string::npos) return quantity == "wl" ? "um" : "";
-        std::string unit = rest.substr(first);
-        if (unit.starts_with("energy")) unit = unit.substr(std::min<std::size_t>(7, unit.size()));
-        while (!unit.empty() && (unit.back() == ')' || unit.back() == ']' || unit.back() == ' ')) {
-            unit.pop_back();
-        }
-        while (!unit.empty() && (unit.front() == '(' || unit.front() == '[')) unit.erase(0, 1);
-        return unit;
-    }
-    return std::nullopt;
+bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 std::optional<CsvHeader> read_csv_header(const std::vector<std::string>& fields) {
     CsvHeader header;
+    int real = -1, imaginary = -1;  // of the permittivity
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-        const std::string name = lower_case(fields[static_cast<std::size_t>(i)]);
-        if (name == "n" || name == "eta" || name == "ior") {
+        const std::string& field = fields[static_cast<std::size_t>(i)];
+        std::string name = lower_case(field);
+        const auto spectral = spectral_name(name);
+        std::replace(name.begin(), name.end(), ' ', '_');
+        if (header.n < 0 && is_one_of(name, {"n", "eta", "ior", "refractive_index", "index",
+                                             "n_real", "real_index", "re(n)"})) {
             header.n = i;
-        } else if (name == "k" || name == "kappa") {
+        } else if (header.k < 0 && is_one_of(name, {"k", "kappa", "extinction_coefficient",
+                                                    "extinction", "n_imag", "im(n)"})) {
             header.k = i;
-        } else if (const auto unit = unit_text(name); unit && header.x < 0) {
+        } else if (real < 0 && is_one_of(name, {"eps1", "e1", "eps_1", "epsilon1", "epsilon_1",
+                                                "eps'", "eps_real", "eps_re", "eps_r", "re(eps)",
+                                                "permittivity_real", "\xce\xb5'",
+                                                "\xce\xb5"
+                                                "1"})) {
+            real = i;
+        } else if (imaginary < 0 &&
+                   is_one_of(name, {"eps2", "e2", "eps_2", "epsilon2", "epsilon_2", "eps''",
+                                    "eps\"", "eps_imag", "eps_im", "eps_i", "im(eps)",
+                                    "permittivity_imag", "\xce\xb5''",
+                                    "\xce\xb5"
+                                    "2"})) {
+            imaginary = i;
+        } else if (spectral && header.x < 0) {
             header.x = i;
-            header.x_name = fields[static_cast<std::size_t>(i)];
-            header.unit = parse_unit(*unit);
+            header.x_name = field;
+            header.spectral = *spectral;
         } else {
-            header.unused.push_back(fields[static_cast<std::size_t>(i)]);
+            header.unused.push_back(field);
         }
+    }
+    if (header.n < 0 && header.k < 0 && real >= 0 && imaginary >= 0) {
+        header.is_permittivity = true;
+        header.n = real;
+        header.k = imaginary;
     }
     if (header.x < 0 || (header.n < 0 && header.k < 0)) return std::nullopt;
     return header;
-}
-
-char separator_of(std::string_view line) {
-    for (const char c : {',', ';', '\t'}) {
-        if (line.find(c) != std::string_view::npos) return c;
-    }
-    return ',';
 }
 
 /// n and k may stand in one block or in two, each with its header.
@@ -84,18 +78,31 @@ struct CsvBlocks {
     RawTable n, k;
 };
 
-void read_row(CsvBlocks& parts, const CsvHeader& header, const std::vector<std::string>& fields,
-              const std::string& file, int line) {
+void read_row(CsvBlocks& parts, const CsvHeader& header, TextTable& lines, std::size_t columns) {
+    const auto& fields = lines.fields();
+    // Separators at the end of a line are empty fields.
+    for (std::size_t i = columns; i < fields.size(); ++i) {
+        if (fields[i].empty()) continue;
+        lines.refuse(
+            fmt::format("{} fields under {} names; decimal commas need semicolons between "
+                        "the fields",
+                        fields.size(), columns));
+    }
     const auto field = [&](int i) {
         return i >= 0 && i < static_cast<int>(fields.size()) ? fields[static_cast<std::size_t>(i)]
                                                              : "";
     };
-    const double x = require_number(field(header.x), file, line);
-    const std::string n = field(header.n);
-    const std::string k = field(header.k);
-    if (n.empty() && k.empty()) throw ImportError(file, line, "neither n nor k");
-    if (!n.empty()) parts.n.rows.push_back({x, require_number(n, file, line), 0.0, line});
-    if (!k.empty()) parts.k.rows.push_back({x, 0.0, require_number(k, file, line), line});
+    const double x = lines.number(field(header.x));
+    const std::string n = field(header.n), k = field(header.k);
+    if (n.empty() && k.empty()) lines.refuse("neither n nor k");
+    std::complex<double> index(n.empty() ? 0.0 : lines.number(n),
+                               k.empty() ? 0.0 : lines.number(k));
+    if (header.is_permittivity) {
+        if (n.empty() || k.empty()) lines.refuse("half of a permittivity");
+        index = std::sqrt(index);
+    }
+    if (!n.empty()) parts.n.rows.push_back({x, index.real(), 0.0, lines.line()});
+    if (!k.empty()) parts.k.rows.push_back({x, 0.0, index.imag(), lines.line()});
 }
 
 void add_parts(Dataset& dataset, CsvBlocks parts, const std::string& file,
@@ -114,29 +121,37 @@ void add_parts(Dataset& dataset, CsvBlocks parts, const std::string& file,
     if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
 }
 
-bool is_bare_row(std::string_view content) {
-    const auto fields = split_words(content);
-    if (fields.size() < 2 || fields.size() > 3) return false;
-    return std::all_of(fields.begin(), fields.end(),
-                       [](std::string_view field) { return parse_number(field).has_value(); });
+bool is_row(const std::vector<std::string>& fields) {
+    return std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
+        return field.empty() || table_number(field).has_value();
+    });
 }
 
-CsvHeader bare_header(std::string_view content, const ReadOptions& options) {
+/// The line of names, perhaps as a comment above the rows.
+std::optional<CsvHeader> header_in_comment(const TextTable& lines) {
+    if (lines.comments().empty() || !is_row(lines.fields())) return std::nullopt;
+    TextTable comment(lines.comments().back(), "");
+    if (!comment.next() || comment.fields().size() != lines.fields().size()) return std::nullopt;
+    return read_csv_header(comment.fields());
+}
+
+/// Wavelength, n and perhaps k without names, where their unit is given.
+std::optional<CsvHeader> bare_header(const TextTable& lines, const ReadOptions& options) {
+    const std::size_t count = lines.fields().size();
+    if (!options.unit || count < 2 || count > 3 || !is_row(lines.fields())) return std::nullopt;
     CsvHeader header;
     header.x = 0;
     header.n = 1;
-    header.k = split_words(content).size() > 2 ? 2 : -1;
-    header.unit = options.unit;
-    header.bare = true;
+    header.k = count > 2 ? 2 : -1;
+    header.spectral.unit = options.unit;
     return header;
 }
 
 bool looks_like_csv(std::string_view text) {
-    for (const std::string_view line : split_lines(text.substr(0, 100000))) {
-        if (without_blanks(line).empty() || without_blanks(line).front() == '#') continue;
-        return read_csv_header(split_fields(line, separator_of(line))).has_value();
-    }
-    return false;
+    TextTable lines(text.substr(0, 100000), "");
+    if (!lines.next()) return false;
+    if (read_csv_header(lines.fields())) return true;
+    return lines.fields().size() > 2 && header_in_comment(lines);  // two columns are spd's
 }
 
 Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
@@ -145,52 +160,45 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
     dataset.format = "csv";
     CsvBlocks parts;
     std::optional<CsvHeader> header;
-    char separator = ',';
-    int line = 0;
+    std::size_t columns = 0;
+    TextTable lines(source.text, file);
     BadRows bad;
-    for (const std::string_view raw : split_lines(source.text)) {
-        ++line;
-        const std::string_view content = without_blanks(raw);
-        if (content.empty()) continue;
-        if (content.front() == '#') {
-            read_provenance_line(dataset, content.substr(1));
+    const auto begin_block = [&](CsvHeader next) {
+        header = std::move(next);
+        columns = lines.fields().size();
+        std::optional<Unit> named = header->spectral.unit;
+        if (header->spectral.is_wl && !options.unit) named = Unit::micrometre;
+        if (!named && !options.unit) {
+            lines.refuse(
+                fmt::format("the unit of '{}' is not known: name the column with its unit, "
+                            "as in wavelength_um or energy_eV",
+                            header->x_name));
+        }
+        const Unit unit = settle_unit(dataset, named, options, Unit::nanometre);
+        if (header->n >= 0) parts.n.unit = unit;
+        if (header->k >= 0) parts.k.unit = unit;
+        for (const std::string& name : header->unused)
+            dataset.corrections.push_back(fmt::format("column '{}' ignored", name));
+        if (header->is_permittivity)
+            dataset.corrections.push_back("n + ik is the root of the permittivity given");
+    };
+    while (lines.next()) {
+        const std::vector<std::string>& fields = lines.fields();
+        // A line of names begins a block, the first or another.
+        if (const auto names = read_csv_header(fields)) {
+            lines.take_names();
+            begin_block(*names);
             continue;
         }
-        if (!header && options.unit && is_bare_row(content)) {
-            header = bare_header(content, options);
-            parts.n.unit = parts.k.unit = *options.unit;
+        if (!header) {
+            auto implied = header_in_comment(lines);
+            if (!implied) implied = bare_header(lines, options);
+            if (!implied) lines.refuse("no header with a wavelength column and n or k");
+            begin_block(*implied);
         }
-        const char found = separator_of(content);
-        const auto words = split_words(content);
-        const auto fields = header && header->bare
-                                ? std::vector<std::string>(words.begin(), words.end())
-                                : split_fields(content, header ? separator : found);
-        const bool row = header && parse_number(fields.front());
-        // A line that is not a row is a bad row, or a header, which begins the next block.
-        const bool bad_row = header && !row && options.skip_bad_rows &&
-                             !read_csv_header(split_fields(content, found));
-        if (!row && !bad_row) {
-            separator = found;
-            auto next = read_csv_header(split_fields(content, found));
-            if (!next)
-                throw ImportError(file, line, "no header with a wavelength column and n or k");
-            if (!next->unit) next->unit = options.unit;
-            if (!next->unit) {
-                throw ImportError(file, line,
-                                  fmt::format("the unit of '{}' is not known: name the column "
-                                              "with its unit, as in wavelength_um or energy_eV",
-                                              next->x_name));
-            }
-            header = std::move(next);
-            if (header->n >= 0) parts.n.unit = *header->unit;
-            if (header->k >= 0) parts.k.unit = *header->unit;
-            for (const std::string& name : header->unused) {
-                dataset.corrections.push_back(fmt::format("column '{}' ignored", name));
-            }
-            continue;
-        }
-        bad.try_row(options, [&] { read_row(parts, *header, fields, file, line); });
+        bad.try_row(options, [&] { read_row(parts, *header, lines, columns); });
     }
+    for (const std::string& comment : lines.comments()) read_provenance_line(dataset, comment);
     bad.record(dataset, std::max(parts.n.rows.size(), parts.k.rows.size()));
     add_parts(dataset, std::move(parts), file, options);
     return dataset;

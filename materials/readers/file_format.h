@@ -18,6 +18,7 @@ struct SourceFile {
     std::filesystem::path path;
     std::string text;         ///< of a second file without its first: empty
     std::string second_text;  ///< of a pair's second file
+    std::string sha256 = {};  ///< of the bytes of both
 };
 
 struct FileFormat {
@@ -36,7 +37,7 @@ struct FileFormat {
     /// @throws InputError  by refuse_export; null: the format is not written
     std::vector<ExportFile> (*write)(const Dataset& dataset,
                                      const ExportOptions& options) = nullptr;
-    /// What a path says of material, label and key; null: nothing.
+    /// Takes material, label and key from the path; null: the path says nothing.
     void (*read_path)(Dataset& dataset, const std::filesystem::path& path) = nullptr;
 };
 
@@ -45,8 +46,6 @@ const FileFormat& format_named(std::string_view name);
 /// By content alone; null when no format fits.
 const FileFormat* recognise(std::string_view text);
 
-/// @throws ImportError  when it cannot be read, or is larger than 256 MiB
-std::string read_text(const std::filesystem::path& file);
 SourceFile read_source(const std::filesystem::path& file);
 /// "dir/X.eta.spd" and "dir/X.k.spd" -> "dir/X"; any other path unchanged.
 std::filesystem::path pair_base(const std::filesystem::path& file);

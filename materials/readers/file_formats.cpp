@@ -12,14 +12,13 @@
 #include "materials/index/units.h"
 #include "materials/readers/file_format.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 
 extern const FileFormat kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd, kAtrri;
 
 namespace {
-
-constexpr std::uintmax_t kLargestFile = 256u << 20;
 
 // In the order in which contents are tried: the formats that are easiest to tell apart come first.
 constexpr const FileFormat* kFormats[] = {
@@ -83,37 +82,23 @@ std::vector<MaterialFormat> material_formats() {
     return formats;
 }
 
-std::string read_text(const std::filesystem::path& file) {
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) {
-        throw ImportError(file.string(), 0, "is a folder");
-    }
-    // Reading a pipe could wait for ever, and a device may never end.
-    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
-        throw ImportError(file.string(), 0, "no ordinary file");
-    }
-    const auto size = std::filesystem::file_size(file, error);
-    if (!error && size > kLargestFile) throw ImportError(file.string(), 0, "larger than 256 MiB");
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw ImportError(file.string(), 0, std::strerror(errno));
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (stream.bad()) throw ImportError(file.string(), 0, "cannot be read");
-    return text;
-}
-
 SourceFile read_source(const std::filesystem::path& file) {
     SourceFile source{file, {}, {}};
     const Pair pair = pair_of(file);
-    if (pair.format == nullptr) {
-        source.text = read_text(file);
-        return source;
+    const auto read = [&](const std::filesystem::path& path) {
+        return pair.format == nullptr || std::filesystem::exists(path) ? read_bytes(path) : "";
+    };
+    std::string first = file.string(), second;
+    if (pair.format != nullptr) {
+        first = pair.base.string() + pair.format->endings[0];
+        second = read(pair.base.string() + pair.format->endings[1]);
     }
-    const std::filesystem::path first = pair.base.string() + pair.format->endings[0];
-    const std::filesystem::path second = pair.base.string() + pair.format->endings[1];
-    if (std::filesystem::exists(first)) source.text = read_text(first);
-    if (std::filesystem::exists(second)) source.second_text = read_text(second);
-    if (source.text.empty() && source.second_text.empty())
+    std::string text = read(first);
+    if (pair.format != nullptr && text.empty() && second.empty())
         throw ImportError(file.string(), 0, "is empty");
+    source.sha256 = sha256_hex(text + second);
+    source.text = without_mark(std::move(text), first);
+    source.second_text = without_mark(std::move(second), file.string());
     return source;
 }
 
@@ -122,7 +107,7 @@ std::filesystem::path pair_base(const std::filesystem::path& file) { return pair
 void fill_origin(Dataset& dataset, const SourceFile& source, const FileFormat& format,
                  const ImportOptions& options) {
     dataset.file = source.path.filename().string();
-    dataset.file_sha256 = sha256_hex(source.text + source.second_text);
+    dataset.file_sha256 = source.sha256;
     if (!options.source.empty()) dataset.source = options.source;
     if (format.read_path != nullptr) format.read_path(dataset, source.path);
     std::string stem = source_stem(source.path);
@@ -154,12 +139,14 @@ ReadOptions read_options(const ImportOptions& options) {
 
 ReadFile read_recognised(const std::filesystem::path& file, const ImportOptions& options) {
     const SourceFile source = read_source(file);
+    const Pair pair = pair_of(file);
     const FileFormat* format =
-        options.format.empty() ? recognise(source.text.empty() ? source.second_text : source.text)
-                               : &format_named(options.format);
+        options.format.empty() && pair.format != nullptr ? pair.format
+        : options.format.empty() ? recognise(source.text.empty() ? source.second_text : source.text)
+                                 : &format_named(options.format);
     // Bare columns become readable when their unit is given.
-    if (options.format.empty() && options.unit && (format == nullptr || format == &kSpd))
-        format = &kCsv;
+    const bool is_bare = format == nullptr || (format == &kSpd && pair.format == nullptr);
+    if (options.format.empty() && options.unit && is_bare) format = &kCsv;
     if (format == nullptr) {
         std::string known;
         for (const FileFormat* f : kFormats)

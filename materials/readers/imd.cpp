@@ -22,19 +22,11 @@ bool looks_like_imd(std::string_view text) {
 }
 
 Dataset read_imd(const SourceFile& source, const ReadOptions& options) {
-    const std::string file = source.path.string();
     Dataset dataset;
     dataset.format = "imd";
-    RawTable table;
-    table.unit = Unit::angstrom;
-    Columns columns = read_columns(source.text, ';', 3, file, options);
-    for (const auto& [line, numbers] : columns.rows) {
-        table.rows.push_back({numbers[0], numbers[1], numbers[2], line});
-    }
-    columns.bad.record(dataset, table.rows.size());
-    std::erase(columns.remarks, kColumnsRemark);
-    take_remarks(dataset, columns.remarks);
-    add_table(dataset, std::move(table), file, options);
+    read_bare_columns(dataset, source.text,
+                      {.comment = ';', .unit = Unit::angstrom, .usual_remark = kColumnsRemark},
+                      source.path.string(), options);
     return dataset;
 }
 

@@ -10,9 +10,16 @@
 #include "materials/index/series.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 namespace {
+
+// The smallest n of measured tables is near 0.01 (silver, alkali metals); a table of k has less.
+constexpr double kSmallestTabulatedIndex = 1e-4;
+// Above 124 eV all electrons are nearly free: Henke, Gullikson & Davis (1993) have |n - 1| < 0.1.
+constexpr double kLongestXray = 10.0;
+constexpr double kMostXrayRefraction = 0.2;
 
 void check_row(const RawTable& table, const RawRow& row, const std::string& file,
                double negative_k_tolerance) {
@@ -21,8 +28,20 @@ void check_row(const RawTable& table, const RawRow& row, const std::string& file
         throw ImportError(file, row.line,
                           fmt::format("{} {} is no wavelength", row.x, name_of(table.unit)));
     }
-    if (table.has_n && !(row.n > 0 && row.n <= kLargestIndex)) {
-        throw ImportError(file, row.line, fmt::format("n = {}; must be > 0 and <= 1e6", row.n));
+    if (table.has_n && !(row.n >= kSmallestTabulatedIndex && row.n <= kLargestIndex)) {
+        throw ImportError(
+            file, row.line,
+            fmt::format("n = {}; allowed: {} to 1e6{}", row.n, kSmallestTabulatedIndex,
+                        row.n > 0 && row.n < 1 ? ". Are these figures k?" : ""));
+    }
+    if (table.has_n && wavelength_nm < kLongestXray &&
+        std::abs(row.n - 1.0) > kMostXrayRefraction) {
+        throw ImportError(
+            file, row.line,
+            fmt::format("n = {} at {} nm; allowed below {} nm: 1 within {}, as of all "
+                        "X-rays. Are the wavelengths in another unit than {}?",
+                        row.n, wavelength_nm, kLongestXray, kMostXrayRefraction,
+                        name_of(table.unit)));
     }
     if (table.has_k && !(row.k >= -negative_k_tolerance && row.k <= kLargestIndex)) {
         throw ImportError(file, row.line,
@@ -46,6 +65,23 @@ void check_rows(Dataset& dataset, RawTable& table, const std::string& file,
     }
     bad.record(dataset, good.size());
     table.rows = std::move(good);
+}
+
+// Half of the literature writes n - ik: its k is negative wherever it is not 0.
+void turn_sign_of_k(RawTable& table, double tolerance, std::vector<std::string>& corrections) {
+    std::size_t negative = 0;
+    double lowest = 0;
+    for (const RawRow& row : table.rows) {
+        if (!(row.k <= 0)) return;
+        negative += row.k < 0 ? 1 : 0;
+        lowest = std::min(lowest, row.k);
+    }
+    // A few negative values among zeros are noise, and so is a single row.
+    const bool is_noise = 2 * negative <= table.rows.size() && lowest >= -tolerance;
+    if (negative < 2 || is_noise) return;
+    for (RawRow& row : table.rows) row.k = row.k < 0 ? -row.k : 0.0;
+    corrections.push_back(fmt::format(
+        "no k is positive (lowest {}): read as n - ik, the sign of all k turned", lowest));
 }
 
 void clamp_k(RawTable& table, std::vector<std::string>& corrections) {
@@ -137,6 +173,7 @@ std::string one_line(std::string text) {
 
 void add_table(Dataset& dataset, RawTable table, const std::string& file,
                const ReadOptions& options) {
+    if (table.has_k) turn_sign_of_k(table, options.negative_k_tolerance, dataset.corrections);
     check_rows(dataset, table, file, options);
     if (table.has_k) clamp_k(table, dataset.corrections);
     sort_rows(table, dataset.corrections);
@@ -162,33 +199,54 @@ void BadRows::record(Dataset& dataset, std::size_t good_rows) {
     refusals_.clear();
 }
 
-Columns read_columns(std::string_view text, char comment, std::size_t count,
-                     const std::string& file, const ReadOptions& options) {
-    Columns columns;
-    int line = 0;
-    for (std::string_view raw : split_lines(text)) {
-        ++line;
-        const std::size_t mark = raw.find(comment);
-        if (mark != std::string_view::npos) {
-            const std::string_view remark = without_blanks(raw.substr(mark + 1));
-            if (!remark.empty()) columns.remarks.emplace_back(remark);
-            raw = raw.substr(0, mark);
+namespace {
+
+std::optional<Unit> unit_in_remarks(const std::vector<std::string>& remarks) {
+    for (const std::string& remark : remarks) {
+        const std::string text = lower_case(remark);
+        for (const std::string_view quantity : {"wavelength", "lambda", "energy", "wavenumber"}) {
+            if (!text.starts_with(quantity)) continue;
+            const auto name = spectral_name(text);
+            if (name && name->unit) return name->unit;
         }
-        const auto words = split_words(raw, " \t,\x1a");
-        if (words.empty()) continue;
-        columns.bad.try_row(options, [&] {
-            if (words.size() != count) {
-                throw ImportError(file, line,
-                                  fmt::format("{} columns, expected {}", words.size(), count));
-            }
-            std::vector<double> numbers;
-            numbers.reserve(count);
-            for (const std::string_view word : words)
-                numbers.push_back(require_number(word, file, line));
-            columns.rows.emplace_back(line, std::move(numbers));
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Unit settle_unit(Dataset& dataset, const std::optional<Unit>& named, const ReadOptions& options,
+                 Unit by_default) {
+    if (named && options.unit && *named != *options.unit) {
+        dataset.corrections.push_back(fmt::format("the file names its unit, {}: {} not used",
+                                                  name_of(*named), name_of(*options.unit)));
+    }
+    return named ? *named : options.unit.value_or(by_default);
+}
+
+void read_bare_columns(Dataset& dataset, std::string_view text, const BareColumns& columns,
+                       const std::string& file, const ReadOptions& options) {
+    const std::size_t count = columns.has_n && columns.has_k ? 3 : 2;
+    TextTable lines(text, file, columns.comment);
+    RawTable table{.has_n = columns.has_n, .has_k = columns.has_k, .rows = {}};
+    BadRows bad;
+    while (lines.next()) {
+        bad.try_row(options, [&] {
+            const std::vector<std::string>& fields = lines.fields();
+            if (fields.size() != count)
+                lines.refuse(fmt::format("{} columns, expected {}", fields.size(), count));
+            RawRow row{lines.number(fields[0]), 0.0, 0.0, lines.line()};
+            if (columns.has_n) row.n = lines.number(fields[1]);
+            if (columns.has_k) row.k = lines.number(fields.back());
+            table.rows.push_back(row);
         });
     }
-    return columns;
+    bad.record(dataset, table.rows.size());
+    table.unit = settle_unit(dataset, unit_in_remarks(lines.comments()), options, columns.unit);
+    std::vector<std::string> remarks = lines.comments();
+    std::erase(remarks, columns.usual_remark);
+    if (columns.takes_remarks) take_remarks(dataset, remarks);
+    add_table(dataset, std::move(table), file, options);
 }
 
 void take_remarks(Dataset& dataset, const std::vector<std::string>& remarks) {
@@ -201,15 +259,10 @@ void take_remarks(Dataset& dataset, const std::vector<std::string>& remarks) {
 }
 
 bool first_row_has(std::string_view text, char comment, std::size_t count) {
-    for (const std::string_view raw : split_lines(text)) {
-        const auto words = split_words(raw.substr(0, raw.find(comment)), " \t,\x1a");
-        if (words.empty()) continue;
-        for (const std::string_view word : words) {
-            if (!parse_number(word)) return false;
-        }
-        return words.size() == count;
-    }
-    return false;
+    TextTable lines(text, "", comment);
+    return lines.next() && lines.fields().size() == count &&
+           std::all_of(lines.fields().begin(), lines.fields().end(),
+                       [](const std::string& field) { return table_number(field).has_value(); });
 }
 
 std::vector<std::string> provenance_lines(const Dataset& dataset) {

@@ -19,7 +19,7 @@ struct ReadOptions {
     /// Rows that are no numbers or not physical are left out and recorded, up to a tenth of all,
     /// instead of refusing the file.
     bool skip_bad_rows = false;
-    /// Of the first column where a file does not name it.
+    /// The unit of the first column, where a file does not name it.
     std::optional<Unit> unit{};
 };
 
@@ -69,16 +69,23 @@ class BadRows {
 void add_table(Dataset& dataset, RawTable table, const std::string& file,
                const ReadOptions& options);
 
-/// Lines of so many numbers, and the remarks beside them.
-struct Columns {
-    std::vector<std::pair<int, std::vector<double>>> rows;  ///< line, numbers
-    std::vector<std::string> remarks;
-    BadRows bad;
+/// Rows of wavelength and n, k or both, without a line of names. Remarks may name the unit of the
+/// first column; what else they say of the origin goes to its place, all other words into the note.
+struct BareColumns {
+    char comment = '#';
+    Unit unit = Unit::nanometre;  ///< where neither the file nor the options name one
+    bool has_n = true, has_k = true;
+    std::string_view usual_remark = {};  ///< that says nothing of the origin
+    bool takes_remarks = true;           ///< false: another file says the same
 };
 /// @throws ImportError  for another number of columns, and for words that are no number
-Columns read_columns(std::string_view text, char comment, std::size_t count,
-                     const std::string& file, const ReadOptions& options);
-/// What remarks say of the origin goes to its place, all other words into the note.
+void read_bare_columns(Dataset& dataset, std::string_view text, const BareColumns& columns,
+                       const std::string& file, const ReadOptions& options);
+/// The unit that the file names, else the one asked for, else `by_default`. A contradiction between
+/// the first two is recorded.
+Unit settle_unit(Dataset& dataset, const std::optional<Unit>& named, const ReadOptions& options,
+                 Unit by_default);
+/// Puts the words of remarks about the origin to their places, all others into the note.
 void take_remarks(Dataset& dataset, const std::vector<std::string>& remarks);
 /// True when the first line that is neither empty nor a comment has `count` numbers.
 bool first_row_has(std::string_view text, char comment, std::size_t count);

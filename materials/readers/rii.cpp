@@ -12,6 +12,7 @@
 #include "materials/readers/catalogue.h"
 #include "materials/readers/file_format.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 #include "materials/readers/yaml_node.h"
 
 namespace miebrdf::materials {
@@ -38,7 +39,7 @@ void read_block_table(Dataset& dataset, const YamlNode& block, bool has_n, bool 
     int line = data->line;  // a literal block begins on the line after its '|'
     for (const std::string_view raw : split_lines(data->text)) {
         ++line;
-        const auto words = split_words(raw);
+        const auto words = split_numbers(raw);
         if (words.empty()) continue;
         bad.try_row(options, [&] {
             if (words.size() != columns) {
@@ -102,6 +103,15 @@ void read_formula(Dataset& dataset, const YamlNode& block, int formula, const st
     dataset.n = std::move(series);
 }
 
+/// Which of two values counts is nobody's guess.
+void refuse_repeated(const YamlNode& node, const std::vector<std::string>& keys,
+                     const std::string& file) {
+    for (const std::string& key : keys) {
+        if (std::count(node.keys.begin(), node.keys.end(), key) > 1)
+            throw ImportError(file, node.line, fmt::format("the key '{}' stands twice", key));
+    }
+}
+
 struct BlockType {
     bool n = false, k = false;
     int formula = 0;
@@ -123,6 +133,7 @@ void read_blocks(Dataset& dataset, const YamlNode& data, const std::string& file
                  const ReadOptions& options) {
     for (const bool formulas : {false, true}) {
         for (const YamlNode& block : data.items) {
+            refuse_repeated(block, block.keys, file);
             const BlockType type = block_type(block, file);
             if ((type.formula > 0) != formulas) continue;
             if ((type.n && dataset.n) || (type.k && dataset.k)) {
@@ -186,6 +197,7 @@ bool looks_like_rii_page(std::string_view text) {
 Dataset read_rii_page(const SourceFile& source, const ReadOptions& options) {
     const std::string file = source.path.string();
     const YamlNode page = parse_yaml(source.text, file);
+    refuse_repeated(page, {"DATA", "CONDITIONS", "PROPERTIES"}, file);
     const YamlNode* data = page.find("DATA");
     if (data == nullptr || data->kind != YamlNode::Kind::sequence || data->items.empty()) {
         throw ImportError(file, 0, "no list of DATA blocks");

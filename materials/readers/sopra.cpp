@@ -9,34 +9,36 @@
 
 #include "materials/index/units.h"
 #include "materials/readers/file_format.h"
-#include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf::materials {
 namespace {
 
-constexpr std::string_view kSeparators = " \t\r\n\f\v,;";
+constexpr std::string_view kSeparators = " \t\r\n\f\v;,";
 
 /// The stream of words of the file, each with its line. DOS files end at Ctrl-Z.
 class Words {
   public:
-    explicit Words(std::string_view text) : text_(text.substr(0, text.find('\x1a'))) {}
+    explicit Words(std::string_view text, std::string_view separators = kSeparators)
+        : text_(text.substr(0, text.find('\x1a'))), separators_(separators) {}
 
     /// The next word, empty at the end.
     std::string_view next() {
-        while (at_ < text_.size() && kSeparators.find(text_[at_]) != std::string_view::npos) {
+        while (at_ < text_.size() && separates(text_[at_])) {
             if (text_[at_] == '\n') ++line_;
             ++at_;
         }
         const std::size_t start = at_;
-        while (at_ < text_.size() && kSeparators.find(text_[at_]) == std::string_view::npos) ++at_;
+        while (at_ < text_.size() && !separates(text_[at_])) ++at_;
         return text_.substr(start, at_ - start);
     }
 
     int line() const { return line_; }
-    std::string_view rest() const { return text_.substr(at_); }
 
   private:
-    std::string_view text_;
+    bool separates(char c) const { return separators_.find(c) != std::string_view::npos; }
+
+    std::string_view text_, separators_;
     std::size_t at_ = 0;
     int line_ = 1;
 };
@@ -48,10 +50,10 @@ struct SopraHeader {
 };
 
 std::optional<SopraHeader> read_sopra_header(Words& words) {
-    const auto code = parse_number(words.next());
-    const auto first = parse_number(words.next());
-    const auto last = parse_number(words.next());
-    const auto intervals = parse_number(words.next());
+    const auto code = table_number(words.next());
+    const auto first = table_number(words.next());
+    const auto last = table_number(words.next());
+    const auto intervals = table_number(words.next());
     if (!code || !first || !last || !intervals) return std::nullopt;
     if (!(*code >= 1 && *code <= 4 && *code == std::floor(*code))) return std::nullopt;
     if (!(*first > 0 && *last > *first && std::isfinite(*last))) return std::nullopt;
@@ -82,16 +84,33 @@ bool is_mislabelled_inas(const SopraHeader& header, const RawTable& table) {
            table.rows.front().n == 3.548 && table.rows.front().k == 0.278;
 }
 
-// What follows the announced rows: surplus numbers, or words such as "Dispersion law".
-void read_trailer(Words& words, Dataset& dataset) {
+// Commas separate numbers or are decimal. They are decimal where the numbers between blanks are as
+// many as the header announces.
+Words words_of(std::string_view text) {
+    const std::string_view blanks = kSeparators.substr(0, kSeparators.size() - 1);
+    Words words(text, blanks);
+    const auto header = read_sopra_header(words);
+    int missing = header ? 2 * (header->intervals + 1) : 1;
+    while (missing > 0 && table_number(words.next())) --missing;
+    return missing > 0 ? Words(text) : Words(text, blanks);
+}
+
+// The announced rows are followed by surplus numbers, or by words such as "Dispersion law".
+void read_trailer(Words& words, Dataset& dataset, int announced, const std::string& file) {
     std::string remark;
     int surplus = 0;
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-        if (remark.empty() && parse_number(word)) {
+        if (remark.empty() && table_number(word)) {
             ++surplus;
         } else if (remark.size() < 500) {
             remark += (remark.empty() ? "" : " ") + std::string(word);
         }
+    }
+    if (surplus >= announced) {
+        throw ImportError(file, words.line(),
+                          fmt::format("{} numbers follow the {} that the header announces; decimal "
+                                      "commas need blanks between the numbers",
+                                      surplus, announced));
     }
     if (surplus > 0) {
         dataset.corrections.push_back(
@@ -101,14 +120,14 @@ void read_trailer(Words& words, Dataset& dataset) {
 }
 
 bool looks_like_sopra(std::string_view text) {
-    Words words(text);
+    Words words = words_of(text);
     if (!read_sopra_header(words)) return false;
-    return parse_number(words.next()) && parse_number(words.next());
+    return table_number(words.next()) && table_number(words.next());
 }
 
 Dataset read_sopra(const SourceFile& source, const ReadOptions& options) {
     const std::string file = source.path.string();
-    Words words(source.text);
+    Words words = words_of(source.text);
     const std::optional<SopraHeader> header = read_sopra_header(words);
     if (!header) {
         throw ImportError(
@@ -137,7 +156,12 @@ Dataset read_sopra(const SourceFile& source, const ReadOptions& options) {
                                 header->intervals + 1));
             }
             row.line = words.line();
-            *value = require_number(word, file, row.line);
+            const auto number = table_number(word);
+            if (!number) {
+                throw ImportError(file, row.line,
+                                  fmt::format("'{}' is not a number", word.substr(0, 40)));
+            }
+            *value = *number;
         }
         table.rows.push_back(row);
     }
@@ -145,7 +169,7 @@ Dataset read_sopra(const SourceFile& source, const ReadOptions& options) {
         table.unit = Unit::electronvolt;
         dataset.corrections.push_back("header says um, but the grid is photon energy: read as eV");
     }
-    read_trailer(words, dataset);
+    read_trailer(words, dataset, 2 * (header->intervals + 1), file);
     add_table(dataset, std::move(table), file, options);
     return dataset;
 }

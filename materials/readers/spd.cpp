@@ -16,25 +16,15 @@ Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
     const std::string file = pair_base(source.path).string();
     Dataset dataset;
     dataset.format = "spd";
-    const auto read = [&](std::string_view text, double RawRow::*member, bool is_n) {
+    const auto read = [&](std::string_view text, bool is_n) {
         if (text.empty()) return;
-        RawTable table;
-        table.has_n = is_n;
-        table.has_k = !is_n;
-        Columns columns =
-            read_columns(text, '#', 2, file + (is_n ? ".eta.spd" : ".k.spd"), options);
-        for (const auto& [line, numbers] : columns.rows) {
-            RawRow row{numbers[0], 0.0, 0.0, line};
-            row.*member = numbers[1];
-            table.rows.push_back(row);
-        }
-        columns.bad.record(dataset, table.rows.size());
-        // Both files of a pair carry the same provenance.
-        if (is_n || source.text.empty()) take_remarks(dataset, columns.remarks);
-        add_table(dataset, std::move(table), file + (is_n ? ".eta.spd" : ".k.spd"), options);
+        read_bare_columns(
+            dataset, text,
+            {.has_n = is_n, .has_k = !is_n, .takes_remarks = is_n || source.text.empty()},
+            file + (is_n ? ".eta.spd" : ".k.spd"), options);
     };
-    read(source.text, &RawRow::n, true);
-    read(source.second_text, &RawRow::k, false);
+    read(source.text, true);
+    read(source.second_text, false);
     if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
     return dataset;
 }

@@ -18,6 +18,8 @@ std::string quoted_field(std::string_view field);
 std::vector<std::string_view> split_lines(std::string_view text);
 
 std::string_view without_blanks(std::string_view text);
+/// Without blanks at its ends and with small ASCII letters.
+std::string lower_case(std::string_view text);
 
 /// A finite number. @throws ImportError
 double require_number(std::string_view text, const std::string& file, int line);

@@ -117,6 +117,26 @@ TEST_CASE("a folder with a catalogue: wrong entries are refused one by one",
     CHECK(database.info("BAF2").name == "BaF2");
 }
 
+TEST_CASE("a catalogue with a key twice loses no book", "[materials][import]") {
+    const support::TemporaryFolder folder;
+    const std::string page =
+        "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1.5 0.01\n      0.6 1.4 0.02\n";
+    for (const char* book : {"XyO", "ZzO"})
+        std::filesystem::create_directories(folder.path() / "data/main" / book / "nk");
+    folder.write("data/main/XyO/nk/Smith.yml", page);
+    folder.write("data/main/ZzO/nk/Jones.yml", page);
+    folder.write("catalog-nk.yml",
+                 "- SHELF: main\n  content:\n"
+                 "    - BOOK: XyO\n      content:\n      content:\n        - PAGE: Smith\n"
+                 "          data: main/XyO/nk/Smith.yml\n"
+                 "    - BOOK: ZzO\n      content:\n        - PAGE: Jones\n"
+                 "          data: main/ZzO/nk/Jones.yml\n          data: main/XyO/nk/Smith.yml\n");
+    const auto items = by_name(import_into(folder.path() / "user.sqlite", {folder.path()}));
+    CHECK(items.size() == 2);
+    CHECK(items.at("Smith.yml").dataset == "XyO/Smith");
+    CHECK_THAT(items.at("Jones.yml").reason, Catch::Contains("'data' stands twice"));
+}
+
 TEST_CASE("names from files: known spellings, new materials, names given", "[materials][import]") {
     const support::TemporaryFolder folder;
     const auto file = folder.path() / "user.sqlite";
@@ -294,7 +314,8 @@ TEST_CASE("the sample collection imports, or is refused for a reason",
     int refused = 0;
     for (const auto& [name, item] : items) refused += !item.outcome;
     CHECK(items.size() == 32);
-    CHECK(refused == 1);
+    CHECK(refused == 2);
+    CHECK_THAT(items.at("main_AgGaSe2_nk_Boyd-o.yml").reason, Catch::Contains("4 coefficients"));
     // 11 rows beyond 47 um with k down to -0.148: more than noise.
     CHECK_THAT(items.at("main_Fe2O3_nk_Querry-o.yml").reason, Catch::Contains(":622: k = -0.074"));
     CHECK_THAT(items.at("Inas.nk").corrections.at(0), Catch::Contains("read as eV"));

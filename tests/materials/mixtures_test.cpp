@@ -2,9 +2,13 @@
 #include <miebrdf/database.h>
 
 #include <complex>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "materials/index/mixing_rules.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
 using namespace miebrdf::materials;
@@ -96,4 +100,42 @@ TEST_CASE("mixtures that cannot be are refused with the reason", "[materials][mi
     CHECK_THROWS_WITH(refused("volume(,SiO2:0.5)")(), Catch::Contains("without a name"));
     CHECK_THROWS_AS(refused("volume(TiO3:0.5,SiO2)")(), UnknownMaterial);
     CHECK_THROWS_AS(refused("stir(TiO2:0.5,SiO2)")(), UnknownMaterial);
+}
+
+TEST_CASE("a mixture keeps the absorption of its parts", "[materials][mixtures]") {
+    const Database database = Database::embedded();
+    // Air, and rutile within its gap, are given by formulas that say nothing of k.
+    for (const auto& [name, part, fraction, other] :
+         std::vector<std::tuple<const char*, const char*, double, const char*>>{
+             {"bruggeman(soot_diesel:50%,air)", "soot_diesel", 0.5, "air"},
+             {"maxwell-garnett(Au:2%,air)", "Au", 0.02, "air"},
+             {"bruggeman(Ag:50%,TiO2_rutile_o)", "Ag", 0.5, "TiO2_rutile_o"}}) {
+        CAPTURE(name);
+        const Complex a = database.refractive_index(part).at(550);
+        const Complex b = database.refractive_index(other).at(550);
+        const std::string rule = std::string(name).substr(0, std::string(name).find('('));
+        const Complex m =
+            std::sqrt(mixed(rule.c_str(), {{a * a, fraction}, {b * b, 1 - fraction}}));
+        const RefractiveIndex index = database.refractive_index(name);
+        CHECK(index.k_known());
+        CHECK(m.imag() > 1e-3);
+        CHECK(std::abs(index.at(550) - m) <= 2e-4 * std::abs(m));
+    }
+    CHECK_FALSE(database.refractive_index("bruggeman(TiO2_rutile_o:50%,air)").k_known());
+    CHECK_THAT(database.dataset("bruggeman(soot_diesel:50%,air)").note,
+               Catch::Contains("k of air/"));
+}
+
+TEST_CASE("a mixture of what absorbs with a table without k is refused",
+          "[materials][mixtures][errors]") {
+    const support::TemporaryFolder folder;
+    Dataset d;
+    d.material = "mystery";
+    d.label = "n";
+    d.n = make_table(Unit::nanometre, {400, 500, 600}, {1.5, 1.5, 1.5});
+    DatabaseWriter(folder / "own.sqlite").add(std::vector<Dataset>{d});
+    const Database database = Database::layered(folder / "own.sqlite");
+    CHECK_THROWS_WITH(database.refractive_index("bruggeman(Au:10%,mystery)"),
+                      Catch::Contains("k of mystery") && Catch::Contains("is unknown"));
+    CHECK_FALSE(database.refractive_index("bruggeman(air:10%,mystery)").k_known());
 }

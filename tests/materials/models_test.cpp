@@ -265,5 +265,55 @@ TEST_CASE("between two temperatures n and k are linear in it", "[materials][mode
     CHECK_THROWS_WITH(at("temperature(warm,501K)"), Catch::Contains("500 K (warm/hottest)"));
     CHECK_THROWS_WITH(at("temperature(warm,cold)"), Catch::Contains("is no temperature"));
     CHECK_THROWS_WITH(Database::embedded().refractive_index("temperature(TiO2,300K)"),
-                      Catch::Contains("lies outside"));
+                      Catch::Contains("does not lie between"));
+}
+
+TEST_CASE("temperature joins one ray, one phase and known k",
+          "[materials][models][temperature][errors]") {
+    const support::TemporaryFolder folder;
+    const std::filesystem::path file = folder / "own.sqlite";
+    std::vector<Dataset> datasets;
+    const auto add = [&](const char* material, const char* label, double kelvin, double n,
+                         std::optional<double> k, const char* ray) {
+        Dataset& d = datasets.emplace_back();
+        d.material = material;
+        d.label = label;
+        d.temperature_k = kelvin;
+        d.ray = ray;
+        d.n = make_table(Unit::nanometre, {400, 500, 600, 700}, {n, n, n, n});
+        if (k) d.k = make_table(Unit::nanometre, {400, 500, 600, 700}, {*k, *k, *k, *k});
+    };
+    add("Xo", "cold", 280, 1.5, 0.004, "");
+    add("Xo", "warm", 320, 1.46, std::nullopt, "");
+    add("Yx", "o280", 280, 2.0, 0.0, "o");
+    add("Yx", "e280", 280, 2.4, 0.0, "e");
+    add("Yx", "e320", 320, 2.4, 0.0, "e");
+    add("Zz", "liquid-100K", 100, 1.3, 0.0, "");
+    add("Zz", "gas", 120, 1.0004, 0.0, "");
+    add("Zz", "standard", 130, 1.0004, 0.0, "");
+    DatabaseWriter(file).add(datasets);
+    const Database database = Database::open(file);
+    const auto at = [&](const std::string& name) {
+        return database.refractive_index(name).at(550);
+    };
+    CHECK_THROWS_WITH(at("temperature(Xo,300K)"), Catch::Contains("k is 0.004"));
+    CHECK(at("temperature(Yx,300K)") == Complex(2.4, 0.0));  // o is known at 280 K alone
+    CHECK(at("temperature(Yx,280K)") == Complex(2.0, 0.0));
+    CHECK_THROWS_WITH(at("temperature(Zz,110K)"), Catch::Contains("within a factor"));
+    CHECK(at("temperature(Zz,125K)") == Complex(1.0004, 0.0));
+}
+
+TEST_CASE("a model without a value somewhere is refused there alone", "[materials][models]") {
+    const Database database = Database::embedded();
+    // Below the plasma wavelength a metal without losses is a dielectric: eps = 1 - (9 eV / E)^2.
+    const double energy = 1239.841984 / 100;
+    const auto drude = database.refractive_index("drude(1,9,0)");
+    CHECK(std::abs(drude.at(100).real() - std::sqrt(1 - 81 / (energy * energy))) <= 1e-12);
+    CHECK_THROWS_WITH(drude.at(200),
+                      Catch::Contains("at 200 nm") && Catch::Contains("range=FROM:TO"));
+    CHECK(drude.table().n.size() > 100);
+#ifdef MIEBRDF_HAS_MUPARSER
+    const auto formula = database.refractive_index("formula(n=sqrt(1+1.1/(1-0.0178/um^2)))");
+    CHECK(std::abs(formula.at(587).real() - 1.4782) <= 1e-2);
+#endif
 }

@@ -215,3 +215,118 @@ TEST_CASE("IMD and spd: Angstrom and nm, pairs of files", "[materials][import]")
     CHECK_FALSE(read("spd", "", "x", "400 1.5\n").n.has_value());
     CHECK_THROWS_WITH(read("spd", "400 1.5\n500 1 2\n", "x"), Catch::Contains("x.eta.spd:2"));
 }
+
+TEST_CASE("CSV as people and spreadsheets write it", "[materials][import][csv]") {
+    const char* texts[] = {
+        "wavelength_nm;n;k\n400,0;1,50;0,01\n500,0;1,49;0,02\n",
+        "\"wavelength_nm\",n,k\n\"400,0\",\"1,50\",\"0,01\"\n500,\"1,49\",\"0,02\"\n",
+        "WL[nm] n k\n400 1.5 0.01\n500 1.49 0.02\n",
+        "Wavelength (nm) n k\n400 1,5 0,01\n500 1,49 0,02\n",
+        "Wavelength (nm)\tn\tk\n400\t1,50\t0,01\n500\t1,49\t0,02\n",
+        "wavelength_nm,refractive_index,extinction_coefficient\n400,1.5,1%\n500,1.49,2 %\n",
+        "wavelength_nm,refractive index,kappa,\n400,1.5,0.01,\n500,1.49,0.02,\n",
+        "# Wavelength (um)  n  k\n0.4 1.5 0.01\n0.5 1.49 0.02\n",
+        "lambda (nm),eps1,eps2\n400,2.2499,0.03\n500,2.2197,0.0596\n",
+    };
+    for (const char* text : texts) {
+        CAPTURE(text);
+        REQUIRE(recognise(text) != nullptr);
+        CHECK(recognise(text)->name == std::string("csv"));
+        const Dataset d = read("csv", text, "t.csv");
+        CHECK(d.n->wavelengths_nm() == Numbers{400, 500});
+        CHECK(std::abs(d.n->y[0] - 1.5) <= 1e-12);
+        CHECK(std::abs(d.k->y[1] - 0.02) <= 1e-12);
+    }
+    const auto refused = [](const char* text) { return read("csv", text, "t.csv"); };
+    CHECK_THROWS_WITH(refused("nm,n,k\n400,0,1,50,0,01\n"),
+                      Catch::Contains("t.csv:2: 6 fields under 3 names"));
+    CHECK_THROWS_WITH(refused("nm,n\n400,1,50\n"), Catch::Contains("decimal commas"));
+    CHECK_THROWS_WITH(refused("nm;n\n400.5;1,5\n"), Catch::Contains("decimal points and"));
+    CHECK_THROWS_WITH(refused("nm,eps1\n400,2\n"), Catch::Contains("no header"));
+    CHECK_THROWS_WITH(refused("nm,n\n0.4,1.5\n"), Catch::Contains("X-rays"));
+}
+
+TEST_CASE("a byte-order mark changes nothing", "[materials][import]") {
+    const support::TemporaryFolder folder;
+    const std::string mark = "\xef\xbb\xbf";
+    for (const auto& [name, text] : std::vector<std::pair<const char*, const char*>>{
+             {"a.csv", "wavelength_nm,n,k\n400,1.5,0.1\n500,1.4,0.1\n"},
+             {"b.nk", "4 400 500 1\n1.5 0.1\n1.4 0.1\n"},
+             {"c.nk", "; imd\n4000 1.5 0.1\n5000 1.4 0.1\n"},
+             {"d.yml",
+              "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1.5 .1\n      0.5 1.4 .1\n"},
+             {"e.MAT", "POINTS*2*\nDATA1*1*400*1.5*.1*\nDATA1*2*500*1.4*.1*\nEOF*\n"}}) {
+        CAPTURE(name);
+        const Dataset d = read_file(folder.write(name, mark + text));
+        CHECK(d.n->wavelengths_nm() == Numbers{400, 500});
+        CHECK(d.k->y == Numbers{0.1, 0.1});
+        CHECK(d.file_sha256 != read_file(folder.write(name, text)).file_sha256);
+    }
+    CHECK_THROWS_WITH(read_file(folder.write("u.csv", std::string("\xff\xfen\0", 4))),
+                      Catch::Contains("UTF-16"));
+}
+
+TEST_CASE("the unit that a file names counts, then the one that is given", "[materials][import]") {
+    const support::TemporaryFolder folder;
+    const auto wl = folder.write("wl.csv", "wl,n,k\n400,1.5,0.01\n500,1.49,0.02\n");
+    CHECK(read_file(wl).n->shortest_nm == 400000);  // of refractiveindex.info
+    CHECK(read_file(wl, {.unit = Unit::nanometre}).n->shortest_nm == 400);
+    const auto named = folder.write("um.csv", "wavelength_um,n\n0.4,1.5\n0.5,1.49\n");
+    const Dataset kept = read_file(named, {.unit = Unit::nanometre});
+    CHECK(kept.n->shortest_nm == 400);
+    CHECK_THAT(kept.corrections.at(0), Catch::Contains("um") && Catch::Contains("nm not used"));
+    const auto imd =
+        folder.write("x.nk", ";Wavelength (nm)  n  k\r\n400 1.5 0.1\r\n500 1.6 0.2\r\n");
+    CHECK(read_file(imd).n->shortest_nm == 400);
+    folder.write("Um.k.spd", "0.3 0.1\n0.5 0.2\n");
+    const auto spd = folder.write("Um.eta.spd", "0.3 1.5\n0.5 1.49\n");
+    CHECK_THROWS_WITH(read_file(spd), Catch::Contains("another unit than nm"));
+    const Dataset pair = read_file(spd, {.unit = Unit::micrometre});
+    CHECK(pair.n->shortest_nm == 300);
+    CHECK(pair.k->y == Numbers{0.1, 0.2});
+}
+
+TEST_CASE("n - ik is turned into n + ik, and a table of k is none of n", "[materials][import]") {
+    const Dataset turned = read("csv", "nm,n,k\n400,1.5,-0.5\n500,1.49,-0.008\n600,1.4,0\n", "t");
+    CHECK(turned.k->y == Numbers{0.5, 0.008, 0.0});
+    CHECK_THAT(turned.corrections.at(0), Catch::Contains("n - ik"));
+    const Dataset noise = read("csv", "nm,n,k\n400,1.5,0\n500,1.49,-0.008\n600,1.4,0\n", "t");
+    CHECK(noise.k->y == Numbers{0.0, 0.0, 0.0});
+    CHECK_THROWS_WITH(read("csv", "nm,n,k\n400,1.5,0.2\n500,1.49,-0.5\n", "t"),
+                      Catch::Contains("k = -0.5"));
+    CHECK_THROWS_WITH(read("csv", "nm,n\n400,2.1e-8\n500,9.9e-9\n", "t"),
+                      Catch::Contains("2.1e-08") && Catch::Contains("figures k?"));
+}
+
+TEST_CASE("SOPRA: decimal commas", "[materials][import][sopra]") {
+    const Dataset d = read("sopra", "4 400 500 1\n2,95 3,12\n2,85 3,02\n", "x.nk");
+    CHECK(d.n->y == Numbers{2.95, 2.85});
+    CHECK(d.k->y == Numbers{3.12, 3.02});
+    CHECK(d.corrections.empty());
+    CHECK_THROWS_WITH(read("sopra", "4 400 500 1\n2,95,3,12\n2,85,3,02\n", "x.nk"),
+                      Catch::Contains("4 numbers follow the 4"));
+}
+
+TEST_CASE("refractiveindex.info: formulas with another number of coefficients are refused",
+          "[materials][import][rii][errors]") {
+    const auto with = [](int formula, const char* coefficients) {
+        return read("rii",
+                    fmt::format("DATA:\n  - type: formula {}\n    range: 0.4 2\n"
+                                "    coefficients: {}\n",
+                                formula, coefficients),
+                    "x.yml");
+    };
+    CHECK(with(4, "1 0.5 2 0.02 1").n->y.size() == 5);
+    CHECK(with(7, "3.4 0.1 -0.1 1e-6 -1e-9").n->y.size() == 5);
+    // The last resonance without its wavelength, as in AgGaSe2/Boyd-o.
+    CHECK_THROWS_WITH(with(2, "3.6453 2.2057 0.1879 1.8377"),
+                      Catch::Contains("formula 2 with 4 coefficients"));
+    CHECK_THROWS_WITH(with(4, "0 6.04 2 44.444 2 -4088.9 0 44.444"), Catch::Contains("with 8"));
+    CHECK_THROWS_WITH(with(9, "2.2 0.01 0.02 0.01 1 0.1 9 9 9"), Catch::Contains("allowed: 6"));
+    CHECK_THROWS_WITH(with(5, "1.4 0.02"), Catch::Contains("odd"));
+    CHECK_THROWS_WITH(read("rii",
+                           "DATA:\n  - type: formula 5\n    type: formula 3\n"
+                           "    range: 0.4 2\n    coefficients: 2\n",
+                           "x.yml"),
+                      Catch::Contains("'type' stands twice"));
+}

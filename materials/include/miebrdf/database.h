@@ -58,28 +58,11 @@ class ImportError : public InputError {
     std::string reason_;
 };
 
-/// What is known of one dataset besides its figures.
-struct DatasetInfo {
-    std::string material;
-    std::string label;      ///< "material/label" names it
-    std::string layer;      ///< "embedded", or the file it is stored in
-    std::string source;     ///< collection it came from, e.g. "SOPRA"
-    std::string key;        ///< its name there; "source:key" finds it too
-    std::string reference;  ///< publication or file
-    std::string doi;
-    std::string licence;
-    std::string ray;  ///< "o", "e" or empty
-    std::string composition;
-    std::string note;
-    std::string format;
-    std::string file;
-    std::string file_sha256;
+/// All that is known of one dataset besides its figures.
+struct DatasetInfo : DatasetOrigin {
+    std::string layer;  ///< "embedded", or the file it is stored in
     std::string content_sha256;
     std::string imported;  ///< when: UTC, ISO 8601; empty: not known
-    std::optional<double> temperature_k;
-    std::optional<double> density_g_cm3;  ///< of the solid or liquid
-    std::string density_source;
-    std::vector<std::string> corrections;  ///< what was changed while it was read
     bool n_known = true;
     bool k_known = true;
     int n_formula = 0;  ///< 0: a table
@@ -107,8 +90,8 @@ struct MaterialInfo {
     std::string default_dataset;  ///< label of the dataset described; empty when a material has
                                   ///< aliases only
     int datasets = 0;
-    /// Of the dataset described, else of the first of the material's that has one: a density
-    /// belongs to the substance more than to its table.
+    /// The density of the dataset described, else that of the first of the material's that has one:
+    /// a density belongs to the substance more than to its table.
     std::optional<double> density_g_cm3;
     std::string density_source;
 };
@@ -157,7 +140,7 @@ class Database {
     MaterialInfo info(const std::string& name) const;
     /// All datasets of a material, the default first.
     std::vector<DatasetInfo> datasets(const std::string& material) const;
-    /// Of the dataset that a name stands for, without its figures. @throws UnknownMaterial
+    /// Describes the dataset that a name stands for, without its figures. @throws UnknownMaterial
     DatasetInfo dataset_info(const std::string& name) const;
     /// With its figures. @throws DatabaseError  when they do not fit their checksum
     Dataset dataset(const std::string& name) const;
@@ -178,8 +161,8 @@ class Database {
     std::optional<std::string> collected_material(const std::string& source,
                                                   const std::string& key) const;
 
-    /// What SQLite itself finds wrong (PRAGMA integrity_check, foreign keys) and materials that
-    /// the search index does not find; empty when sound.
+    /// Lists the faults that SQLite itself finds (PRAGMA integrity_check, foreign keys) and
+    /// materials that the search index does not find; empty when sound.
     std::vector<std::string> integrity_problems() const;
 
   private:
@@ -309,7 +292,7 @@ Dataset read_file(const std::filesystem::path& file, const ImportOptions& option
 
 struct ExportOptions {
     /// Formats that need k write 0 for an unknown one instead of refusing.
-    /// What is read back then has a known k = 0.
+    /// The file, read back, then has a known k = 0.
     bool unknown_k_as_zero = false;
 };
 

@@ -38,16 +38,13 @@ struct Series {
 /// A table in the given unit; shortest and longest follow from x.
 Series make_table(Unit unit, std::vector<double> x, std::vector<double> y);
 
-struct Dataset {
+/// Where a dataset comes from, and what it is of.
+struct DatasetOrigin {
     std::string material;  ///< name of the material it belongs to
-    std::string title;     ///< e.g. "Titanium dioxide"
-    std::string formula;   ///< chemical formula, may be empty
-    std::vector<std::string> aliases;
-
-    std::string label;      ///< unique within the material, e.g. "Malitson", "SOPRA"
-    std::string source;     ///< collection, e.g. "SOPRA", "refractiveindex.info"
-    std::string key;        ///< its name there, e.g. "GAP", "main/GaP/Bond"
-    std::string reference;  ///< publication
+    std::string label;     ///< unique within the material: "material/label" names the dataset
+    std::string source;    ///< collection, e.g. "SOPRA", "refractiveindex.info"
+    std::string key;  ///< its name there, e.g. "GAP", "main/GaP/Bond"; "source:key" finds it too
+    std::string reference;  ///< publication or file
     std::string doi;
     std::string licence;
     std::string ray;  ///< "o", "e" or empty
@@ -57,12 +54,17 @@ struct Dataset {
     std::string file;         ///< name of that file
     std::string file_sha256;  ///< of that file's bytes
     std::optional<double> temperature_k;
-    std::optional<double> density_g_cm3;  ///< of the solid or liquid; nothing: not given
-    std::string density_source;           ///< where the density is from
+    std::optional<double> density_g_cm3;   ///< of the solid or liquid; nothing: not given
+    std::string density_source;            ///< where the density is from
+    std::vector<std::string> corrections;  ///< what the reader changed, in words
+};
 
+struct Dataset : DatasetOrigin {
+    std::string title;    ///< e.g. "Titanium dioxide"
+    std::string formula;  ///< chemical formula, may be empty
+    std::vector<std::string> aliases;
     std::optional<Series> n;  ///< nothing: the source gives k only
     std::optional<Series> k;  ///< nothing: k is unknown, which is not the same as k = 0
-    std::vector<std::string> corrections;  ///< what the reader changed, in words
 };
 
 /// A table of n and k on its own grid, never resampled.
@@ -103,6 +105,8 @@ struct IndexFunction {
     double longest_nm = 0.0;
     std::vector<double> grid_nm = {};  ///< where it is tabulated for those who want a table
     bool k_known = true;               ///< false: k is 0 because nobody gave it
+    /// Ends the message about a wavelength without a value: "; range=FROM:TO leaves it out".
+    std::string advice = {};
 };
 
 /// Interpolates n and k separately, each on its own grid, monotonically (PCHIP) in photon energy;
@@ -134,9 +138,11 @@ class RefractiveIndex {
     double longest_nm() const;
     bool covers(double wavelength_nm) const;
     bool k_known() const;
+    /// Whether k is known there, which is not the same as within the range of n.
+    bool k_known_at(double wavelength_nm) const;
 
     /// n and k at every native wavelength of the range; for formulas 201 points even in energy, for
-    /// functions those of their grid.
+    /// functions those of their grid; without those where a formula or function has no value.
     IndexTable table() const;
 
   private:
