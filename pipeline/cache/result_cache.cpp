@@ -57,6 +57,10 @@ void remove_files(const fs::path& file) {
 
 }  // namespace
 
+std::string checksum_of(const std::string& hash, std::string_view bytes) {
+    return materials::sha256_hex(hash + std::string(bytes));
+}
+
 struct ResultCache::Database {
     explicit Database(const fs::path& file) : connection(Connection::open_read_write(file)) {
         connection.execute(kSchema);
@@ -119,7 +123,7 @@ std::optional<std::vector<double>> ResultCache::find(const std::string& hash) {
         query.bind(hash);
         if (!query.step()) return std::nullopt;
         const std::string bytes = query.blob(0);
-        if (bytes.size() % sizeof(double) != 0 || materials::sha256_hex(bytes) != query.text(1)) {
+        if (bytes.size() % sizeof(double) != 0 || checksum_of(hash, bytes) != query.text(1)) {
             query.reset();
             database_->connection.prepare("DELETE FROM result WHERE hash = ?").bind(hash).run();
             return std::nullopt;
@@ -148,7 +152,7 @@ void ResultCache::store(const std::string& hash, std::span<const double> numbers
             .bind(hash)
             .bind_blob(bytes)
             .bind(static_cast<std::int64_t>(bytes.size()))
-            .bind(materials::sha256_hex(bytes))
+            .bind(checksum_of(hash, bytes))
             .bind(now_s())
             .run();
         forget_oldest();

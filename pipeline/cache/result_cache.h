@@ -8,9 +8,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace miebrdf {
+
+/// The checksum covers a stored result and its key: a result that stands under another's key is
+/// as damaged as one whose numbers have changed.
+std::string checksum_of(const std::string& hash, std::string_view bytes);
 
 /// Never in the way: an entry that is damaged is forgotten, a file that is damaged is begun anew,
 /// one that is locked, full or cannot be written only means that nothing is remembered. May be used

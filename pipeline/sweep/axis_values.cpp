@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include "materials/database/names.h"
+#include "materials/readers/text_table.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::sweep {
@@ -73,52 +73,14 @@ std::vector<double> counted_range(const std::string& name, const RangeText& text
     return numbers;
 }
 
-std::vector<std::string> fields_of(const std::string& line) {
-    std::vector<std::string> fields = split_list(line);
-    for (std::string& field : fields) {
-        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-            field = field.substr(1, field.size() - 2);
-    }
-    return fields;
-}
-
-std::vector<std::vector<std::string>> read_lines(const std::string& file) {
-    std::ifstream stream(file);
-    if (!stream) throw InputError(fmt::format("cannot read '{}'", file));
-    std::vector<std::vector<std::string>> lines;
-    std::string line;
-    for (std::size_t number = 1; std::getline(stream, line); ++number) {
-        if (!line.empty() && line.back() == '\r') line.pop_back();
-        if (trimmed(line).empty() || line.front() == '#') continue;
-        lines.push_back(fields_of(line));
-        if (lines.back().size() != lines.front().size()) {
-            throw InputError(fmt::format("'{}', line {}: {} fields; the line of names has {}", file,
-                                         number, lines.back().size(), lines.front().size()));
-        }
-    }
-    if (lines.size() < 2) {
-        throw InputError(fmt::format(
-            "'{}' has no samples; a line of names comes first, then one for each sample", file));
-    }
-    return lines;
-}
-
-std::optional<double> number_in(const std::string& text) {
-    try {
-        return parse_number(text, "");
-    } catch (const UsageError&) {
-        return std::nullopt;
-    }
-}
-
+/// Numbers where all are, else words; "15%" stays as it is put into a scene.
 Axis axis_of_texts(const std::string& name, const std::vector<std::string>& texts) {
     std::vector<double> numbers;
     for (const std::string& text : texts) {
-        const auto number = number_in(text);
-        if (!number) break;
+        const auto number = materials::table_number(text);
+        if (!number || text.ends_with('%')) return {.name = name, .words = texts, .unit = ""};
         numbers.push_back(*number);
     }
-    if (numbers.size() < texts.size()) return {.name = name, .words = texts, .unit = ""};
     return axis_of(name, numbers);
 }
 
@@ -175,8 +137,25 @@ Axis parse_axis(const std::string& name, const std::string& text) {
 }
 
 std::vector<Axis> read_columns(const std::string& file, const std::vector<std::string>& columns) {
-    const auto lines = read_lines(file);
-    const std::vector<std::string>& names = lines.front();
+    const std::string text = materials::without_mark(materials::read_bytes(file), file);
+    materials::TextTable lines(text, file);
+    std::vector<std::vector<std::string>> rows;
+    std::vector<std::string> names;
+    while (lines.next()) {
+        if (names.empty()) {
+            lines.take_names();
+            names = lines.fields();
+            continue;
+        }
+        if (lines.fields().size() != names.size()) {
+            lines.refuse(
+                fmt::format("{} fields under {} names", lines.fields().size(), names.size()));
+        }
+        rows.push_back(lines.fields());
+    }
+    if (rows.empty()) {
+        lines.refuse("has no samples; a line of names comes first, then one for each sample");
+    }
     std::vector<Axis> axes;
     for (const std::string& wanted : columns.empty() ? names : columns) {
         const auto found = std::find(names.begin(), names.end(), wanted);
@@ -185,8 +164,7 @@ std::vector<Axis> read_columns(const std::string& file, const std::vector<std::s
                                          fmt::join(names, ", ")));
         }
         std::vector<std::string> texts;
-        for (std::size_t row = 1; row < lines.size(); ++row)
-            texts.push_back(lines[row][std::size_t(found - names.begin())]);
+        for (const auto& row : rows) texts.push_back(row[std::size_t(found - names.begin())]);
         axes.push_back(axis_of_texts(wanted, texts));
     }
     return axes;

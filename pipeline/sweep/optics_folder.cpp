@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "materials/index/checksum.h"
+#include "pipeline/cache/result_cache.h"
 #include "pipeline/io/atomic_file.h"
 
 namespace miebrdf::sweep {
@@ -33,7 +33,7 @@ std::optional<std::vector<double>> OpticsFolder::find(const std::string& hash) {
     if (file.size() < kChecksumLength) return std::nullopt;
     const std::string_view bytes = std::string_view(file).substr(kChecksumLength);
     if (bytes.size() % sizeof(double) != 0 ||
-        std::string_view(file).substr(0, kChecksumLength) != materials::sha256_hex(bytes))
+        std::string_view(file).substr(0, kChecksumLength) != checksum_of(hash, bytes))
         return std::nullopt;
     std::vector<double> numbers(bytes.size() / sizeof(double));
     if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
@@ -54,7 +54,7 @@ void OpticsFolder::store(const std::string& hash, const std::vector<double>& num
         fs::create_directory(folder_, ignored);
         fs::create_directory(target.parent_path(), ignored);
         AtomicFile file(target);
-        file.stream() << materials::sha256_hex(bytes) << bytes;
+        file.stream() << checksum_of(hash, bytes) << bytes;
         file.commit();
     } catch (const Error&) {  // a full disk: the next chunk says so
     }

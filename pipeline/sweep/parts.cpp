@@ -12,8 +12,8 @@
 #include <iterator>
 #include <system_error>
 
-#include "materials/index/checksum.h"
 #include "pipeline/cache/job_key.h"
+#include "pipeline/cache/result_cache.h"
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/solve/resolved_scene.h"
 #include "pipeline/sweep/layout.h"
@@ -171,7 +171,7 @@ std::optional<std::vector<SceneResult>> Parts::read(const Chunk& chunk) const {
     if (file.rfind(header, 0) != 0 || file.size() < header.size() + kHashLength)
         return std::nullopt;
     const std::string_view bytes = std::string_view(file).substr(header.size() + kHashLength);
-    if (std::string_view(file).substr(header.size(), kHashLength) != materials::sha256_hex(bytes))
+    if (std::string_view(file).substr(header.size(), kHashLength) != checksum_of(header, bytes))
         return std::nullopt;
     PartReader reader(bytes);
     std::vector<SceneResult> results;
@@ -202,7 +202,8 @@ std::optional<fs::file_time_type> Parts::time_of(const Chunk& chunk) const {
 void Parts::write(const Chunk& chunk, const std::vector<SceneResult>& results) const {
     const std::string bytes = packed(results);
     AtomicFile file(file_of(chunk));
-    file.stream() << header_of(chunk) << materials::sha256_hex(bytes) << bytes;
+    const std::string header = header_of(chunk);
+    file.stream() << header << checksum_of(header, bytes) << bytes;
     file.commit();
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "materials/database/sqlite.h"
 #include "pipeline/cache/job_key.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
@@ -66,6 +67,31 @@ TEST_CASE("a damaged entry is forgotten, not returned", "[pipeline][cache]") {
     ResultCache cache(file);
     CHECK_FALSE(cache.find(key(1)));
     CHECK(cache.info().entries == 0);
+}
+
+TEST_CASE("a whole entry under the key of another is forgotten too", "[pipeline][cache]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder / "results.sqlite";
+    {
+        ResultCache cache(file);
+        cache.store(key(500), Numbers{0.5});
+        cache.store(key(600), Numbers{0.6});
+    }
+    {
+        const auto connection = materials::sqlite::Connection::open_read_write(file);
+        const auto rename = [&](const std::string& from, const std::string& to) {
+            connection.prepare("UPDATE result SET hash = ? WHERE hash = ?")
+                .bind(to)
+                .bind(from)
+                .run();
+        };
+        rename(key(500), "aside");
+        rename(key(600), key(500));
+        rename("aside", key(600));
+    }
+    ResultCache cache(file);
+    CHECK_FALSE(cache.find(key(500)));
+    CHECK_FALSE(cache.find(key(600)));
 }
 
 TEST_CASE("a file that is no cache is replaced, a place that cannot be written is done without",
