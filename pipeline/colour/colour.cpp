@@ -61,7 +61,7 @@ struct Share {
     double weight;
 };
 
-/// What a value at `nm` is made of.
+/// The neighbours that a value at `nm` is made of.
 std::vector<Share> interpolation_at(const std::vector<double>& x, double nm, Between between) {
     const auto above = std::upper_bound(x.begin(), x.end(), nm);
     const std::size_t right = static_cast<std::size_t>(above - x.begin());

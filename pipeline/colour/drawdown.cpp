@@ -1,4 +1,4 @@
-#include <miebrdf/drawdown.h>
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@ namespace miebrdf {
 namespace {
 
 constexpr double kLeastScale = 1e-4, kLargestScale = 1e4;
-/// Of the depth that hides; the albedos themselves are not better known.
+/// The precision of the depth that hides; the albedos themselves are not better known.
 constexpr double kScaleTolerance = 1e-4;
 
 double mean_albedo(const Substrate& ground) {
@@ -134,7 +134,7 @@ class Film {
     std::map<double, std::vector<double>> known_;  ///< contrast ratios by scale
 };
 
-/// Of all layers together, where each says one.
+/// The thickness of all layers together, where each says one.
 std::optional<double> thickness_um(const Scene& scene) {
     double sum = 0.0;
     for (const Layer& layer : scene.layers) {

@@ -23,7 +23,7 @@ class AtomicFile {
     /// The file to hand to writers that open it themselves; close nothing but what they opened.
     const std::filesystem::path& temporary_path() const { return temporary_; }
 
-    /// What was written so far is in the temporary file, to be read by others.
+    /// Puts all that was written so far into the temporary file, to be read by others.
     /// @throws InputError  when anything could not be written (a full disk shows here)
     void flush();
 

@@ -49,7 +49,7 @@ class ExrReader {
     std::unique_ptr<File> file_;
 };
 
-/// What a file says before its pixels.
+/// The header of a file, before its pixels.
 struct ExrHeader {
     int width = 0;
     int height = 0;

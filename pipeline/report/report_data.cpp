@@ -65,7 +65,7 @@ std::vector<std::vector<double>> sky_reflection(const CompactTable& table, const
     std::vector<double> nodes = half_sine_nodes(std::size_t(kSkyCosines));
     nodes.front() = kLeastCosine;
     const Scene& scene = brdf.scene();
-    if (!scene.surface || scene.coupling != rte::SurfaceCoupling::paper)
+    if (!scene.surface || scene.coupling == rte::SurfaceCoupling::reciprocal)
         return brdf.albedo(nodes).plane_albedo;
     std::vector<std::vector<double>> sky(count);
     // Midpoint rules in angles: smooth, and 0 at both ends by the cosine and the sine.

@@ -14,18 +14,19 @@ std::string readable(std::string name) {
     return name;
 }
 
-/// What a species is, without its sizes and amounts.
+/// A species without its sizes and amounts.
 std::string kind_text(const Species& species) {
     const std::vector<double>& p = species.parameters;
-    if (species.kind == "material") return readable(species.name);
-    if (species.kind == "index")
+    if (species.kind == Species::Kind::material) return readable(species.name);
+    if (species.kind == Species::Kind::index)
         return p[1] == 0.0 ? fmt::format("n = {:g}", p[0])
                            : fmt::format("n = {:g}, k = {:g}", p[0], p[1]);
-    if (species.kind == "hg")
+    if (species.kind == Species::Kind::henyey_greenstein)
         return fmt::format("Henyey-Greenstein, albedo {:g}, g {:g}", p[0], p[1]);
-    if (species.kind == "isotropic") return fmt::format("isotropic, albedo {:g}", p[0]);
-    if (species.kind == "rayleigh") return fmt::format("Rayleigh, albedo {:g}", p[0]);
-    if (species.kind == "moments") return "moments of " + species.name;
+    if (species.kind == Species::Kind::isotropic)
+        return fmt::format("isotropic, albedo {:g}", p[0]);
+    if (species.kind == Species::Kind::rayleigh) return fmt::format("Rayleigh, albedo {:g}", p[0]);
+    if (species.kind == Species::Kind::moments) return "moments of " + species.name;
     return readable(species.name);
 }
 
@@ -62,7 +63,7 @@ std::string host_text(const Host& host) {
                              : readable(host.name);
 }
 
-/// What lies above the layers; empty for nothing.
+/// The surface or boundary above the layers; empty where there is none.
 std::string top_text(const Scene& scene) {
     std::string text;
     if (scene.boundary) {

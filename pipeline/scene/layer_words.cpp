@@ -111,7 +111,9 @@ std::vector<SceneWord> layer_words() {
          .set = set_name<kExtrapolations, &Request::scene, &Scene::index,
                          &materials::IndexOptions::extrapolation>},
         {.name = "missing-k-zero",
-         .help = "k = 0 where a material's n is known and k is not, instead of an error",
+         .help = "k = 0 where a material's n is known and k is not, instead of an error (the "
+                 "source line "
+                 "of the output says at how many wavelengths)",
          .kind = WordKind::flag,
          .field = "missing_k_is_zero",
          .set = set_switch<true, &Request::scene, &Scene::index,

@@ -23,7 +23,8 @@ const MediumKind& kind_of_text(const std::string& text) {
     const std::size_t colon = text.find(':');
     if (colon != std::string::npos) {
         for (const MediumKind& kind : medium_kinds()) {
-            if (kind.name == text.substr(0, colon) && kind.name != "material" && !kind.form.empty())
+            if (kind.name == text.substr(0, colon) && kind.kind != Species::Kind::material &&
+                !kind.form.empty())
                 return kind;
         }
     }
@@ -64,7 +65,8 @@ double take_parameter(const MediumParameter& parameter, const std::string& text,
 /// The numbers after the colon, one for each parameter of the kind.
 std::vector<double> read_parameters(const std::string& text, const std::string& values,
                                     const MediumKind& kind) {
-    std::vector<std::string> parts = split_list(values);
+    std::vector<std::string> parts =
+        kind.kind == Species::Kind::index ? split_index(values) : split_list(values);
     std::vector<double> by_key;  // those stand last
     for (const MediumParameter& parameter : kind.parameters) {
         if (parameter.key != nullptr) by_key.push_back(take_parameter(parameter, text, parts));
@@ -96,7 +98,7 @@ std::size_t least_parameters(const MediumKind& kind) {
                       [](const MediumParameter& parameter) { return parameter.key == nullptr; }));
 }
 
-/// As they are typed after the colon.
+/// The parameters as they are typed after the colon.
 std::string describe_parameters(const Species& species) {
     const std::vector<MediumParameter>& known = kind_of(species).parameters;
     std::string text;
@@ -110,13 +112,14 @@ std::string describe_parameters(const Species& species) {
     return text;
 }
 
-/// What stands before the keys.
+/// Reads the words before the keys.
 void read_species(const std::string& text, const MediumKind& kind, Species& species) {
     if (text.empty()) {
         throw UsageError("an empty medium; write a material's name, e.g. TiO2, or hg:0.9,0.7");
     }
-    species.kind = kind.name;
-    const std::string values = kind.name == "material" ? text : text.substr(text.find(':') + 1);
+    species.kind = kind.kind;
+    const std::string values =
+        kind.kind == Species::Kind::material ? text : text.substr(text.find(':') + 1);
     if (kind.read) {
         kind.read(values, species);
     } else {
@@ -218,14 +221,14 @@ Host host(const std::string& text) {
     const std::string prefix = "index:";
     double n = 0.0;
     const bool is_number = std::isdigit(static_cast<unsigned char>(text.empty() ? 'x' : text[0])) &&
-                           text.find_first_not_of("0123456789.,eE+-") == std::string::npos;
+                           text.find_first_not_of("0123456789.,eE+-ij") == std::string::npos;
     Host host;
     if (!is_number && !text.starts_with(prefix)) {
         if (text.empty()) throw UsageError("host: empty; write PMMA or index:1.5");
         host.name = text;
         return host;
     }
-    const auto parts = split_list(is_number ? text : text.substr(prefix.size()));
+    const auto parts = split_index(is_number ? text : text.substr(prefix.size()));
     if (parts.empty() || parts.size() > 2)
         throw UsageError(fmt::format("host '{}': write a material's name or index:N,K", text));
     n = parse_number(parts[0], fmt::format("host '{}'", text));
@@ -275,9 +278,10 @@ void validate(const Medium& medium) {
 
 std::string describe(const Species& species) {
     const std::string keys = describe_keys(species);
-    if (species.kind == "material") return species.name + keys;
-    if (!species.name.empty()) return fmt::format("{}:{}{}", species.kind, species.name, keys);
-    return fmt::format("{}:{}{}", species.kind, describe_parameters(species), keys);
+    if (species.kind == Species::Kind::material) return species.name + keys;
+    if (!species.name.empty())
+        return fmt::format("{}:{}{}", kind_of(species).name, species.name, keys);
+    return fmt::format("{}:{}{}", kind_of(species).name, describe_parameters(species), keys);
 }
 
 std::string describe(const Host& host) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "pipeline/scene/matrix_file.h"
 #include "pipeline/scene/moments_file.h"
 #include "pipeline/scene/scene_parts.h"
 
@@ -17,7 +16,8 @@ const MediumParameter kAlbedo = {"single-scattering albedo", "[0, 1]",
                                  [](double a) { return a >= 0.0 && a <= 1.0; }};
 
 MediumKind material() {
-    return {.name = "material",
+    return {.kind = Species::Kind::material,
+            .name = "material",
             .form = "NAME",
             .example = "TiO2",
             .help = "spheres of a material of the database, by name or source:KEY",
@@ -29,7 +29,8 @@ MediumKind material() {
 }
 
 MediumKind index() {
-    return {.name = "index",
+    return {.kind = Species::Kind::index,
+            .name = "index",
             .form = "index:N,K",
             .example = "index:1.5,0.01",
             .help = "spheres of a constant refractive index n + ik; index:N absorbs nothing",
@@ -42,13 +43,15 @@ MediumKind index() {
 }
 
 MediumKind table() {
-    return {.name = "table",
+    return {.kind = Species::Kind::table,
+            .name = "table",
             .help = "spheres of a refractive index n + ik given at some wavelengths",
             .check = [](const Species& m) { own_index(m); }};
 }
 
 MediumKind isotropic() {
     return {
+        .kind = Species::Kind::isotropic,
         .name = "isotropic",
         .form = "isotropic:ALBEDO",
         .example = "isotropic:0.9",
@@ -59,7 +62,8 @@ MediumKind isotropic() {
 }
 
 MediumKind rayleigh() {
-    return {.name = "rayleigh",
+    return {.kind = Species::Kind::rayleigh,
+            .name = "rayleigh",
             .form = "rayleigh:ALBEDO",
             .example = "rayleigh:0.9,depolarisation=0.03",
             .help =
@@ -79,7 +83,8 @@ MediumKind rayleigh() {
 }
 
 MediumKind henyey_greenstein() {
-    return {.name = "hg",
+    return {.kind = Species::Kind::henyey_greenstein,
+            .name = "hg",
             .form = "hg:ALBEDO,G",
             .example = "hg:0.9,0.7",
             .help = "the phase function of Henyey and Greenstein (1941) with asymmetry G",
@@ -91,7 +96,8 @@ MediumKind henyey_greenstein() {
 }
 
 MediumKind moments() {
-    return {.name = "moments",
+    return {.kind = Species::Kind::moments,
+            .name = "moments",
             .form = "moments:FILE",
             .example = "moments:mine.csv",
             .help = "albedo and Legendre moments from a CSV file",
@@ -111,17 +117,13 @@ MediumKind moments() {
                     optics.chi = m.chi;
                     return optics;
                 },
-            .check =
-                [](const Species& m) {
-                    rte::Optics optics;
-                    optics.chi = m.chi;
-                    rte::validate(optics);
-                },
+            .check = [](const Species& m) { check_moments(m.chi); },
             .most_fourier_orders = [](const Species& m) { return static_cast<int>(m.chi.size()); }};
 }
 
 MediumKind matrix() {
-    return {.name = "matrix",
+    return {.kind = Species::Kind::matrix,
+            .name = "matrix",
             .form = "matrix:FILE",
             .example = "matrix:mine.csv",
             .help = "albedo and scattering matrix, as coefficients a1 ... b2, from a CSV file",
@@ -156,10 +158,7 @@ const std::vector<MediumKind>& medium_kinds() {
 }
 
 const MediumKind& kind_of(const Species& species) {
-    for (const MediumKind& kind : medium_kinds()) {
-        if (kind.name == species.kind) return kind;
-    }
-    throw UsageError(fmt::format("unknown kind of medium '{}'", species.kind));
+    return medium_kinds()[static_cast<std::size_t>(species.kind)];
 }
 
 materials::RefractiveIndex own_index(const Species& species) {

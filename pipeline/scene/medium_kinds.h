@@ -24,6 +24,7 @@ struct MediumParameter {
 
 /// A new kind of medium is one object of this type and one line in medium_kinds().
 struct MediumKind {
+    Species::Kind kind;
     std::string name;       ///< before the colon: "hg"
     std::string form = {};  ///< how it is written: "hg:ALBEDO,G"; empty: words cannot say it
     std::string example = {};
@@ -43,9 +44,9 @@ struct MediumKind {
     };
 };
 
+/// In the order of Species::Kind.
 const std::vector<MediumKind>& medium_kinds();
 
-/// @throws UsageError  for a kind that is not in the list
 const MediumKind& kind_of(const Species& species);
 
 /// Holds a species, however it was made, to what its kind allows.

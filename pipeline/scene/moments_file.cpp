@@ -4,104 +4,240 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <optional>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <utility>
 
 #include <miebrdf/error.h>
-#include "pipeline/scene/number_list.h"
+#include "materials/readers/text_table.h"
+#include "rte/math/legendre.h"
+#include "rte/phase/polarisation.h"
 
 namespace miebrdf {
 namespace {
 
-constexpr char kAlbedoKey[] = "single_scattering_albedo:";
-constexpr double kLargestChi0Error = 1e-6;  // tables are printed with at least six digits
-constexpr std::size_t kMostMomentsOfFile = 1'000'000;
+constexpr double kDigitsOfFiles = 1e-6;  // tables are printed with at least six digits
+constexpr double kLargestLastTerm = 0.1;
+constexpr std::size_t kMostProducts = 20'000'000;  // of a test for negative values: 50 ms
 
-/// One file on its way in; every complaint names the file and the line.
-class MomentsReader {
-  public:
-    explicit MomentsReader(const std::string& path) : path_(path) {}
+using Lists = std::vector<double> MatrixCoefficients::*;
+constexpr std::pair<const char*, Lists> kLists[] = {
+    {"a1", &MatrixCoefficients::a1}, {"a2", &MatrixCoefficients::a2},
+    {"a3", &MatrixCoefficients::a3}, {"a4", &MatrixCoefficients::a4},
+    {"b1", &MatrixCoefficients::b1}, {"b2", &MatrixCoefficients::b2}};
 
-    MomentsFile read() {
-        std::ifstream file(path_);
-        if (!file) throw InputError(fmt::format("moments file '{}' cannot be read", path_));
-        std::string line;
-        while (std::getline(file, line)) {
-            ++line_number_;
-            if (!line.empty() && line.back() == '\r') line.pop_back();
-            if (!line.empty()) read_line(line);
-        }
-        if (result_.chi.empty()) refuse("has no rows 'l,chi'");
-        if (!albedo_) refuse("has no line '# single_scattering_albedo: X'");
-        result_.single_scattering_albedo = *albedo_;
-        return std::move(result_);
-    }
+rte::Optics optics_of(const MatrixCoefficients& matrix) {
+    rte::Optics optics;
+    optics.single_scattering_albedo = matrix.single_scattering_albedo;
+    optics.one_minus_albedo = 1.0 - matrix.single_scattering_albedo;
+    optics.chi.clear();
+    for (std::size_t l = 0; l < matrix.a1.size(); ++l)
+        optics.chi.push_back(matrix.a1[l] / (2.0 * double(l) + 1.0));
+    rte::Polarisation polarisation;
+    polarisation.a2 = matrix.a2;
+    polarisation.a3 = matrix.a3;
+    polarisation.a4 = matrix.a4;
+    polarisation.b1 = matrix.b1;
+    polarisation.b2 = matrix.b2;
+    optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(polarisation));
+    return optics;
+}
 
-  private:
-    [[noreturn]] void refuse(const std::string& reason) const {
-        throw InputError(
-            fmt::format("moments file '{}', line {}: {}", path_, line_number_, reason));
-    }
-
-    double number(const std::string& text) const {
-        try {
-            return parse_number(text, "value");
-        } catch (const UsageError& error) {
-            refuse(error.what());
-        }
-    }
-
-    void read_line(const std::string& line) {
-        if (line[0] == '#') {
-            const std::size_t key = line.find(kAlbedoKey);
-            if (key != std::string::npos) read_albedo(line.substr(key + sizeof(kAlbedoKey) - 1));
-        } else if (!header_seen_) {
-            const auto names = split_list(line);
-            if (names != std::vector<std::string>{"l", "chi"}) {
-                refuse(fmt::format("expected the header 'l,chi', found '{}'", line));
-            }
-            header_seen_ = true;
-        } else {
-            read_row(line);
+/// (1 - t) a + t b; the shorter one is zero beyond its end.
+MatrixCoefficients between(const MatrixCoefficients& a, const MatrixCoefficients& b, double t) {
+    MatrixCoefficients mean;
+    mean.single_scattering_albedo =
+        (1.0 - t) * a.single_scattering_albedo + t * b.single_scattering_albedo;
+    for (const auto& [name, list] : kLists) {
+        const std::vector<double>&from = a.*list, &to = b.*list;
+        for (std::size_t l = 0; l < std::max(from.size(), to.size()); ++l) {
+            (mean.*list)
+                .push_back((l < from.size() ? (1.0 - t) * from[l] : 0.0) +
+                           (l < to.size() ? t * to[l] : 0.0));
         }
     }
+    return mean;
+}
 
-    void read_albedo(const std::string& text) {
-        albedo_ = number(text);
-        if (!(*albedo_ >= 0.0 && *albedo_ <= 1.0)) {
-            refuse(fmt::format("single-scattering albedo {} is out of range; allowed: [0, 1]",
-                               *albedo_));
+double albedo_of_comment(const materials::NumberTable& table) {
+    const auto albedo = table.comment("single_scattering_albedo");
+    if (!albedo) table.refuse("has no line '# single_scattering_albedo: X'");
+    if (!(*albedo >= 0.0 && *albedo <= 1.0)) {
+        table.refuse(
+            fmt::format("single-scattering albedo {} is out of range; allowed: [0, 1]", *albedo));
+    }
+    return *albedo;
+}
+
+/// Refuses a phase function that is negative anywhere. Moments of rounded figures give P only to
+/// within the noise of their digits, which is allowed.
+void require_positive(std::span<const double> chi) {
+    const std::size_t degrees = chi.size();
+    double squares = 0.0;
+    for (std::size_t l = 1; l < degrees; ++l) squares += std::pow(2.0 * double(l) + 1.0, 2);
+    const double noise = 3.0 * kDigitsOfFiles * std::sqrt(squares);
+    // Four angles for each degree leave no lobe out; the longest lists have fewer.
+    const std::size_t angles = std::clamp<std::size_t>(kMostProducts / degrees, 2, 4 * degrees);
+    double lowest = 0.0, at_deg = 0.0;
+    for (std::size_t i = 0; i <= angles; ++i) {
+        const double angle_deg = 180.0 * double(i) / double(angles);
+        const double phase =
+            math::legendre_series(chi, std::cos(angle_deg * std::numbers::pi / 180.0));
+        if (phase < lowest) {
+            lowest = phase;
+            at_deg = angle_deg;
         }
     }
-
-    void read_row(const std::string& line) {
-        const auto fields = split_list(line);
-        if (fields.size() != 2) refuse(fmt::format("expected 'l,chi', found '{}'", line));
-        const auto expected = result_.chi.size();
-        if (expected >= kMostMomentsOfFile)
-            refuse(fmt::format("more than {} moments", kMostMomentsOfFile));
-        if (number(fields[0]) != static_cast<double>(expected)) {
-            refuse(fmt::format("expected l = {}, found '{}'", expected, fields[0]));
-        }
-        const double chi = number(fields[1]);
-        if (expected == 0 && !(std::abs(chi - 1.0) <= kLargestChi0Error)) {
-            refuse(fmt::format("chi_0 = {}; it must be 1 (divide all moments by chi_0)", chi));
-        }
-        if (!(std::abs(chi) <= 1.0 + kLargestChi0Error)) {
-            refuse(fmt::format("chi_{} = {} is out of range; allowed: [-1, 1]", expected, chi));
-        }
-        result_.chi.push_back(expected == 0 ? 1.0 : std::clamp(chi, -1.0, 1.0));
+    if (lowest >= -noise) return;
+    std::string reason =
+        fmt::format("the phase function is {:.3g} at {:.1f} degrees; allowed: nowhere negative",
+                    lowest, at_deg);
+    const double last = (2.0 * double(degrees) - 1.0) * chi.back();
+    if (std::abs(last) > kLargestLastTerm) {
+        reason += fmt::format(
+            ". The list looks cut from a peaked function, since its last term, (2l + 1) chi_l = "
+            "{:.3g} at l = {}, is not small: give the moments up to where that is below {}",
+            last, degrees - 1, kLargestLastTerm);
     }
+    throw UsageError(reason);
+}
 
-    std::string path_;
-    int line_number_ = 0;
-    bool header_seen_ = false;
-    std::optional<double> albedo_;
-    MomentsFile result_;
-};
+/// Light that is scattered cannot be polarised by more than all of it.
+void require_polarisation(const rte::Optics& optics) {
+    constexpr int kAngles = 90;
+    for (int i = 0; i <= kAngles; ++i) {
+        const double angle_deg = 180.0 * i / kAngles;
+        const rte::ScatteringMatrix m =
+            rte::exact_matrix(optics, std::cos(angle_deg * std::numbers::pi / 180.0));
+        constexpr double kNoise = 1e-3;  // of matrices that were measured, or have few digits
+        if (std::abs(m.b1) <= (1.0 + kNoise) * m.a1 + kNoise) continue;
+        throw UsageError(fmt::format(
+            "the scattering matrix has b1 = {:.3g} and a1 = {:.3g} at {:.1f} degrees; allowed: "
+            "|b1| up to a1",
+            m.b1, m.a1, angle_deg));
+    }
+}
 
 }  // namespace
 
-MomentsFile read_moments_file(const std::string& path) { return MomentsReader(path).read(); }
+void check_moments(const std::vector<double>& chi) {
+    rte::Optics optics;
+    optics.chi = chi;
+    rte::validate(optics);
+    require_positive(chi);
+}
+
+MomentsFile read_moments_file(const std::string& path) {
+    const materials::NumberTable table(path);
+    table.require_names({"l", "chi"});
+    MomentsFile file;
+    file.single_scattering_albedo = albedo_of_comment(table);
+    const std::vector<double>&degree = table.column("l"), &chi = table.column("chi");
+    for (std::size_t l = 0; l < chi.size(); ++l) {
+        if (degree[l] != double(l))
+            table.refuse(l, fmt::format("l = {}; expected {}", degree[l], l));
+        if (l == 0 && !(std::abs(chi[0] - 1.0) <= kDigitsOfFiles)) {
+            table.refuse(
+                l, fmt::format("chi_0 = {}; it must be 1 (divide all moments by chi_0)", chi[0]));
+        }
+        if (!(std::abs(chi[l]) <= 1.0 + kDigitsOfFiles))
+            table.refuse(l, fmt::format("chi_{} = {}; allowed: [-1, 1]", l, chi[l]));
+        file.chi.push_back(l == 0 ? 1.0 : std::clamp(chi[l], -1.0, 1.0));
+    }
+    try {
+        check_moments(file.chi);
+    } catch (const UsageError& error) {
+        table.refuse(error.what());
+    }
+    return file;
+}
+
+MatrixFile read_matrix_file(const std::string& path) {
+    const materials::NumberTable table(path);
+    table.require_names({"l", "a1", "a2", "a3", "a4", "b1", "b2"},
+                        {"wavelength_nm", "single_scattering_albedo"});
+    const std::vector<double>* wavelength_nm = table.find("wavelength_nm");
+    const std::vector<double>* albedo = table.find("single_scattering_albedo");
+    const std::vector<double>& degree = table.column("l");
+    const double one_albedo = albedo == nullptr ? albedo_of_comment(table) : 0.0;
+    MatrixFile file;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        const double nm = wavelength_nm == nullptr ? 0.0 : (*wavelength_nm)[row];
+        if (degree[row] == 0.0) {
+            if (wavelength_nm == nullptr && row > 0)
+                table.refuse(row, "l = 0 again; several wavelengths need a column 'wavelength_nm'");
+            if (wavelength_nm != nullptr) {
+                if (!(nm > (row == 0 ? 0.0 : file.wavelength_nm.back())))
+                    table.refuse(row,
+                                 fmt::format("wavelength {} nm; allowed: above 0, ascending", nm));
+                file.wavelength_nm.push_back(nm);
+            }
+            file.matrices.emplace_back().single_scattering_albedo =
+                albedo == nullptr ? one_albedo : (*albedo)[row];
+        }
+        if (file.matrices.empty()) table.refuse(row, "the first row is not l = 0");
+        MatrixCoefficients& matrix = file.matrices.back();
+        if (degree[row] != double(matrix.a1.size())) {
+            table.refuse(
+                row, fmt::format("l = {} where {} was expected", degree[row], matrix.a1.size()));
+        }
+        if (wavelength_nm != nullptr && nm != file.wavelength_nm.back())
+            table.refuse(row, "another wavelength before l = 0");
+        for (const auto& [name, list] : kLists) (matrix.*list).push_back(table.column(name)[row]);
+    }
+    Species species;
+    species.wavelength_nm = file.wavelength_nm;
+    species.matrices = file.matrices;
+    try {
+        check_matrices(species);
+    } catch (const UsageError& error) {
+        table.refuse(error.what());
+    }
+    return file;
+}
+
+double mean_albedo(const std::vector<MatrixCoefficients>& matrices) {
+    double sum = 0.0;
+    for (const MatrixCoefficients& matrix : matrices) sum += matrix.single_scattering_albedo;
+    return sum / double(matrices.size());
+}
+
+rte::Optics optics_of_matrices(const Species& species, double wavelength_nm) {
+    const std::vector<double>& at = species.wavelength_nm;
+    if (at.size() < 2) return optics_of(species.matrices.front());
+    if (!(wavelength_nm >= at.front() && wavelength_nm <= at.back())) {
+        throw InputError(fmt::format("matrix file '{}' has nothing at {} nm; it covers {} to {} nm",
+                                     species.name, wavelength_nm, at.front(), at.back()));
+    }
+    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, wavelength_nm);
+    const auto i = static_cast<std::size_t>(above - at.begin());
+    const double t = (wavelength_nm - at[i - 1]) / (at[i] - at[i - 1]);
+    return optics_of(between(species.matrices[i - 1], species.matrices[i], t));
+}
+
+void check_matrices(const Species& species) {
+    const std::size_t count = species.wavelength_nm.size();
+    if (species.matrices.empty() || (count != 0 && count != species.matrices.size()) ||
+        (count == 0 && species.matrices.size() != 1)) {
+        throw UsageError("matrices", double(species.matrices.size()),
+                         "one for each wavelength, or one alone");
+    }
+    for (std::size_t w = 1; w < count; ++w) {
+        if (!(species.wavelength_nm[w] > species.wavelength_nm[w - 1]))
+            throw UsageError("wavelength_nm", species.wavelength_nm[w], "ascending");
+    }
+    for (const MatrixCoefficients& matrix : species.matrices) {
+        for (const auto& [name, list] : kLists) {
+            if ((matrix.*list).size() != matrix.a1.size())
+                throw UsageError("coefficients", double((matrix.*list).size()),
+                                 "six lists of one length");
+        }
+        const rte::Optics optics = optics_of(matrix);
+        rte::validate(optics);
+        require_positive(optics.chi);
+        require_polarisation(optics);
+    }
+}
 
 }  // namespace miebrdf

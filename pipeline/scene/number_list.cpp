@@ -60,7 +60,7 @@ void append_range(std::string_view part, const std::string& what, const Parse& p
     }
 }
 
-/// What is written behind the number, e.g. "eV".
+/// The text behind the number, e.g. "eV".
 std::string_view unit_text(std::string_view text) {
     const std::string_view digits = trimmed(text);
     double value = 0.0;
@@ -177,6 +177,23 @@ std::vector<std::string> split_list(std::string_view text, char separator) {
         start = end + 1;
     }
     return parts;
+}
+
+std::vector<std::string> split_index(std::string_view text) {
+    std::string_view digits = trimmed(text);
+    if (digits.empty() || (digits.back() != 'i' && digits.back() != 'j')) return split_list(text);
+    digits.remove_suffix(1);
+    std::size_t sign = digits.find_last_of("+-");
+    while (sign != std::string::npos && sign > 0 &&
+           (digits[sign - 1] == 'e' || digits[sign - 1] == 'E'))
+        sign = digits.find_last_of("+-", sign - 1);
+    if (sign == std::string::npos || sign == 0) return split_list(text);
+    if (digits[sign] == '-') {
+        throw UsageError(fmt::format("'{}' is n - ik; here k > 0 absorbs: write {}+{}i or {},{}",
+                                     text, digits.substr(0, sign), digits.substr(sign + 1),
+                                     digits.substr(0, sign), digits.substr(sign + 1)));
+    }
+    return {trimmed_text(digits.substr(0, sign)), trimmed_text(digits.substr(sign + 1))};
 }
 
 std::vector<double> parse_number_list(std::string_view text, const std::string& what) {

@@ -38,6 +38,10 @@ double parse_quantity(std::string_view text, const std::string& what, std::span<
 /// Splits at commas (or another separator), blanks around the parts removed.
 std::vector<std::string> split_list(std::string_view text, char separator = ',');
 
+/// The two numbers of a refractive index, `1.5,0.01` or `1.5+0.01i`, as words.
+/// @throws UsageError  for n - ik: k is positive here
+std::vector<std::string> split_index(std::string_view text);
+
 /// `a,b,c` and `first:last:step` (inclusive), which may be mixed.
 /// @throws UsageError  for an empty list, a step of the wrong sign, or more than 1,000,000 numbers
 std::vector<double> parse_number_list(std::string_view text, const std::string& what);

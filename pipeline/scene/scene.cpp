@@ -85,8 +85,10 @@ void validate(const Scene& scene) {
     }
     if (scene.substrate) {
         validate(*scene.substrate);
-        // A varnish without particles is a boundary on a ground.
-        if (!scene.boundary) top_medium(scene);
+        // A ground may be bare, under a boundary or without; nothing at all is no scene.
+        const bool needs_layers = scene.substrate->kind == Substrate::Kind::none ||
+                                  (scene.surface && !scene.surface_index);
+        if (needs_layers && !scene.boundary) top_medium(scene);
     } else {
         validate(scene.base, scene.particles);
     }

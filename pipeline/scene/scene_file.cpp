@@ -122,7 +122,7 @@ class SceneFile {
         return found;
     }
 
-    /// What is shared must be a key of at least one command.
+    /// A shared key must belong to at least one command.
     void check_shared_keys(const toml::table& table) const {
         for (const auto& [key, value] : table) {
             const std::string name(key.str());

@@ -19,7 +19,7 @@ struct CommandKey {
     WordKind kind = WordKind::single;
 };
 
-/// What a command takes from a scene file.
+/// The keys that a command takes from a scene file.
 struct SceneFileCommand {
     std::string name;
     std::vector<std::string> words;  ///< of a scene (scene_words)

@@ -88,12 +88,12 @@ std::complex<double> parse_index(std::span<const WordValue> values, const std::s
             parts.push_back(finite_number(value, what));
             continue;
         }
-        for (const std::string& part : split_list(text_of(value)))
+        for (const std::string& part : split_index(text_of(value)))
             parts.push_back(parse_number(part, what));
     }
     if (parts.empty() || parts.size() > 2) {
-        throw UsageError(
-            fmt::format("{}: {} numbers; write N,K, e.g. 1.5,0, or N alone", what, parts.size()));
+        throw UsageError(fmt::format(
+            "{}: {} numbers; write N,K, e.g. 1.5,0, or 1.5+0.01i, or N alone", what, parts.size()));
     }
     const double n = parts[0], k = parts.size() == 2 ? parts[1] : 0.0;
     if (!(n > 0.0 && n <= kLargestIndex && k >= 0.0 && k <= kLargestIndex)) {

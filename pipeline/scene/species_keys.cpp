@@ -20,6 +20,17 @@ constexpr std::array<Unit, 6> kLengthsUm = {
     {{"nm", 1, 1000}, {"um", 1, 1}, {"µm", 1, 1}, {"mm", 1000, 1}, {"cm", 10000, 1}, {"", 1, 1}}};
 constexpr std::array<Unit, 4> kShares = {
     {{"%", 1, 100}, {"ppm", 1, 1000000}, {"ppb", 1, 1000000000}, {"", 1, 1}}};
+constexpr std::array<Unit, 11> kMassShares = {{{"%", 1, 100},
+                                               {"ppm", 1, 1000000},
+                                               {"ppb", 1, 1000000000},
+                                               {"ng/g", 1, 1000000000},
+                                               {"ug/g", 1, 1000000},
+                                               {"µg/g", 1, 1000000},
+                                               {"mg/g", 1, 1000},
+                                               {"ug/kg", 1, 1000000000},
+                                               {"mg/kg", 1, 1000000},
+                                               {"g/kg", 1, 1000},
+                                               {"", 1, 1}}};
 constexpr std::array<Unit, 5> kNumbersPerCm3 = {
     {{"/cm3", 1, 1}, {"cm-3", 1, 1}, {"/m3", 1, 1000000}, {"m-3", 1, 1000000}, {"", 1, 1}}};
 constexpr std::array<Unit, 4> kDensities = {
@@ -49,43 +60,71 @@ void set_amount(Species& species, Amount amount, const std::string& text) {
     species.amount = amount;
 }
 
+/// A log-normal law as laboratories give it: the median radius by one measure of particles, and the
+/// geometric standard deviation.
+struct LogNormalWords {
+    std::optional<double> median_um, sigma_g;
+    std::optional<std::string> by;
+};
+
+/// A species on its way in.
+struct Words {
+    Species& species;
+    LogNormalWords log_normal = {};
+};
+
 /// A key that follows a species, and what it sets.
 struct Key {
     const char* name;
-    void (*set)(Species& species, const std::string& value, const std::string& what,
+    void (*set)(Words& words, const std::string& value, const std::string& what,
                 const std::string& text);
 };
 
 const std::vector<Key> kKeys = {
     {"radius",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(s.sizes.effective_radius_um, parse_length_um(value, what), "radius", text);
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.species.sizes.effective_radius_um, parse_length_um(value, what), "radius",
+                  text);
      }},
     {"variance",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(s.sizes.effective_variance, parse_number(value, what), "variance", text);
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.species.sizes.effective_variance, parse_number(value, what), "variance", text);
      }},
     {"distribution",
-     [](Species& s, const std::string& value, const std::string&, const std::string& text) {
-         set_once(s.sizes.distribution, parse_kind(value, text), "distribution", text);
+     [](Words& w, const std::string& value, const std::string&, const std::string& text) {
+         set_once(w.species.sizes.distribution, parse_kind(value, text), "distribution", text);
      }},
     {"density",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(s.density_g_cm3, parse_quantity(value, what, kDensities), "density", text);
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.species.density_g_cm3, parse_quantity(value, what, kDensities), "density",
+                  text);
      }},
     {"volume",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(s, {Amount::Kind::volume_fraction, parse_quantity(value, what, kShares)}, text);
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_amount(w.species,
+                    {Amount::Kind::volume_fraction, parse_quantity(value, what, kShares)}, text);
      }},
     {"mass",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(s, {Amount::Kind::mass_fraction, parse_quantity(value, what, kShares)}, text);
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_amount(w.species,
+                    {Amount::Kind::mass_fraction, parse_quantity(value, what, kMassShares)}, text);
      }},
     {"number",
-     [](Species& s, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(s, {Amount::Kind::number_per_cm3, parse_quantity(value, what, kNumbersPerCm3)},
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_amount(w.species,
+                    {Amount::Kind::number_per_cm3, parse_quantity(value, what, kNumbersPerCm3)},
                     text);
      }},
+    {"median",
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.log_normal.median_um, parse_length_um(value, what), "median", text);
+     }},
+    {"sigma_g",
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.log_normal.sigma_g, parse_number(value, what), "sigma_g", text);
+     }},
+    {"by", [](Words& w, const std::string& value, const std::string&,
+              const std::string& text) { set_once(w.log_normal.by, value, "by", text); }},
 };
 
 std::vector<std::string> key_names() {
@@ -132,14 +171,45 @@ std::string describe(const Amount& amount) {
 void validate(const Amount& amount, const std::string& text) {
     const bool is_share = amount.kind != Amount::Kind::number_per_cm3;
     const bool allowed =
-        amount.value > 0.0 && std::isfinite(amount.value) && (!is_share || amount.value <= 1.0);
+        amount.value >= 0.0 && std::isfinite(amount.value) && (!is_share || amount.value <= 1.0);
     if (allowed) return;
     const char* name = amount.kind == Amount::Kind::volume_fraction ? "volume fraction"
                        : amount.kind == Amount::Kind::mass_fraction ? "mass fraction"
                                                                     : "number per cm3";
     throw UsageError(fmt::format("medium '{}': {} {} is out of range; allowed: {}", text, name,
-                                 amount.value,
-                                 is_share ? "above 0, up to 1 (or 100%)" : "above 0, finite"));
+                                 amount.value, is_share ? "0 to 1 (or 100%)" : ">= 0, finite"));
+}
+
+/// Effective radius and variance of a log-normal law. With s = ln sigma_g and the median r by
+/// number, the mean of r^3 over the mean of r^2 is r exp(5/2 s^2), the variance exp(s^2) - 1
+/// (Hansen & Travis 1974, eq. 2.60); medians by area and by volume are r exp(2 s^2), r exp(3 s^2)
+/// (Hatch & Choate, J. Franklin Inst. 207, 369 (1929)).
+void set_log_normal(const LogNormalWords& words, Species& species, const std::string& text) {
+    if (!words.median_um && !words.sigma_g && !words.by) return;
+    const auto refuse = [&](const std::string& reason) {
+        throw UsageError(
+            fmt::format("medium '{}': {}; write median=0.1,sigma_g=1.6 (by=volume where "
+                        "the median is not that of numbers)",
+                        text, reason));
+    };
+    if (!words.median_um || !words.sigma_g) refuse("median and sigma_g belong together");
+    ParticleSizes& sizes = species.sizes;
+    if (sizes.effective_radius_um || sizes.effective_variance ||
+        (sizes.distribution && *sizes.distribution != Kind::log_normal))
+        refuse("median and sigma_g say radius, variance and distribution");
+    const double sigma_g = *words.sigma_g;
+    constexpr double kLargestSigma = 4.5;  // a variance of 9.6
+    if (!(sigma_g > 1.0 && sigma_g <= kLargestSigma))
+        refuse(fmt::format("sigma_g {}; allowed: above 1, up to {}", sigma_g, kLargestSigma));
+    const std::string by = words.by.value_or("number");
+    const bool is_volume = by == "volume" || by == "mass";
+    if (by != "number" && by != "area" && !is_volume)
+        refuse(fmt::format("by '{}'; allowed: number, area, volume, mass", by));
+    const double s2 = std::pow(std::log(sigma_g), 2);
+    const double power = is_volume ? -0.5 : by == "area" ? 0.5 : 2.5;
+    sizes.effective_radius_um = *words.median_um * std::exp(power * s2);
+    sizes.effective_variance = std::expm1(s2);
+    sizes.distribution = Kind::log_normal;
 }
 
 }  // namespace
@@ -195,6 +265,7 @@ std::string describe_keys(const Species& species) {
 
 std::string take_keys(const std::string& text, bool only_keys, Species& species) {
     std::string rest = text;
+    Words words{species};
     for (;;) {
         const std::string outside = blank_in_parentheses(rest);
         const std::size_t comma = outside.rfind(',');
@@ -207,10 +278,11 @@ std::string take_keys(const std::string& text, bool only_keys, Species& species)
             if (only_keys) refuse_key(name, text);
             break;
         }
-        key->set(species, trimmed_text(rest.substr(equals + 1)),
+        key->set(words, trimmed_text(rest.substr(equals + 1)),
                  fmt::format("medium '{}': {}", text, name), text);
         rest = trimmed_text(rest.substr(0, comma));
     }
+    set_log_normal(words.log_normal, species, text);
     return rest;
 }
 

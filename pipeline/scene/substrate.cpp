@@ -3,9 +3,11 @@
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <map>
 
+#include "materials/readers/text_table.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/scene/scene_parts.h"
 
@@ -19,35 +21,26 @@ void check_albedo(double albedo, const std::string& where) {
     }
 }
 
+/// A column of wavelengths and one other.
 Substrate read_ground_file(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw InputError(fmt::format("ground file '{}' cannot be read", path));
-    Substrate ground{.kind = Substrate::Kind::lambertian, .file = path};
-    std::string line;
-    bool has_header = false;
-    for (int number = 1; std::getline(file, line); ++number) {
-        if (!line.empty() && line.back() == '\r') line.pop_back();
-        if (line.empty() || line[0] == '#') continue;
-        const auto parts = split_list(line);
-        const std::string where = fmt::format("ground file '{}', line {}", path, number);
-        if (!has_header) {
-            has_header = true;
-            if (parts == std::vector<std::string>{"wavelength_nm", "albedo"}) continue;
-            throw InputError(fmt::format("{}: the first line must be wavelength_nm,albedo", where));
-        }
-        if (parts.size() != 2) throw InputError(where + ": not wavelength_nm,albedo");
-        try {
-            ground.wavelength_nm.push_back(parse_number(parts[0], "wavelength_nm"));
-            ground.albedo.push_back(parse_number(parts[1], "albedo"));
-            check_albedo(ground.albedo.back(), "");
-        } catch (const UsageError& error) {
-            throw InputError(fmt::format("{}: {}", where, error.what()));
-        }
-        const std::size_t last = ground.wavelength_nm.size() - 1;
-        if (last > 0 && !(ground.wavelength_nm[last] > ground.wavelength_nm[last - 1]))
-            throw InputError(where + ": wavelengths must ascend");
+    const materials::NumberTable table(path);
+    const std::vector<double> albedo = table.fractions(table.spectrum(), 1.0);
+    const std::vector<double>& wavelength_nm = table.column("wavelength_nm");
+    std::map<double, double> spectrum;  // in order of wavelength
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        const double nm = wavelength_nm[row];
+        if (!(nm > 0.0 && std::isfinite(nm)))
+            table.refuse(row, fmt::format("wavelength {} nm", nm));
+        if (!(albedo[row] >= 0.0))
+            table.refuse(row, fmt::format("albedo {}; allowed: [0, 1]", albedo[row]));
+        if (!spectrum.emplace(nm, albedo[row]).second)
+            table.refuse(row, fmt::format("{} nm is there twice", nm));
     }
-    if (ground.albedo.empty()) throw InputError(fmt::format("ground file '{}' is empty", path));
+    Substrate ground{.kind = Substrate::Kind::lambertian, .file = path};
+    for (const auto& [nm, value] : spectrum) {
+        ground.wavelength_nm.push_back(nm);
+        ground.albedo.push_back(value);
+    }
     return ground;
 }
 

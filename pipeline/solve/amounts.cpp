@@ -95,8 +95,16 @@ void require_possible(const ResolvedMedium& medium) {
 
 void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_m3,
                  std::optional<double> host_density_g_cm3) {
-    const bool one = medium.species.size() == 1;
-    if (one && !medium.species.front().species.amount) return;
+    ResolvedSpecies& first = medium.species.front();
+    if (medium.species.size() == 1 && !first.species.amount) {
+        // All the mass of a layer of known density is that of its only species.
+        if (!layer_density_kg_m3 || !first.density_g_cm3) return;
+        const double fraction = *layer_density_kg_m3 / (kKgPerM3 * *first.density_g_cm3);
+        if (fraction > kDensestPacking) return;
+        first.volume_fraction = fraction;
+        medium.has_amounts = true;
+        return;
+    }
     const bool all_mass =
         std::all_of(medium.species.begin(), medium.species.end(), [](const auto& species) {
             return !species.species.amount || has_kind(species, Amount::Kind::mass_fraction);
@@ -123,6 +131,14 @@ void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_
         }
     }
     if (medium.has_amounts) require_possible(medium);
+    if (!(filled_volume(medium) > 0.0)) {
+        throw UsageError(
+            fmt::format("medium '{}': all amounts are 0; allowed: one above 0, or a "
+                        "layer of optical depth 0",
+                        describe(medium.medium)));
+    }
+    if (medium.species.size() > 1)
+        std::erase_if(medium.species, [](const auto& one) { return one.volume_fraction == 0.0; });
 }
 
 double column_um(const Depth& depth, const ResolvedMedium& medium) {
@@ -130,7 +146,8 @@ double column_um(const Depth& depth, const ResolvedMedium& medium) {
         if (medium.has_amounts) return depth.value;
         throw UsageError(fmt::format(
             "coat {}@{}: a thickness needs amounts; give volume=, mass= (with layer_density_kg_m3) "
-            "or number=, e.g. volume=15%, or give an optical depth",
+            "or number=, e.g. volume=15%, the layer's density alone where the material's is known "
+            "(density=), or an optical depth",
             describe(medium.medium), describe(depth)));
     }
     double mass_per_um = 0.0;

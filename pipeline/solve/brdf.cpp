@@ -1,6 +1,8 @@
 // The BRDF of a scene: one solver for everyone who wants values, albedos or tables of it.
+#include <fmt/format.h>
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
+#include <miebrdf/transfer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,28 +19,6 @@
 
 namespace miebrdf {
 namespace {
-
-void require_cosines(const std::vector<double>& cosines, const char* field) {
-    for (const double mu : cosines) {
-        if (!(mu > 0.0 && mu <= 1.0)) throw UsageError(field, mu, "(0, 1]");
-    }
-}
-
-void require_valid(const SolverOptions& solver) {
-    if (!(solver.tolerance > 0.0 && solver.tolerance < 1.0))
-        throw UsageError("tolerance", solver.tolerance, "(0, 1)");
-    const int stokes = solver.stokes;
-    if (!(stokes == 0 || stokes == 1 || stokes == 3 || stokes == 4))
-        throw UsageError("stokes", stokes, "1, 3 or 4, or 0: as many as matter");
-    const int streams = solver.streams;
-    if (!(streams == 0 || (streams >= rte::kFewestNodes && streams <= rte::kMostNodes))) {
-        throw UsageError("streams", streams,
-                         std::to_string(rte::kFewestNodes) + " to " +
-                             std::to_string(rte::kMostNodes) + ", or 0: from the tolerance");
-    }
-    if (!(solver.coat_substeps >= 1 && solver.coat_substeps <= 1'000'000))
-        throw UsageError("coat_substeps", solver.coat_substeps, "1 to 1000000");
-}
 
 void validate_wavelengths(const std::vector<double>& wavelength_nm) {
     if (wavelength_nm.empty()) throw UsageError("no wavelengths; write e.g. 400:700:10");
@@ -121,20 +101,11 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
 
 }  // namespace
 
-void require_valid(const Directions& directions) {
-    require_cosines(directions.mu_in, "mu_in");
-    require_cosines(directions.mu_out, "mu_out");
-    for (const double azimuth : directions.azimuth_deg) {
-        if (!(azimuth >= -360.0 && azimuth <= 360.0))
-            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
-    }
-}
-
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
     validate(scene);
     validate_wavelengths(wavelength_nm);
-    require_valid(options);
+    rte::validate(options);
     NamedIndexMemo* const names = control.memo != nullptr ? &control.memo->names() : nullptr;
     auto state = std::make_shared<Brdf::State>(
         Brdf::State{scene, resolve(scene, wavelength_nm, names), options, control});
@@ -143,7 +114,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
 }
 
 BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {
-    require_valid(directions);
+    rte::validate(directions);
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers(scene.wavelength_nm.size());
     if (wants_layers(parts)) {
@@ -170,7 +141,7 @@ BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) 
 }
 
 AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
-    require_valid(Directions{mu_in, {}, {}});
+    rte::validate(Directions{mu_in, {}, {}});
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers = compute_layers(
         {scene, {mu_in, {}, {}}, state_->solver, albedo_quantity(scene)}, state_->control);
@@ -207,8 +178,22 @@ BrdfTable Brdf::table(const TableOptions& options) const {
     }
     SolverOptions solver = state_->solver;
     if (solver.stokes == 0 && options.whole_matrix) solver.stokes = 4;
-    return BrdfTable(std::make_shared<const SolvedTable>(state_->resolved, describe(state_->scene),
-                                                         solver, options, state_->control));
+    ResolvedScene resolved = state_->resolved;
+    std::string title = describe(state_->scene);
+    TableOptions told = options;
+    if (resolved.surface) {
+        const auto chosen = options.coupling ? options.coupling : state_->scene.coupling;
+        resolved.coupling = chosen.value_or(rte::SurfaceCoupling::reciprocal);
+        title += resolved.coupling == rte::SurfaceCoupling::paper ? ", coupling paper"
+                                                                  : ", coupling reciprocal";
+    }
+    if (told.command_line.empty()) {
+        told.command_line =
+            fmt::format("Brdf::table of '{}', {} to {} nm, tolerance {}", title,
+                        wavelength_nm().front(), wavelength_nm().back(), solver.tolerance);
+    }
+    return BrdfTable(
+        std::make_shared<const SolvedTable>(resolved, title, solver, told, state_->control));
 }
 
 ResultReport Brdf::report() const {

@@ -26,7 +26,4 @@ inline std::vector<std::size_t> all_wavelengths(const ResolvedScene& scene) {
     return indices;
 }
 
-/// Refuses directions out of range. @throws UsageError  (brdf.cpp)
-void require_valid(const Directions& directions);
-
 }  // namespace miebrdf

@@ -37,7 +37,8 @@ LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     layer.absorption_per_um = absorption;
     layer.reduced_scattering_per_um = reduced;
     layer.k_km = 2.0 * absorption;
-    layer.s_km = 0.75 * reduced - 0.25 * absorption;
+    const double s_km = 0.75 * reduced - 0.25 * absorption;
+    if (s_km >= 0.0) layer.s_km = s_km;
     return layer;
 }
 

@@ -33,7 +33,7 @@ class JobList {
     /// The number of the job.
     std::size_t add(const ResolvedSpecies& species, std::size_t w) {
         const std::string name = species.crowded
-                                     ? fmt::format("{} {}", species.key[w], species.volume_fraction)
+                                     ? fmt::format("{} {}", species.key[w], species.crowd_fraction)
                                      : species.key[w];
         const auto [found, is_new] = known_.try_emplace(name, jobs_.size());
         if (is_new) jobs_.push_back({&species, w});

@@ -1,6 +1,7 @@
 // The Mueller matrix of a scene: light with its polarisation.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
+#include <miebrdf/transfer.h>
 
 #include <cmath>
 #include <numbers>
@@ -19,7 +20,7 @@ void require_index(std::size_t index, std::size_t count, const char* name) {
 }  // namespace
 
 MuellerValues Brdf::mueller(const Directions& directions) const {
-    require_valid(directions);
+    rte::validate(directions);
     SolverOptions solver = state_->solver;
     if (solver.stokes < 3) solver.stokes = 3;
     const ResolvedScene& scene = state_->resolved;

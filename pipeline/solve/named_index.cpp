@@ -77,17 +77,23 @@ namespace {
 ResolvedIndex values_of(const materials::RefractiveIndex& table, std::string source,
                         const std::vector<double>& wavelength_nm, double k_floor) {
     ResolvedIndex resolved{{}, std::move(source)};
-    std::size_t outside = 0;
+    std::size_t outside = 0, without_k = 0;
     for (const double nm : wavelength_nm) {
         const std::complex<double> n_ik = table.at(nm);
         resolved.index.emplace_back(n_ik.real(), std::max(n_ik.imag(), k_floor));
         outside += !table.covers(nm);
+        without_k += table.k_known() && table.covers(nm) && !table.k_known_at(nm);
     }
     if (outside > 0) {
         resolved.source += fmt::format(
             "; {} of {} wavelengths are outside {} to {} nm: values of "
             "the nearer end",
             outside, wavelength_nm.size(), table.shortest_nm(), table.longest_nm());
+    }
+    if (without_k > 0) {
+        resolved.source +=
+            fmt::format("; k is not known at {} of {} wavelengths and taken as {} there", without_k,
+                        wavelength_nm.size(), k_floor);
     }
     return resolved;
 }
@@ -96,13 +102,13 @@ ResolvedIndex values_of(const materials::RefractiveIndex& table, std::string sou
 
 ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,
                             double k_floor, Materials& materials) {
-    if (species.kind == "index") {
+    if (species.kind == Species::Kind::index) {
         const std::complex<double> n_ik(species.parameters[0],
                                         std::max(species.parameters[1], k_floor));
         return {std::vector(wavelength_nm.size(), n_ik),
                 describe(Species{.kind = species.kind, .parameters = species.parameters})};
     }
-    if (species.kind == "table") {
+    if (species.kind == Species::Kind::table) {
         return values_of(own_index(species),
                          fmt::format("{}: n + ik as given, at {} wavelengths", species.name,
                                      species.index.size()),

@@ -109,7 +109,7 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
             describe(species.species), 0.5 * kd, species.particles[w].wavelength_nm,
             kLargestSizeParameter));
     }
-    CrowdedPhase phase{alone.optics, species.volume_fraction, kd, 1.0};
+    CrowdedPhase phase{alone.optics, species.crowd_fraction, kd, 1.0};
     const std::size_t count = alone.optics.chi.size();
     const math::Quadrature angles = angles_for(kd, static_cast<int>(count));
     std::vector<double> values;
@@ -127,7 +127,7 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     for (std::size_t i = 0; i < whole.phase.size(); ++i) {
         const double half = 0.5 * angles_deg[i] * kPi / 180.0;
         const double factor =
-            percus_yevick(species.volume_fraction, 2.0 * kd * std::sin(half)) / phase.mean;
+            percus_yevick(species.crowd_fraction, 2.0 * kd * std::sin(half)) / phase.mean;
         whole.phase[i] *= factor;
         if (i < whole.phase_error.size()) whole.phase_error[i] *= factor;
     }
@@ -150,7 +150,7 @@ std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w) {
         const double intensity = std::norm(amplitudes.s1[i]) + std::norm(amplitudes.s2[i]);
         const double part = angles.weights[i] * away * intensity;
         alone += part;
-        together += part * percus_yevick(species.volume_fraction,
+        together += part * percus_yevick(species.crowd_fraction,
                                          2.0 * kd * std::sin(0.5 * angles.nodes[i]));
     }
     return together / alone;

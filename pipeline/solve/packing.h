@@ -24,7 +24,7 @@ struct CrowdedPhase {
 
 /// Spheres of one species among their own kind: |F|^2 S(q), with the scattering cross-section
 /// integrated again and the absorption as it was. One size, the effective radius, stands for all
-/// (the decoupling approximation); species do not see each other.
+/// (the decoupling approximation); species of other spheres do not see each other.
 /// @param alone  with the whole phase function (OpticsDemand::whole_phase_function)
 /// @throws UsageError  for spheres so large that the moments cannot be integrated
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,

@@ -37,7 +37,7 @@ void name_surface_index(const ResolvedScene& resolved, const std::string& whose,
 
 void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.surface = scene.surface;
-    resolved.coupling = scene.coupling;
+    resolved.coupling = scene.coupling.value_or(rte::SurfaceCoupling::paper);
     if (!scene.surface) return;
     if (scene.surface_index) {
         resolved.surface_index.assign(resolved.wavelength_nm.size(), *scene.surface_index);
@@ -73,7 +73,7 @@ void note_missing_boundary(const Scene& scene, Resolver& resolver) {
         describe(host)));
 }
 
-/// Of what lies directly under the air: without layers the host fills a film of varnish.
+/// The host directly under the air: without layers it fills a film of varnish.
 const Host& top_host(const Scene& scene) {
     const bool is_bare_ground = scene.layers.empty() && scene.substrate;
     return is_bare_ground ? scene.particles.host : host_of(scene, top_medium(scene));
@@ -116,7 +116,8 @@ void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
     if (count == 0) return;
     resolver.add_note(fmt::format(
         "nothing absorbs{}: the layers return all light that enters them; where that is not "
-        "meant, give what absorbs (a k above 0, soot, a dark ground) or a k_floor",
+        "meant, give what absorbs (a k above 0, soot, a dark ground) or a k_floor (clear ice 1e-9, "
+        "glass 1e-8, mineral dust 1e-3)",
         count == all ? "" : fmt::format(" at {} of {} wavelengths", count, all)));
 }
 

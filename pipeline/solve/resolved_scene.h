@@ -28,10 +28,14 @@ struct ResolvedSpecies {
     std::vector<double> wavelength_nm = {};  ///< in vacuum
     mie::SizeDistribution sizes = {};
     double effective_radius_um = 0.0;
-    /// Of the layer's volume; of single species without amount 1, as of the particles' own.
+    /// The share of the layer's volume; 1 of a single species without amount, as of the particles'
+    /// own.
     double volume_fraction = 1.0;
     std::optional<double> density_g_cm3 = {};
     bool crowded = false;  ///< Packing::percus_yevick
+    /// The share of all spheres of this index and these sizes, under whatever names: they crowd
+    /// each other.
+    double crowd_fraction = 0.0;
     /// Names what its optics depend on, at every wavelength: species of the same key are the same.
     std::vector<std::string> key = {};
 

@@ -37,7 +37,7 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
         const Particles& at = species.particles[w];
         key.add(at.index).add(at.wavelength_nm).add(species.sizes).add(at.host_index);
     } else {
-        key.add(std::string_view(species.species.kind)).add(species.species.parameters);
+        key.add(species.species.kind).add(species.species.parameters);
         key.add(species.species.chi);
         if (!species.species.matrices.empty()) {
             const rte::Optics o =
@@ -83,8 +83,10 @@ bool has_mirror(const Scene& scene) {
 
 bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0; }
 
-Resolver::Resolver(const Scene& scene, double some_nm, NamedIndexMemo* memo)
-    : scene_(scene), some_nm_(some_nm), materials_(scene.database, scene.index, memo) {}
+Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo)
+    : scene_(scene),
+      example_wavelength_nm_(example_wavelength_nm),
+      materials_(scene.database, scene.index, memo) {}
 
 ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                                 double optical_depth) {
@@ -137,7 +139,7 @@ ResolvedIndex Resolver::index(const Species& species, const std::vector<double>&
 
 ResolvedIndex Resolver::mirror(const Host& of, const std::vector<double>& wavelength_nm) {
     if (of.name.empty()) return {std::vector(wavelength_nm.size(), of.index), ""};
-    const Species material{.kind = "material", .name = of.name};
+    const Species material{.kind = Species::Kind::material, .name = of.name};
     return resolve_index(material, wavelength_nm, 0.0, materials_);
 }
 
@@ -160,7 +162,7 @@ Resolver::HostAt Resolver::look_up(const Host& host, const std::vector<double>& 
         at.index.assign(wavelength_nm.size(), host.index);
         return at;
     }
-    const Species material{.kind = "material", .name = host.name};
+    const Species material{.kind = Species::Kind::material, .name = host.name};
     try {
         ResolvedIndex found = resolve_index(material, wavelength_nm, 0.0, materials_);
         at.index = std::move(found.index);
@@ -267,7 +269,9 @@ void Resolver::set_packing(ResolvedMedium& medium) {
     }
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
-        if (asked || !medium.has_amounts || species.volume_fraction <= kCrowded) continue;
+        for (const ResolvedSpecies& other : medium.species)
+            species.crowd_fraction += other.key == species.key ? other.volume_fraction : 0.0;
+        if (asked || !medium.has_amounts || species.crowd_fraction <= kCrowded) continue;
         if (const auto change = crowding(species, 0)) note_crowding(species, *change);
     }
 }
@@ -277,7 +281,7 @@ void Resolver::note_crowding(const ResolvedSpecies& species, double change) {
              fmt::format("{} fills {:.3g} % of the volume: independent scattering is assumed; "
                          "hard spheres would have {:.3g} times the reduced scattering at {} nm "
                          "(packing percus-yevick)",
-                         describe(species.species), 100.0 * species.volume_fraction, change,
+                         describe(species.species), 100.0 * species.crowd_fraction, change,
                          species.particles.front().wavelength_nm));
 }
 
@@ -290,7 +294,7 @@ void Resolver::require_particles(const Layer& layer) {
 
 ResolvedMedium Resolver::reference(const Layer& layer) {
     try {
-        // What is noted there is noted at the wavelengths of the scene.
+        // Its notes are made at the wavelengths of the scene already.
         const std::vector<std::string> notes = notes_;
         ResolvedMedium found = medium(layer.medium, {layer.depth.wavelength_nm}, layer.depth.value);
         notes_ = notes;
@@ -301,7 +305,7 @@ ResolvedMedium Resolver::reference(const Layer& layer) {
             "({3}); give it at another wavelength, e.g. {4}[{5}nm], or the same at all, "
             "{4}[grey]",
             describe(layer.medium), describe(layer.depth), layer.depth.wavelength_nm, error.what(),
-            layer.depth.value, some_nm_));
+            layer.depth.value, example_wavelength_nm_));
     }
 }
 

@@ -11,9 +11,9 @@ namespace miebrdf {
 /// Looks up the parts of one scene.
 class Resolver {
   public:
-    /// @param some_nm  a wavelength at which the scene is wanted, for advice
+    /// @param example_wavelength_nm  a wavelength at which the scene is wanted, for advice
     /// @param memo     null: nothing is remembered
-    Resolver(const Scene& scene, double some_nm, NamedIndexMemo* memo = nullptr);
+    Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo = nullptr);
 
     /// @throws UsageError, InputError  as resolve() of resolved_scene.h
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it
@@ -27,7 +27,7 @@ class Resolver {
     ResolvedIndex mirror(const Host& of, const std::vector<double>& wavelength_nm);
     std::vector<double> real_index(const Host& host, const std::vector<double>& wavelength_nm);
 
-    /// What is added twice is kept once.
+    /// A source or note that is added twice is kept once.
     void add_note(std::string note) { add_once(notes_, std::move(note)); }
     void add_source(std::string source) { add_once(sources_, std::move(source)); }
     std::vector<std::string> take_sources() { return std::move(sources_); }
@@ -60,7 +60,7 @@ class Resolver {
     ResolvedMedium reference(const Layer& layer);
 
     const Scene& scene_;
-    double some_nm_;
+    double example_wavelength_nm_;
     Materials materials_;
     std::vector<std::string> sources_, notes_;
 };

@@ -138,7 +138,7 @@ Table1Result compute_table1(const Table1Request& request, const Control& control
     }
     std::vector<ResolvedIndex> media;
     for (std::size_t m = 0; m < materials.size(); ++m) {
-        const Species material{.kind = "material", .name = materials[m]};
+        const Species material{.kind = Species::Kind::material, .name = materials[m]};
         media.push_back(resolve_index(material, wavelengths[m], request.database));
         result.sources.push_back(media.back().source);
     }

@@ -356,9 +356,8 @@ void validate(const Directions& directions) {
     require_cosines(directions.mu_in, "mu_in");
     require_cosines(directions.mu_out, "mu_out");
     for (const double azimuth : directions.azimuth_deg) {
-        if (!std::isfinite(azimuth)) {
-            throw UsageError("azimuth_deg", azimuth, "any finite number");
-        }
+        if (!(azimuth >= -360.0 && azimuth <= 360.0))
+            throw UsageError("azimuth_deg", azimuth, "[-360, 360]");
     }
 }
 
@@ -375,6 +374,9 @@ void validate(const SolverOptions& options) {
     if (!(options.coat_substeps >= 1 && options.coat_substeps <= 1000000)) {
         throw UsageError("coat_substeps", options.coat_substeps, "1 to 1000000");
     }
+    const int stokes = options.stokes;
+    if (!(stokes == 0 || stokes == 1 || stokes == 3 || stokes == 4))
+        throw UsageError("stokes", stokes, "1, 3 or 4, or 0: as many as matter");
 }
 
 Stack with_all_moments(Stack stack) {

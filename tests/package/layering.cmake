@@ -25,7 +25,7 @@ set(allowed_rte/stokes rte/boundary rte/layer rte/half_space rte/fourier rte/pha
 set(allowed_rte/surface rte/math)
 set(allowed_pipeline/io "")
 set(allowed_pipeline/colour "")
-set(allowed_pipeline/scene materials/database materials/index)
+set(allowed_pipeline/scene materials/database materials/index materials/readers rte/math rte/phase)
 set(allowed_pipeline/cache materials/database materials/index)
 set(allowed_pipeline/solve pipeline/scene pipeline/cache rte/boundary rte/surface rte/first_order rte/grid rte/stack rte/phase rte/math)
 set(allowed_pipeline/plan pipeline/solve pipeline/cache rte/stack rte/math)
@@ -33,7 +33,7 @@ set(allowed_pipeline/formats materials/database pipeline/solve pipeline/io rte/m
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
 set(allowed_pipeline/report pipeline/scene pipeline/solve pipeline/io)
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io)
-set(allowed_pipeline/sweep pipeline/scene pipeline/solve pipeline/cache pipeline/io materials/database materials/index)
+set(allowed_pipeline/sweep pipeline/scene pipeline/solve pipeline/cache pipeline/io materials/database materials/readers)
 
 set(areas_seen_by_materials materials)
 set(areas_seen_by_mie mie)

@@ -1,5 +1,5 @@
 // Films over two grounds, reflectance under a sky: against closed forms and second methods.
-#include <miebrdf/drawdown.h>
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 
 #include <cmath>

@@ -3,6 +3,7 @@
 #include <miebrdf/error.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "tests/support/catch.h"
@@ -58,12 +59,21 @@ TEST_CASE("grounds that cannot be are refused", "[pipeline][ground][errors]") {
     const support::TemporaryFolder folder;
     for (const char* text :
          {"a,b\n500,0.2\n", "wavelength_nm,albedo\n500\n", "",
-          "wavelength_nm,albedo\n500,0.2\n400,0.3\n", "wavelength_nm,albedo\n500,1.2\n"}) {
+          "wavelength_nm,albedo\n500,0.2\n500,0.3\n", "wavelength_nm,albedo\n500,1.2\n"}) {
         CHECK_THROWS_AS(substrate("lambert:" + folder.write("x.csv", text)), InputError);
     }
+    Scene nothing;
+    nothing.substrate = substrate("none");
+    CHECK_THROWS_WITH(solve(nothing, {550}), Catch::Contains("coat"));
+}
+
+TEST_CASE("a bare ground reflects what it is said to", "[pipeline][ground]") {
     Scene bare;
-    bare.substrate = substrate("black");
-    CHECK_THROWS_WITH(solve(bare, {550}), Catch::Contains("coat"));
+    bare.substrate = substrate("lambert:0.5");
+    const Brdf brdf = solve(bare, {550});
+    CHECK(std::abs(brdf.albedo({0.3}).at(0, 0) - 0.5) <= 1e-12);
+    CHECK(std::abs(brdf.evaluate({{0.3}, {0.6}, {40}}).at(0, 0, 0, 0) - 0.5 / std::numbers::pi) <=
+          1e-12);
 }
 
 TEST_CASE("white films in diffuse light are Kubelka and Munk's", "[pipeline][mixture][ground]") {

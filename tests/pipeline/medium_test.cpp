@@ -2,6 +2,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <cmath>
 #include <complex>
 #include <limits>
 
@@ -14,6 +15,12 @@
 
 using namespace miebrdf;
 using Kind = mie::SizeDistributionKind;
+
+namespace {
+
+double relative_error(double value, double truth) { return std::abs(value / truth - 1.0); }
+
+}  // namespace
 
 TEST_CASE("every notation of a medium is read and written back", "[pipeline][medium]") {
     const std::string text =
@@ -44,17 +51,19 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
         std::string words;
     };
     const std::vector<Case> cases = {
-        {{.kind = "material", .name = "TiO2"}, "TiO2"},
-        {{.kind = "material",
+        {{.kind = Species::Kind::material, .name = "TiO2"}, "TiO2"},
+        {{.kind = Species::Kind::material,
           .name = "sopra:TIO2",
           .sizes = {.effective_radius_um = 0.25, .distribution = Kind::gamma}},
          "sopra:TIO2,radius=0.25,distribution=gamma"},
-        {{.kind = "index", .parameters = {1.5, 0.01}, .sizes = {.effective_variance = 0.1}},
+        {{.kind = Species::Kind::index,
+          .parameters = {1.5, 0.01},
+          .sizes = {.effective_variance = 0.1}},
          "index:1.5,0.01,variance=0.1"},
-        {{.kind = "isotropic", .parameters = {0.9}}, "isotropic:0.9"},
-        {{.kind = "rayleigh", .parameters = {1}}, "rayleigh:1"},
-        {{.kind = "hg", .parameters = {0.9, -0.5}}, "hg:0.9,-0.5"},
-        {{.kind = "moments", .name = file, .parameters = {0.9}, .chi = {1, 0.5, 0.25}},
+        {{.kind = Species::Kind::isotropic, .parameters = {0.9}}, "isotropic:0.9"},
+        {{.kind = Species::Kind::rayleigh, .parameters = {1}}, "rayleigh:1"},
+        {{.kind = Species::Kind::henyey_greenstein, .parameters = {0.9, -0.5}}, "hg:0.9,-0.5"},
+        {{.kind = Species::Kind::moments, .name = file, .parameters = {0.9}, .chi = {1, 0.5, 0.25}},
          "moments:" + file},
     };
     for (const Case& c : cases) {
@@ -67,7 +76,8 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
     for (const std::size_t i : {2, 5, 6}) {
         Scene by_hand;
         by_hand.base = cases[i].by_hand;
-        by_hand.layers = {{Species{.kind = "hg", .parameters = {0.5, 0.2}}, 0.3}};
+        by_hand.layers = {
+            {Species{.kind = Species::Kind::henyey_greenstein, .parameters = {0.5, 0.2}}, 0.3}};
         const Scene from_words = support::scene_of(cases[i].words, {"hg:0.5,0.2@0.3"});
         by_hand.particles.sizes.effective_radius_um = 1;
         Scene other = from_words;
@@ -81,7 +91,7 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
 
 TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
           "[pipeline][medium]") {
-    Species glass{.kind = "table",
+    Species glass{.kind = Species::Kind::table,
                   .name = "glass of mine",
                   .wavelength_nm = {500, 600},
                   .index = {{1.6, 0.01}, {1.5, 0.02}},
@@ -107,7 +117,7 @@ TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",
     CHECK_THROWS_WITH(solve(scene, {700}),
                       Catch::Contains("glass of mine") && Catch::Contains("700"));
     // Words cannot say it.
-    CHECK(species("table:glass").kind == "material");
+    CHECK(species("table:glass").kind == Species::Kind::material);
     for (const MediumForm& form : medium_forms()) CHECK_FALSE(form.form.empty());
 }
 
@@ -117,28 +127,40 @@ TEST_CASE("a medium made by hand is held to what its kind allows", "[pipeline][m
         const char* complaint;
     };
     const std::vector<Case> wrong = {
-        {{}, "unknown kind"},
-        {{.kind = "mystery", .parameters = {1}}, "'mystery'"},
-        {{.kind = "hg", .parameters = {0.9}},
+        {{}, "needs a name"},
+        {{.kind = Species::Kind::henyey_greenstein, .parameters = {0.9}},
          "1 given; allowed: 2 (single-scattering albedo, asymmetry)"},
-        {{.kind = "hg", .parameters = {0.9, 0.1, 0.2}}, "3 given"},
-        {{.kind = "hg", .parameters = {1.9, 0.1}}, "1.9 is out of range; allowed: [0, 1]"},
-        {{.kind = "hg", .parameters = {0.9, 1}}, "(-1, 1)"},
-        {{.kind = "index", .parameters = {1.5}}, "(n, k)"},
-        {{.kind = "index", .parameters = {1.5, -1}}, ">= 0"},
-        {{.kind = "material"}, "material"},
-        {{.kind = "moments", .parameters = {0.9}}, "chi"},
-        {{.kind = "moments", .chi = {1, 0.5}}, "albedo"},
-        {{.kind = "moments", .parameters = {0.9}, .chi = {1, 1.5}}, "1.5"},
-        {{.kind = "moments", .parameters = {0.9}, .chi = {0.5}}, "0.5"},
-        {{.kind = "table", .name = "mine"}, "0 wavelengths"},
-        {{.kind = "table", .name = "mine", .wavelength_nm = {500, 600}, .index = {1.5}},
+        {{.kind = Species::Kind::henyey_greenstein, .parameters = {0.9, 0.1, 0.2}}, "3 given"},
+        {{.kind = Species::Kind::henyey_greenstein, .parameters = {1.9, 0.1}},
+         "1.9 is out of range; allowed: [0, 1]"},
+        {{.kind = Species::Kind::henyey_greenstein, .parameters = {0.9, 1}}, "(-1, 1)"},
+        {{.kind = Species::Kind::index, .parameters = {1.5}}, "(n, k)"},
+        {{.kind = Species::Kind::index, .parameters = {1.5, -1}}, ">= 0"},
+        {{.kind = Species::Kind::material}, "material"},
+        {{.kind = Species::Kind::moments, .parameters = {0.9}}, "chi"},
+        {{.kind = Species::Kind::moments, .chi = {1, 0.5}}, "albedo"},
+        {{.kind = Species::Kind::moments, .parameters = {0.9}, .chi = {1, 1.5}}, "1.5"},
+        {{.kind = Species::Kind::moments, .parameters = {0.9}, .chi = {0.5}}, "0.5"},
+        {{.kind = Species::Kind::table, .name = "mine"}, "0 wavelengths"},
+        {{.kind = Species::Kind::table,
+          .name = "mine",
+          .wavelength_nm = {500, 600},
+          .index = {1.5}},
          "2 wavelengths and 1 refractive"},
-        {{.kind = "table", .name = "mine", .wavelength_nm = {600, 500}, .index = {1.5, 1.5}},
+        {{.kind = Species::Kind::table,
+          .name = "mine",
+          .wavelength_nm = {600, 500},
+          .index = {1.5, 1.5}},
          "mine"},
-        {{.kind = "table", .name = "mine", .wavelength_nm = {500, 600}, .index = {1.5, -1.5}},
+        {{.kind = Species::Kind::table,
+          .name = "mine",
+          .wavelength_nm = {500, 600},
+          .index = {1.5, -1.5}},
          "mine"},
-        {{.kind = "hg", .parameters = {0.9, 0.1}, .sizes = {.effective_radius_um = 1}}, "sizes"},
+        {{.kind = Species::Kind::henyey_greenstein,
+          .parameters = {0.9, 0.1},
+          .sizes = {.effective_radius_um = 1}},
+         "sizes"},
     };
     for (const Case& c : wrong) {
         CAPTURE(c.medium.kind, c.complaint);
@@ -281,8 +303,12 @@ TEST_CASE("a wrong moments file is refused with its name and line",
                  Case{"# single_scattering_albedo: 1.5\nl,chi\n0,1\n", "1.5 is out of range"},
                  Case{"# single_scattering_albedo: nan\nl,chi\n0,1\n", "nan"},
                  Case{"l,chi\n0,1\n", "single_scattering_albedo"},
-                 Case{"# single_scattering_albedo: 0.9\n0,1\n", "header 'l,chi'"},
-                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n2,0.1\n", "expected l = 1"},
+                 Case{"# single_scattering_albedo: 0.9\n0,1\n", "first line must name"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n2,0.1\n", "expected 1"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,0.967\n2,0.1\n",
+                      "degrees; allowed: nowhere negative"},
+                 Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,0.9\n2,0.81\n3,0.729\n",
+                      "cut from a peaked function"},
                  Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,-1.5\n", "chi_1 = -1.5"},
                  Case{"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,abc\n", "'abc'"},
                  Case{"# single_scattering_albedo: 0.9\nl,chi\n", "no rows"}, Case{"", "no rows"});
@@ -290,11 +316,70 @@ TEST_CASE("a wrong moments file is refused with its name and line",
     const auto path = folder.write("wrong.csv", wrong.content);
     CAPTURE(wrong.content);
     CHECK_THROWS_AS(read_moments_file(path), InputError);
-    CHECK_THROWS_WITH(read_moments_file(path), Catch::Contains("wrong.csv") &&
-                                                   Catch::Contains("line ") &&
-                                                   Catch::Contains(wrong.complaint));
+    CHECK_THROWS_WITH(read_moments_file(path),
+                      Catch::Contains("wrong.csv:") && Catch::Contains(wrong.complaint));
 }
 
 TEST_CASE("a moments file that does not exist is named", "[pipeline][moments_file][errors]") {
     CHECK_THROWS_WITH(read_moments_file("/no/such/file.csv"), Catch::Contains("/no/such/file.csv"));
+}
+
+TEST_CASE("moments and grounds are read as spreadsheets write them", "[pipeline][moments_file]") {
+    const support::TemporaryFolder folder;
+    const std::string mark = "\xef\xbb\xbf";
+    for (const char* text : {"# single_scattering_albedo: 0.9\nl,chi\n0,1\n1,0.3\n",
+                             "# single_scattering_albedo: 0,9\r\nl;chi\r\n0;1\r\n1;0,3\r\n",
+                             "# single_scattering_albedo: 90 %\nl chi\n0 1\n1 0.3\n"}) {
+        CAPTURE(text);
+        const MomentsFile file = read_moments_file(folder.write("m.csv", mark + text));
+        CHECK(file.single_scattering_albedo == 0.9);
+        CHECK(file.chi == std::vector<double>{1, 0.3});
+    }
+    for (const char* text :
+         {"wavelength_nm,albedo\n400,0.5\n700,0.6\n", "wavelength_nm;albedo\n400;0,5\n700;0,6\n",
+          "wavelength_um,albedo\n0.7,0.6\n0.4,0.5\n",
+          "Wavelength (nm),reflectance (%)\n400,50\n700,60\n",
+          "wavelength_nm, albedo\r\n400, 50 %\r\n700, 60 %\r\n"}) {
+        CAPTURE(text);
+        const Substrate ground = substrate("lambert:" + folder.write("g.csv", mark + text));
+        CHECK(ground.wavelength_nm == std::vector<double>{400, 700});
+        CHECK(ground.albedo == std::vector<double>{0.5, 0.6});
+    }
+    CHECK_THROWS_WITH(
+        substrate("lambert:" + folder.write("p.csv", "wavelength_nm,albedo\n400,50\n700,60\n")),
+        Catch::Contains("p.csv:2") && Catch::Contains("50") && Catch::Contains("45%"));
+}
+
+TEST_CASE("a matrix with a negative phase function is refused", "[pipeline][errors]") {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("neg.csv",
+                                          "# single_scattering_albedo: 0.9\nl,a1,a2,a3,a4,b1,b2\n"
+                                          "0,1,0,0,0.5,0,0\n1,2.9,0,0,1,0,0\n2,0.5,3,0,0,0.7,0\n");
+    CHECK_THROWS_WITH(medium("matrix:" + file),
+                      Catch::Contains("180.0 degrees") && Catch::Contains("nowhere negative"));
+}
+
+TEST_CASE("log-normal sizes by median and geometric deviation", "[pipeline][sizes]") {
+    const double s2 = std::pow(std::log(1.6), 2);
+    const auto sizes = species("TiO2,median=0.1,sigma_g=1.6").sizes;
+    CHECK(relative_error(*sizes.effective_radius_um, 0.1 * std::exp(2.5 * s2)) <= 1e-14);
+    CHECK(relative_error(*sizes.effective_variance, std::exp(s2) - 1) <= 1e-14);
+    CHECK(sizes.distribution == mie::SizeDistributionKind::log_normal);
+    const auto by_volume = species("TiO2,median=0.1,sigma_g=1.6,by=volume").sizes;
+    CHECK(relative_error(*by_volume.effective_radius_um, 0.1 * std::exp(-0.5 * s2)) <= 1e-14);
+    CHECK_THROWS_WITH(species("TiO2,median=0.1"), Catch::Contains("belong together"));
+    CHECK_THROWS_WITH(species("TiO2,median=0.1,sigma_g=1.6,radius=1"), Catch::Contains("variance"));
+    CHECK_THROWS_WITH(species("TiO2,median=0.1,sigma_g=0.5"), Catch::Contains("0.5"));
+    CHECK_THROWS_WITH(species("TiO2,median=0.1,sigma_g=1.6,by=weight"), Catch::Contains("weight"));
+}
+
+TEST_CASE("indices and amounts as laboratories write them", "[pipeline]") {
+    CHECK(species("index:1.5+0.01i,radius=1") == species("index:1.5,0.01,radius=1"));
+    CHECK(species("index:1.5+1e-3i") == species("index:1.5,1e-3"));
+    CHECK(host("1.5+0.01i").index == std::complex<double>(1.5, 0.01));
+    CHECK_THROWS_WITH(species("index:1.5-0.01i"), Catch::Contains("n - ik"));
+    CHECK(species("carbon,mass=100ng/g").amount == species("carbon,mass=100ppb").amount);
+    CHECK(species("carbon,mass=3mg/kg").amount == species("carbon,mass=3ppm").amount);
+    CHECK(species("carbon,mass=0").amount->value == 0.0);
+    CHECK_THROWS_WITH(species("carbon,mass=-1%"), Catch::Contains("-0.01"));
 }

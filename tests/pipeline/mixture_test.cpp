@@ -24,7 +24,7 @@ double variance_of(double geometric_deviation) {
 }
 
 Species spheres(double n, double k, double radius_um, double variance, double density) {
-    return {.kind = "index",
+    return {.kind = Species::Kind::index,
             .parameters = {n, k},
             .sizes = {radius_um, variance, mie::SizeDistributionKind::log_normal},
             .density_g_cm3 = density};

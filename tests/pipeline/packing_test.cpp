@@ -65,3 +65,19 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
     });
     REQUIRE(said == (c.volume > 0.05 ? 1 : 0));
 }
+
+TEST_CASE("spheres of one kind crowd each other under two names", "[pipeline][packing]") {
+    const auto extinction = [](const std::string& medium) {
+        Scene scene = scene_of(medium);
+        scene.particles.packing = Packing::percus_yevick;
+        const LayerOptics layer = solve(scene, {550}, {.tolerance = 1e-3}).layers().at(0);
+        return *layer.scattering_per_um + *layer.absorption_per_um;
+    };
+    const std::string half = "index:2.7,0,radius=0.13,variance=0.01,volume=10%";
+    const double whole =
+        extinction("index:2.7,0,radius=0.13,variance=0.01,volume=20% in index:1.5");
+    CHECK(relative_error(extinction(half + " + " + half + " in index:1.5"), whole) <= 1e-12);
+    // Strangers to each other scatter more.
+    CHECK(extinction(half + " + index:2.7,0,radius=0.2,variance=0.01,volume=10% in index:1.5") >
+          whole);
+}

@@ -103,15 +103,16 @@ TEST_CASE("files of coefficients that are wrong are refused with their line",
         std::string text, message;
     };
     const std::string head = "# single_scattering_albedo: 0.9\nl,a1,a2,a3,a4,b1,b2\n";
-    const auto wrong = GENERATE_COPY(
-        Case{"", "no rows"}, Case{head + "1,1,0,0,0,0,0\n", "line 3"},
-        Case{head + "0,1,0,0,0,0\n", "6 values for 7"},
-        Case{head + "0,1,0,0,0,0,0\n2,0,0,0,0,0,0\n", "l = 2 where 1"},
-        Case{head + "0,0.5,0,0,0,0,0\n", "0.5"},
-        Case{head + "0,1,0,0,0,0,0\n1,nan,0,0,0,0,0\n", "line 4"},
-        Case{"l,a1,a2,a3,a4,b1,b2\n0,1,0,0,0,0,0\n", "albedo"},
-        Case{"l,a1,a2,a3,a4,b1\n", "no column 'b2'"}, Case{"l,a1,a2,a3,a4,b1,b2,c9\n", "'c9'"},
-        Case{head + "0,1,0,0,0,0,0\n1,0,0,0,0,0,0\n2,0,7,0,0,0,0\n", "7"});
+    const auto wrong =
+        GENERATE_COPY(Case{"", "no rows"}, Case{head + "1,1,0,0,0,0,0\n", "wrong.csv:3"},
+                      Case{head + "0,1,0,0,0,0\n", "6 fields under 7"},
+                      Case{head + "0,1,0,0,0,0,0\n2,0,0,0,0,0,0\n", "l = 2 where 1"},
+                      Case{head + "0,0.5,0,0,0,0,0\n", "0.5"},
+                      Case{head + "0,1,0,0,0,0,0\n1,nan,0,0,0,0,0\n", "wrong.csv:4"},
+                      Case{"l,a1,a2,a3,a4,b1,b2\n0,1,0,0,0,0,0\n", "albedo"},
+                      Case{"l,a1,a2,a3,a4,b1\n0,1,0,0,0,0\n", "no column 'b2'"},
+                      Case{"l,a1,a2,a3,a4,b1,b2,c9\n0,1,0,0,0,0,0,0\n", "'c9'"},
+                      Case{head + "0,1,0,0,0,0,0\n1,0,0,0,0,0,0\n2,0,7,0,0,0,0\n", "7"});
     CAPTURE(wrong.text);
     CHECK_THROWS_WITH(medium("matrix:" + written(folder, "wrong.csv", wrong.text)),
                       Catch::Contains(wrong.message));

@@ -84,8 +84,8 @@ void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell&
              Verdict& verdict, Table& table) {
     SceneOfFile said = scene_to_compare(arguments, shell);
     if (!file.wavelength_nm().empty()) said.request.wavelength_nm = file.wavelength_nm();
-    const BrdfTable source = solved(said.request, shell.control())
-                                 .table({parse_brdf_part(said.component), shell.command_line()});
+    const Brdf brdf = solved(said.request, shell.control());
+    const BrdfTable source = brdf.table(as_evaluated(brdf, parse_brdf_part(said.component), shell));
     const FileComparison found = compare_file(file, source, said.rgb);
     AcceptedErrors accepted = find_format(file.format()).accepted;
     if (arguments.largest_deviation > 0.0)

@@ -8,12 +8,16 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include "materials/readers/text_table.h"
 #include "tools/miebrdf/colour_table.h"
-#include "tools/miebrdf/number_table.h"
 #include "tools/miebrdf/run_command.h"
 
 namespace miebrdf::program {
 namespace {
+
+/// Reflectance factors of glossy samples are a little above 1 in a mirror's direction; more than
+/// this is taken for percent.
+constexpr double kLargestReflectance = 2.0;
 
 bool is_scene_file(const std::string& path) { return path.ends_with(".toml"); }
 
@@ -24,8 +28,8 @@ Brdf scene_of_file(const std::string& path, Request request, const Control& cont
 }
 
 /// @throws InputError  for a table without wavelengths
-NumberTable read_reference(const std::string& path) {
-    NumberTable table(path);
+materials::NumberTable read_reference(const std::string& path) {
+    materials::NumberTable table(path);
     if (table.find("wavelength_nm") == nullptr) {
         throw InputError(
             fmt::format("reference '{}': allowed: a scene file (.toml), a table of results, or a "
@@ -35,16 +39,10 @@ NumberTable read_reference(const std::string& path) {
     return table;
 }
 
-/// The only column beside the wavelengths; null where there are several.
-const std::vector<double>* spectrum_of(const NumberTable& table) {
-    const std::vector<std::string>& names = table.names();
-    return names.size() == 2 ? table.find(names[names[0] == "wavelength_nm" ? 1 : 0]) : nullptr;
-}
-
 /// Values by ascending wavelength, those of rows that `wanted` chooses.
 template <typename Wanted>
-std::map<double, double> by_wavelength(const NumberTable& table, const std::vector<double>& values,
-                                       Wanted wanted) {
+std::map<double, double> by_wavelength(const materials::NumberTable& table,
+                                       const std::vector<double>& values, Wanted wanted) {
     std::map<double, double> spectrum;
     const std::vector<double>& nm = *table.find("wavelength_nm");
     for (std::size_t r = 0; r < nm.size(); ++r) {
@@ -63,22 +61,17 @@ void add(ReferenceSpectra& all, const std::map<double, double>& spectrum) {
     all.reflectance.push_back(values);
 }
 
-ReferenceSpectra repeated(const NumberTable& table, std::size_t rows) {
-    const std::vector<double>* values = spectrum_of(table);
-    if (values == nullptr) {
-        throw InputError(fmt::format(
-            "reference '{}': which column? allowed: those of a table of `albedo`, or a column "
-            "of wavelengths and one other",
-            table.path()));
-    }
+ReferenceSpectra repeated(const materials::NumberTable& table, std::size_t rows) {
     ReferenceSpectra all;
-    add(all, by_wavelength(table, *values, [](std::size_t) { return true; }));
+    add(all, by_wavelength(table, table.fractions(table.spectrum(), kLargestReflectance),
+                           [](std::size_t) { return true; }));
     all.reflectance.resize(rows, all.reflectance.front());
     return all;
 }
 
 /// The rows of a table that `albedo` has written.
-ReferenceSpectra rows_of_albedos(const NumberTable& table, const AlbedoQuestion& question) {
+ReferenceSpectra rows_of_albedos(const materials::NumberTable& table,
+                                 const AlbedoQuestion& question) {
     const std::vector<double>& plane = *table.find("plane_albedo");
     const std::vector<double>* mu_in = table.find("mu_in");
     const std::vector<double>* spherical = table.find("spherical_albedo");
@@ -159,7 +152,7 @@ ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion
                         spectra_of(brdf.albedo(question.mu_in), question.diffuse_fraction)},
                        path);
     }
-    const NumberTable table = read_reference(path);
+    const materials::NumberTable table = read_reference(path);
     return checked(table.find("plane_albedo") != nullptr ? rows_of_albedos(table, question)
                                                          : repeated(table, rows),
                    path);
@@ -187,7 +180,7 @@ ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuest
     try {
         file = open_brdf_file(path);
     } catch (const InputError&) {
-        const NumberTable table = read_reference(path);  // perhaps a spectrum
+        const materials::NumberTable table = read_reference(path);  // perhaps a spectrum
         return checked(repeated(table, mu_in.size() * mu_out.size() * azimuth_deg.size()), path);
     }
     ReferenceSpectra all;

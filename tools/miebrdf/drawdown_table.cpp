@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <miebrdf/drawdown.h>
+#include <miebrdf/colour.h>
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/result_facts.h"
 

@@ -91,9 +91,6 @@ Requested requested_of(const Brdf& brdf, const ResultReport& report, const Expor
                               worst.solver.worst_azimuth_deg)};
 }
 
-/// Moments of a single-scattering table; what radiative-transfer codes with 64 streams use.
-constexpr int kHighestMoment = 128;
-
 void tell_written(bool converged, const Shell& shell) {
     shell.tell_written({.facts = {{"converged", std::string(converged ? "yes" : "no")}},
                         .columns = {"file"},
@@ -136,14 +133,14 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
                       .database = brdf.scene().database};
     const ResolvedScene resolved = resolve(scene, brdf.wavelength_nm());
     OpticsDemand demand;
-    demand.highest_moment = kHighestMoment;
+    demand.whole_phase_function = true;  // a peak that is cut short is no phase function
     if (scene.particles.tolerance > 0.0) demand.tolerance = scene.particles.tolerance;
     std::vector<std::size_t> wavelengths(brdf.wavelength_nm().size());
     std::iota(wavelengths.begin(), wavelengths.end(), std::size_t{0});
     const auto optics = optics_of(resolved, {0}, wavelengths, demand, shell.control());
     ScatteringTable table;
     table.wavelength_nm = brdf.wavelength_nm();
-    bool converged = true;
+    bool converged = true, is_cut = false;
     for (const std::vector<MediumOptics>& media : optics) {
         const MediumOptics& o = media.front();
         table.single_scattering_albedo.push_back(o.optics.single_scattering_albedo);
@@ -151,6 +148,13 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
         table.q_ext.push_back(o.q_ext.value_or(std::numeric_limits<double>::quiet_NaN()));
         table.chi.push_back(o.optics.chi);
         converged = converged && o.converged;
+        is_cut = is_cut || o.optics.has_more_moments;
+    }
+    if (is_cut) {
+        shell.note(
+            fmt::format("the phase function has more than the {} moments that the file holds: "
+                        "summed up they give no phase function, codes with delta-M need them",
+                        table.chi.front().size()));
     }
     const nlohmann::ordered_json metadata = {
         {"generator", fmt::format("miebrdf {}", kVersion)},
@@ -158,6 +162,7 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
         {"medium", describe(scene.base)},
         {"source", resolved.sources.front()},
         {"chi", "Legendre moments, chi_0 = 1, without 2l + 1"},
+        {"complete", !is_cut},
         {"lm_a1", "(2l + 1) chi_l, the Legendre coefficients of the phase function with mean 1"},
         {"ssa", "scattering / extinction"},
         {"q_ext", "extinction efficiency; not a number for media without particles"}};

@@ -1,14 +1,13 @@
 // miebrdf plot columns: columns of tables against each other, results beside measurements.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <string_view>
 
 #include <miebrdf/error.h>
+#include "materials/readers/text_table.h"
 #include "pipeline/plot/chart.h"
-#include "tools/miebrdf/number_table.h"
 #include "tools/miebrdf/plot_command.h"
 
 namespace miebrdf::program {
@@ -29,12 +28,6 @@ Labelled labelled(const std::string& text) {
     if (equals != std::string::npos && !std::filesystem::exists(text))
         return {text.substr(0, equals), text.substr(equals + 1)};
     return {std::filesystem::path(text).stem().string(), text};
-}
-
-const std::vector<double>& column(const NumberTable& table, const std::string& name) {
-    if (const std::vector<double>* found = table.find(name)) return *found;
-    throw UsageError(fmt::format("table '{}' has no column '{}'; it has: {}", table.path(), name,
-                                 fmt::join(table.names(), ",")));
 }
 
 /// A column's name for people: "plane_albedo" -> "plane albedo", "radius_um" -> "radius [µm]".
@@ -79,9 +72,9 @@ int run(const ColumnsArguments& arguments, const Shell& shell) {
     }
     const auto add = [&](const std::string& text, plot::Mark mark) {
         const auto [label, path] = labelled(text);
-        const NumberTable table(path);
+        const materials::NumberTable table(path);
         panel.curves.push_back(
-            {label, column(table, arguments.x), column(table, arguments.y), mark, {}, {}});
+            {label, table.column(arguments.x), table.column(arguments.y), mark, {}, {}});
         // Points of the n-th table belong to the n-th curve of the same label.
         for (std::size_t c = 0; mark == plot::Mark::points && c + 1 < panel.curves.size(); ++c) {
             if (panel.curves[c].label != label) continue;

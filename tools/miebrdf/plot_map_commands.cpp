@@ -92,7 +92,7 @@ bool put_brdf(const Brdf& brdf, double mu_in, BrdfPart part, plot::HemisphereMap
         directions.push_back({mu_in, cosine_of(zenith_deg), azimuth_deg});
         pixels.push_back(pixel);
     });
-    const BrdfTable table = brdf.table({part, shell.command_line()});
+    const BrdfTable table = brdf.table(as_evaluated(brdf, part, shell));
     const auto values = evaluate_all(table, directions, "hemisphere", shell.control());
     for (std::size_t i = 0; i < pixels.size(); ++i) map.value[pixels[i]] = values[i];
     if (!table.report().converged()) shell.note(table.report().summary());
@@ -172,7 +172,8 @@ int run_slice(const SliceArguments& arguments, const Shell& shell) {
             cells.push_back(map.value.size() - 1);
         }
     }
-    const BrdfTable table = solved(request, shell.control()).table({part, shell.command_line()});
+    const Brdf brdf = solved(request, shell.control());
+    const BrdfTable table = brdf.table(as_evaluated(brdf, part, shell));
     const auto values = evaluate_all(table, directions, "slice", shell.control());
     for (std::size_t i = 0; i < cells.size(); ++i) map.value[cells[i]] = values[i];
     set_range(map, arguments.range, directions, values);

@@ -48,7 +48,7 @@ plot::IndexCurve index_curve(const std::string& name, const std::vector<double>&
         curve.k.push_back(index.imag());
     };
     const Species shown = species(name);
-    if (shown.kind == "material") {
+    if (shown.kind == Species::Kind::material) {
         const auto table = open_database(database).refractive_index(shown.name);
         for (const double nm : wavelength_nm) {
             if (table.covers(nm)) add(nm, table.at(nm));

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <miebrdf/drawdown.h>
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
 

@@ -147,9 +147,10 @@ std::vector<Material> make_materials(const RenderArguments& arguments,
     std::vector<Material> materials;
     for (const std::vector<Request>& request : requests) {
         Material& material = materials.emplace_back();
-        for (const Request& one : request)
-            material.tables.push_back(
-                solved(one, shell.control()).table({part, shell.command_line()}));
+        for (const Request& one : request) {
+            const Brdf brdf = solved(one, shell.control());
+            material.tables.push_back(brdf.table(as_evaluated(brdf, part, shell)));
+        }
         material.compact = std::make_shared<render::SolvedMaterial>(
             material.tables,
             CompactOptions{render::SolvedMaterial::kTolerance, int(cosines), int(orders)},

@@ -49,6 +49,12 @@ void require_surface_of_index(bool has_index, bool has_roughness) {
 
 }  // namespace
 
+TableOptions as_evaluated(const Brdf& brdf, BrdfPart part, const Shell& shell) {
+    return {.part = part,
+            .command_line = shell.command_line(),
+            .coupling = brdf.scene().coupling.value_or(rte::SurfaceCoupling::paper)};
+}
+
 Brdf solved(const Request& request, const Control& control) {
     return solve(request.scene, request.wavelength_nm, request.solver, control);
 }

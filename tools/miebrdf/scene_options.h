@@ -28,6 +28,9 @@ Request request_of(const SaidWords& said);
 /// The scene of a request, ready to be asked. @throws UsageError, InputError
 Brdf solved(const Request& request, const Control& control);
 
+/// A table of what Brdf::evaluate gives: where no coupling is asked for, the paper's.
+TableOptions as_evaluated(const Brdf& brdf, BrdfPart part, const Shell& shell);
+
 /// Names of words for commands that take media, but no whole scene.
 std::vector<std::string> words_of_media();
 

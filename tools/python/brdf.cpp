@@ -155,12 +155,17 @@ class SolvedScene {
         return list;
     }
 
-    SolvedTable table(const std::string& part, const CallOptions& options,
-                      bool whole_matrix) const {
+    /// @param command  for what an export says of its origin; empty: the table of evaluate
+    SolvedTable table(const std::string& part, const CallOptions& options, bool whole_matrix,
+                      const std::string& command) const {
         LongCall call(options);
         return SolvedTable(call.run([&] {
-            return brdf(call.control())
-                .table({.part = parse_brdf_part(part), .whole_matrix = whole_matrix});
+            const Brdf solved = brdf(call.control());
+            TableOptions wanted{.part = parse_brdf_part(part), .whole_matrix = whole_matrix};
+            wanted.command_line = command;
+            if (command.empty())
+                wanted.coupling = solved.scene().coupling.value_or(rte::SurfaceCoupling::paper);
+            return solved.table(wanted);
         }));
     }
 
@@ -235,7 +240,7 @@ void bind_brdf(py::module_& module) {
         .def("albedo", &SolvedScene::albedo, py::arg("mu_in"), py::arg("options"))
         .def("layers", &SolvedScene::layers, py::arg("options"))
         .def("table", &SolvedScene::table, py::arg("part"), py::arg("options"),
-             py::arg("whole_matrix") = false)
+             py::arg("whole_matrix") = false, py::arg("command") = "")
         .def("plan", &SolvedScene::plan, py::arg("mu_in"), py::arg("mu_out"),
              py::arg("azimuth_deg"));
     py::class_<SolvedTable>(module, "SolvedTable")

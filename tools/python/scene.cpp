@@ -32,14 +32,14 @@ py::tuple state_of(const Species& s) {
         matrices.append(
             py::make_tuple(m.single_scattering_albedo, m.a1, m.a2, m.a3, m.a4, m.b1, m.b2));
     }
-    return py::make_tuple(s.kind, s.name, s.parameters, s.chi, s.wavelength_nm, s.index,
-                          s.sizes.effective_radius_um, s.sizes.effective_variance, law_of(s.sizes),
-                          s.density_g_cm3, amount, matrices);
+    return py::make_tuple(static_cast<int>(s.kind), s.name, s.parameters, s.chi, s.wavelength_nm,
+                          s.index, s.sizes.effective_radius_um, s.sizes.effective_variance,
+                          law_of(s.sizes), s.density_g_cm3, amount, matrices);
 }
 
 Species species_of(const py::tuple& state) {
     Species s;
-    s.kind = state[0].cast<std::string>();
+    s.kind = static_cast<Species::Kind>(state[0].cast<int>());
     s.name = state[1].cast<std::string>();
     s.parameters = state[2].cast<std::vector<double>>();
     s.chi = state[3].cast<std::vector<double>>();
@@ -85,7 +85,7 @@ Medium medium_of(const py::tuple& state) {
 Medium medium_of_table(const std::string& name, std::vector<double> wavelength_nm,
                        std::vector<std::complex<double>> index) {
     Species species;
-    species.kind = "table";
+    species.kind = Species::Kind::table;
     species.name = name;
     species.wavelength_nm = std::move(wavelength_nm);
     species.index = std::move(index);

@@ -13,7 +13,7 @@
 namespace miebrdf {
 namespace {
 
-/// Of the mean: smaller values are compared with this share of it.
+/// Values below this share of the mean are compared with that share.
 constexpr double kTail = 0.01;
 /// The same near the horizon, where a refracting boundary lets less and less through and light
 /// counts with its small cosine: of the mean over all directions.

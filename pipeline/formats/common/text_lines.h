@@ -29,7 +29,7 @@ class TextLines {
         return true;
     }
 
-    /// What follows the last line handed out.
+    /// The text after the last line handed out.
     std::string_view rest() const {
         return position_ < text_.size() ? text_.substr(position_) : std::string_view();
     }

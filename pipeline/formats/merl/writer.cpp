@@ -21,7 +21,7 @@ constexpr std::size_t kPlane = kDifferenceBins * kAzimuthBins;
 /// Azimuths p and 180 - p degrees are the same pair of directions with light and viewer exchanged,
 /// mirrored: the values of a reciprocal BRDF, the only one that the format holds, are equal.
 constexpr std::size_t kComputedAzimuths = kAzimuthBins / 2 + 1;
-/// What readers multiply the stored numbers by, upside down.
+/// The inverse of the factors that readers multiply the stored numbers by.
 constexpr double kScale[3] = {1500.0 / 1.0, 1500.0 / 1.15, 1500.0 / 1.66};
 
 /// Rusinkiewicz's angles to a pair of vectors: the half vector tilted by theta_h in the x-z plane,

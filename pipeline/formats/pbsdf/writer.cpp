@@ -18,7 +18,7 @@ FormatReader pbsdf_reader();  // reader.cpp
 
 namespace {
 
-/// What Mitsuba's reader keeps room for.
+/// The most that Mitsuba's reader keeps room for.
 constexpr std::size_t kMostPbsdfWavelengths = 5;
 /// Nodes at and beyond the horizon count in cells that it divides: they hold the matrix of this
 /// height, in steps of the angles. A BRDF that grows as the inverse cosine is off by a quarter in

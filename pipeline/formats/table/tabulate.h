@@ -33,7 +33,7 @@ std::vector<double> tabulate_mueller(const BrdfSource& source, const rte::Direct
 /// m11, m12, ..., row by row.
 std::vector<std::string> mueller_names(int components);
 
-/// What all plain tables are to the list of formats.
+/// The entry that all plain tables share in the list of formats.
 Format table_format(const char* name, const char* readers, const char* ending,
                     void (*write)(const ExportJob& job, std::ostream& out),
                     const FormatReader& reader);

@@ -195,7 +195,8 @@ struct LayerOptics {
     std::optional<double> scattering_per_um;          ///< mu_s
     std::optional<double> absorption_per_um;          ///< mu_a, of particles and host
     std::optional<double> reduced_scattering_per_um;  ///< mu_s' = mu_s (1 - g)
-    /// Kubelka-Munk's, of diffuse light: K = 2 mu_a, S = 3/4 mu_s' - 1/4 mu_a, in 1/um.
+    /// Kubelka-Munk's, of diffuse light: K = 2 mu_a, S = 3/4 mu_s' - 1/4 mu_a, in 1/um. S is empty
+    /// where that is negative: light is absorbed before it is diffuse, and the theory has no S.
     std::optional<double> k_km, s_km;
     std::optional<double> mass_extinction_m2_per_kg;  ///< of the particles
 };
@@ -204,7 +205,9 @@ struct SolvedTable;
 
 struct TableOptions {
     BrdfPart part = BrdfPart::total;
-    std::string command_line = {};  ///< for Provenance
+    std::string command_line = {};  ///< for Provenance; empty: the scene and the function called
+    /// Of a surface; empty: the scene's, else the reciprocal one.
+    std::optional<rte::SurfaceCoupling> coupling = {};
     /// With SolverOptions::stokes = 0 (auto): 4 components instead of what the intensity needs, for
     /// BrdfTable::evaluate_mueller. With 3 and 4 the whole matrix is there anyway, with 1 never.
     bool whole_matrix = false;

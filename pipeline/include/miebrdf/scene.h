@@ -27,9 +27,9 @@ struct ParticleSizes {
 /// How much of a layer a species is.
 struct Amount {
     enum class Kind {
-        volume_fraction,  ///< of the layer's volume, in (0, 1]
-        mass_fraction,    ///< of the layer's mass, in (0, 1]
-        number_per_cm3,   ///< particles in a cubic centimetre, > 0
+        volume_fraction,  ///< of the layer's volume, in [0, 1]
+        mass_fraction,    ///< of the layer's mass, in [0, 1]
+        number_per_cm3,   ///< particles in a cubic centimetre, >= 0
     };
     Kind kind = Kind::volume_fraction;
     double value = 0.0;
@@ -49,9 +49,18 @@ struct MatrixCoefficients {
 
 /// One kind of scatterers; species() makes one from words.
 struct Species {
-    /// "material", "index", "isotropic", "rayleigh", "hg", "moments", "matrix" (medium_forms), or
-    /// "table": spheres of a refractive index of one's own
-    std::string kind = {};
+    /// In words as medium_forms() lists them; `table`: spheres of a refractive index of one's own.
+    enum class Kind {
+        material,
+        index,
+        table,
+        isotropic,
+        rayleigh,
+        henyey_greenstein,
+        moments,
+        matrix
+    };
+    Kind kind = Kind::material;
     /// material: NAME or source:KEY; moments, matrix: the file's path; table: any
     std::string name = {};
     /// The numbers after the colon, rayleigh with its depolarisation factor, which may be left out;
@@ -229,7 +238,9 @@ struct Scene {
     /// layers of different hosts are separated by smooth boundaries then. Not together with
     /// `surface`. Empty: hosts matter to the particles alone.
     std::optional<rte::Boundary> boundary = {};
-    rte::SurfaceCoupling coupling = rte::SurfaceCoupling::paper;
+    /// Empty: the paper's where values are asked for, the reciprocal one in tables, since programs
+    /// that read exports exchange light and camera.
+    std::optional<rte::SurfaceCoupling> coupling = {};
     /// Index of the surface where the top medium has none of its own (hg:, isotropic:, ...), or
     /// where it should differ.
     std::optional<std::complex<double>> surface_index = {};

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -235,7 +236,7 @@ class Brdf(Albedos):
         whole_matrix = needs_whole_matrix(format)
         with Call(*self._call) as options:
             return _core.export_table(
-                self._solved.table(part, options, True) if whole_matrix else self._table(part),
+                self._solved.table(part, options, whole_matrix, " ".join(["Python:", *sys.argv])),
                 path,
                 format,
                 resolution,

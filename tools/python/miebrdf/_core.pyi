@@ -207,7 +207,7 @@ class SurfaceOptions:
     ) -> None: ...
 
 class Scene:
-    coupling: Coupling
+    coupling: Coupling | None
     surface_index: complex | None
     database: str
     index: IndexOptions
@@ -285,7 +285,7 @@ class SolvedScene:
     ) -> tuple[dict[str, Any], dict[str, Any]]: ...
     def layers(self, options: CallOptions) -> list[dict[str, Any]]: ...
     def table(
-        self, part: str, options: CallOptions, whole_matrix: bool = False
+        self, part: str, options: CallOptions, whole_matrix: bool = False, command: str = ""
     ) -> SolvedTable: ...
     def plan(
         self,

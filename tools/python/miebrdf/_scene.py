@@ -38,8 +38,9 @@ class Scene:
         smith-correlated, smith-separable, v-cavity.
     fresnel : str
         exact, schlick.
-    coupling : str
+    coupling : str, optional
         How the surface weakens the layers' light: paper (on the way in), reciprocal (both ways).
+        Default: paper for values, reciprocal in exported files.
     surface_index : complex, optional
         n + ik of the surface; default: that of the top medium.
     boundary : str, optional
@@ -103,7 +104,7 @@ class Scene:
         surface_distribution: str = "beckmann",
         shadowing: str = "smith-correlated",
         fresnel: str = "exact",
-        coupling: str = "paper",
+        coupling: str | None = None,
         surface_index: complex | None = None,
         effective_radius_um: float = 50.0,
         effective_variance: float = 0.2,

@@ -51,7 +51,8 @@ def core_scene(of: dict[str, Any]) -> _core.Scene:
     )
     if of["boundary"] is not None:
         scene.set_boundary(of["boundary"])
-    scene.coupling = choice(_core.Coupling, "coupling", of["coupling"])
+    if of["coupling"] is not None:
+        scene.coupling = choice(_core.Coupling, "coupling", of["coupling"])
     index = of["surface_index"]
     scene.surface_index = None if index is None else complex(index)
     scene.database = of["database"]

@@ -6,6 +6,7 @@ observers.
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ __all__ = [
     "srgb",
     "xyz",
 ]
+
+
+_LARGEST_FACTOR = 2.0
 
 
 def _columns(
@@ -49,6 +53,13 @@ def _columns(
             "less to 650 nm or more"
         )
     rows = values.reshape(len(nm), -1).T
+    # A glossy lobe is above 1 in some directions; percentages are so everywhere.
+    if rows.size and float(rows.max(axis=1).min()) > _LARGEST_FACTOR:
+        warnings.warn(
+            f"reflectance: up to {float(rows.max()):g} in every row; percent? Shares of 1 are "
+            "expected: divide by 100",
+            stacklevel=3,
+        )
     table = _core.colours(nm, rows, illuminant)[:, columns]
     return table.reshape([*values.shape[1:], table.shape[1]])
 

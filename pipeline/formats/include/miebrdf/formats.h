@@ -141,7 +141,7 @@ std::vector<std::string> options_of(const Format& format);
 
 // ---------------------------------------------------------------- Writing
 
-/// What a format does not take is not looked at.
+/// Options that a format does not take are not looked at.
 struct ExportOptions {
     int resolution = 0;               ///< Format::resolution; 0: its standard
     rte::Directions directions = {};  ///< empty lists: by the resolution
@@ -333,7 +333,8 @@ struct FileCheck {
 };
 
 /// Looks at `directions` random directions, and integrates at six angles of incidence, mu 0.1 to 1.
-/// Of tables it looks at what they list: random combinations, and all angles of incidence.
+/// In tables it looks at the directions that they list: random combinations, and all angles of
+/// incidence.
 FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
 /// The same from disk. @throws InputError
 FileCheck check_file(const std::string& path);

@@ -6,7 +6,6 @@
 #include <miebrdf/colour.h>
 #include <miebrdf/control.h>
 #include <miebrdf/database.h>
-#include <miebrdf/drawdown.h>
 #include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
