@@ -108,7 +108,7 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
 ResolvedMedium Resolver::host_alone(const Medium& medium,
                                     const std::vector<double>& wavelength_nm) {
     // Of no depth: whatever absorbs nothing asks for no work of its own.
-    static const Species clear{.kind = "isotropic", .parameters = {1.0}};
+    static const Species clear{.kind = Species::Kind::isotropic, .parameters = {1.0}};
     ResolvedMedium resolved{.medium = {{clear}, host_of(scene_, medium)}};
     resolved.species.push_back({.species = clear, .wavelength_nm = wavelength_nm});
     ResolvedSpecies& species = resolved.species.front();
