@@ -10,11 +10,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-ComplexLanes inverse(const ComplexLanes& z) {
-    const Lanes scale = 1 / norm(z);
-    return {z.re * scale, -z.im * scale};
-}
-
 template <typename Function>
 ComplexLanes lane_by_lane(const ComplexLanes& a, const ComplexLanes& b, const Function& function) {
     ComplexLanes result;
@@ -27,13 +22,11 @@ ComplexLanes lane_by_lane(const ComplexLanes& a, const ComplexLanes& b, const Fu
     return result;
 }
 
-ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
-
 // psi_n and zeta_n = psi_n + i eta_n at one surface by their logarithmic derivatives D1 and D3.
 struct SurfaceWaves {
     void begin(const ComplexLanes& at, int terms) {
         z = at;
-        inverse_z = inverse(at);
+        inverse_z = reciprocal(at);
         D = {Lanes::Zero(), Lanes::Zero()};
         D3 = {Lanes::Zero(), Lanes::Ones()};
         D1.resize(terms + 1);
@@ -42,7 +35,7 @@ struct SurfaceWaves {
     // D1 downward, with psi_n / psi_{n-1}: neither is a difference of equal numbers.
     void step_down(int n, int terms) {
         const ComplexLanes n_over_z = times(inverse_z, Lanes::Constant(n));
-        const ComplexLanes ratio = inverse(plus(D, n_over_z));
+        const ComplexLanes ratio = reciprocal(plus(D, n_over_z));
         if (n <= terms) {
             D1[n] = D;
             ratios[n] = ratio;
@@ -76,15 +69,15 @@ void pass_layer(Complex ratio, SurfaceWaves& inner, SurfaceWaves& outer, int ter
         const ComplexLanes outer_n = times(outer.inverse_z, order);
         // zeta_n / zeta_{n-1}, and its inverse D3_n + n/z.
         const ComplexLanes outer_step = minus(outer_n, outer.D3);
-        const ComplexLanes inner_zeta = inverse(minus(inner_n, inner.D3));
+        const ComplexLanes inner_zeta = reciprocal(minus(inner_n, inner.D3));
         inner.D3 = minus(inner_zeta, inner_n);
-        outer.D3 = minus(inverse(outer_step), outer_n);
+        outer.D3 = minus(reciprocal(outer_step), outer_n);
         Q = times(times(Q, times(inner_zeta, inner.ratios[n])),
                   times(outer_step, plus(outer.D1[n], outer_n)));
         const auto outward = [&](const ComplexLanes& at) {
             const ComplexLanes G1 = times(Q, minus(at, inner.D1[n])), G2 = minus(at, inner.D3);
             return times(minus(times(G2, outer.D1[n]), times(G1, outer.D3)),
-                         inverse(minus(G2, G1)));
+                         reciprocal(minus(G2, G1)));
         };
         H.electric[n] = outward(times(ratio, H.electric[n]));
         H.magnetic[n] = outward(times(1.0 / ratio, H.magnetic[n]));

@@ -38,6 +38,18 @@ inline ComplexLanes plus(const ComplexLanes& a, const ComplexLanes& b) {
     return {a.re + b.re, a.im + b.im};
 }
 
+inline Lanes reciprocal(const Lanes& z) { return 1 / z; }
+inline ComplexLanes reciprocal(const ComplexLanes& z) {
+    const Lanes scale = 1 / norm(z);
+    return {z.re * scale, -z.im * scale};
+}
+
+/// m x, the size parameters inside spheres of index m.
+inline Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
+inline ComplexLanes inside_parameter(std::complex<double> m, const Lanes& x) {
+    return {m.real() * x, m.imag() * x};
+}
+
 /// Lanes of the kind of Number (double or std::complex<double>).
 template <typename Number>
 using LanesOf = std::conditional_t<std::is_same_v<Number, double>, Lanes, ComplexLanes>;

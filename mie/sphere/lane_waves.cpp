@@ -10,12 +10,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Lanes reciprocal(const Lanes& z) { return 1 / z; }
-ComplexLanes reciprocal(const ComplexLanes& z) {
-    const Lanes inverse_norm = 1 / norm(z);
-    return {z.re * inverse_norm, -z.im * inverse_norm};
-}
-
 double lane_of(const Lanes& z, int lane) { return z[lane]; }
 Complex lane_of(const ComplexLanes& z, int lane) { return {z.re[lane], z.im[lane]}; }
 

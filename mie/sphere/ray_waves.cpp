@@ -9,15 +9,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Lanes inside_of(double m, const Lanes& x) { return m * x; }
-ComplexLanes inside_of(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
-
-Lanes inverse_of(const Lanes& z) { return 1 / z; }
-ComplexLanes inverse_of(const ComplexLanes& z) {
-    const Lanes scale = 1 / norm(z);
-    return {z.re * scale, -z.im * scale};
-}
-
 // A wave at n and n - 1.
 struct WavePair {
     ComplexVector here, before;
@@ -98,8 +89,8 @@ void silence(const Lanes& last_order, int order, RayResponse& response) {
 
 template <typename Number>
 RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), slope_(m - 1.0 / m), outside_(x) {
-    const auto z = inside_of(m, x);
-    inverse_z_ = inverse_of(z);
+    const auto z = inside_parameter(m, x);
+    inverse_z_ = reciprocal(z);
     // zeta_0 = -i exp(iz), zeta_{-1} = exp(iz), here without the factor.
     out_ = {{Lanes::Zero(), -Lanes::Ones()}, {Lanes::Ones(), Lanes::Zero()}};
     in_ = {{Lanes::Zero(), Lanes::Ones()}, {Lanes::Ones(), Lanes::Zero()}};

@@ -34,11 +34,8 @@ struct BlockColumns {
     Lanes root_weight;
 };
 
-Lanes inside_parameter(double m, const Lanes& x) { return m * x; }
-ComplexLanes inside_parameter(Complex m, const Lanes& x) { return {m.real() * x, m.imag() * x}; }
-
 template <typename Scalar>
-void store(const Lanes& values, Scalar* to) {
+void put_lanes(const Lanes& values, Scalar* to) {
     Eigen::Map<Eigen::Array<Scalar, kLaneCount, 1>> target(to);
     target = values.cast<Scalar>();
 }
@@ -198,10 +195,10 @@ template <typename Scalar>
 void BlockColumns<Scalar>::put(int order, const ComplexLanes& a, const ComplexLanes& b) const {
     Scalar* u = block->U.row(order).data() + first;
     Scalar* v = block->V.row(order).data() + first;
-    store(root_weight * (a.re + b.re), u);
-    store(root_weight * (a.im + b.im), u + block->imaginary);
-    store(root_weight * (a.re - b.re), v);
-    store(root_weight * (a.im - b.im), v + block->imaginary);
+    put_lanes(root_weight * (a.re + b.re), u);
+    put_lanes(root_weight * (a.im + b.im), u + block->imaginary);
+    put_lanes(root_weight * (a.re - b.re), v);
+    put_lanes(root_weight * (a.im - b.im), v + block->imaginary);
 }
 
 template <typename Scalar>
