@@ -90,8 +90,9 @@ class EigenmodeSolver {
     }
 
   private:
-    double refine();
-    double find_correction();
+    bool refine_nodes(const ZenithGrid& grid, double tolerance);
+    double refine(double steepest);
+    double find_correction(double steepest);
     void append_diffusion();
 
     Eigenmodes eigenmodes_;
@@ -101,6 +102,7 @@ class EigenmodeSolver {
     DiffusionEigenmode diffusion_;
     Eigen::VectorXd Vf_;
     Eigen::RowVectorXd overlaps_;
+    Eigen::VectorXd root_;  ///< of the nodes
     math::SymmetricEigen eigen_;
 };
 
