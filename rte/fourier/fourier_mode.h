@@ -57,8 +57,8 @@ void gather_rows(const Eigen::Ref<const Eigen::MatrixXd>& table, const std::vect
 /// For m = 0 the functions are made orthogonal to Y_0 (even l) and Y_1 (odd l) under the grid's own
 /// quadrature, at the nodes and by the same combination everywhere else. On a rule that integrates
 /// products of two kept degrees exactly this changes nothing; on any other it restores conservation
-/// of energy and of the diffusive flux, which half-range quadrature otherwise loses. Y_0 and Y_1 are
-/// normalised for the same reason.
+/// of energy and of the diffusive flux, which half-range quadrature otherwise loses. Y_0 and Y_1
+/// are normalised for the same reason.
 /// @param sampling  used again by the next order
 void make_fourier_mode(int fourier_order, int degrees, const ZenithGrid& grid,
                        const RequestedDirections& requested, LegendreSampling& sampling,

@@ -18,10 +18,10 @@ std::string described(const Request& request) {
     std::string text = describe(scene) + " " + scene.database + " " + name_of(sizes.kind);
     for (const double value :
          {sizes.effective_radius_um, sizes.effective_variance, scene.particles.host.index.real(),
-          scene.particles.k_floor, scene.particles.tolerance, double(int(scene.coupling.value_or(rte::SurfaceCoupling::paper))),
-          solver.tolerance, double(solver.streams), double(int(solver.grid)),
-          double(int(solver.half_space_method)), double(int(solver.coat_method)),
-          double(solver.coat_substeps), double(solver.delta_m),
+          scene.particles.k_floor, scene.particles.tolerance,
+          double(int(scene.coupling.value_or(rte::SurfaceCoupling::paper))), solver.tolerance,
+          double(solver.streams), double(int(solver.grid)), double(int(solver.half_space_method)),
+          double(int(solver.coat_method)), double(solver.coat_substeps), double(solver.delta_m),
           double(solver.single_scattering_correction), double(solver.stokes)}) {
         text += " " + std::to_string(value);
     }
