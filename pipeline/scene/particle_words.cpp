@@ -98,9 +98,9 @@ std::vector<SceneWord> particle_words() {
          .set = set_name<kPackings, &Request::scene, &Scene::particles, &ParticleOptions::packing>},
         {.name = "k-floor",
          .placeholder = "K",
-         .help =
-             "smallest absorption index k: smaller ones of a material are raised to this; clear "
-             "water and ice have some 1e-9 in the visible, optical glass 1e-8, mineral dust 1e-3",
+         .help = "smallest absorption index k: smaller ones of a material are raised to this; at "
+                 "550 nm "
+                 "the database's H2O and H2O_ice have 2e-9, soda_lime_glass 2e-7",
          .group = group,
          .default_text = fmt::format("{}", defaults.k_floor),
          .field = "k_floor",

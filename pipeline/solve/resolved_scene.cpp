@@ -116,8 +116,8 @@ void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
     if (count == 0) return;
     resolver.add_note(fmt::format(
         "nothing absorbs{}: the layers return all light that enters them; where that is not "
-        "meant, give what absorbs (a k above 0, soot, a dark ground) or a k_floor (clear ice 1e-9, "
-        "glass 1e-8, mineral dust 1e-3)",
+        "meant, give what absorbs (a k above 0, soot, a dark ground) or a k_floor (at 550 nm "
+        "H2O_ice has 2e-9, soda_lime_glass 2e-7, dust_saharan 4e-3)",
         count == all ? "" : fmt::format(" at {} of {} wavelengths", count, all)));
 }
 
