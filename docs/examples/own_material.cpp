@@ -10,7 +10,7 @@ int main() try {
     // A band of absorption in the green. Between these wavelengths n and k are interpolated;
     // outside them they are not known, and solve() says so.
     const miebrdf::Species pigment{
-        .kind = "table",
+        .kind = miebrdf::Species::Kind::table,
         .name = "pigment of mine",
         .wavelength_nm = {420, 480, 520, 550, 580, 640, 700},
         .index = {{1.62, 0.005},
