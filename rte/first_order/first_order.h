@@ -53,9 +53,9 @@ void find_straight_weights(std::size_t media, const DepthOf& depth_of, double mu
     const double slant = 1.0 / mu_in + 1.0 / mu_out;
     double above = 0.25 / (mu_in + mu_out);  // what is left on the way through the media above
     for (std::size_t k = 0; k < media; ++k) {
-        const double lost = std::expm1(-slant * depth_of(k));
-        set(k, -above * lost);
-        above *= 1.0 + lost;
+        const double x = slant * depth_of(k);
+        set(k, -above * std::expm1(-x));
+        if (k + 1 < media) above *= std::exp(-x);  // 1 + expm1(-x) has no digits of faint light
     }
 }
 

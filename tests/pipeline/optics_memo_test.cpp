@@ -17,7 +17,8 @@ using support::scene_of;
 namespace {
 
 const std::vector<double> kWavelengths = {450, 550};
-const SolverOptions kOptions = {.streams = 16};
+// One component: `auto` averages the scattering matrices of spheres as small as these, too.
+const SolverOptions kOptions = {.stokes = 1, .streams = 16};
 
 /// Spheres under one paint or another.
 std::vector<Scene> painted_spheres() {

@@ -135,6 +135,7 @@ chunk = 1
 [scene]
 base = "index:1.5,0.01,radius=0.5"
 coat = "hg:0.5,0@{depth}"
+stokes = 1
 tolerance = 1e-2
 [axes]
 depth = [0.1, 0.2, 0.3]
