@@ -18,7 +18,7 @@ namespace {
 
 const std::vector<double> kWavelengths = {450, 550};
 // One component: `auto` averages the scattering matrices of spheres as small as these, too.
-const SolverOptions kOptions = {.stokes = 1, .streams = 16};
+const SolverOptions kOptions = {.streams = 16, .stokes = 1};
 
 /// Spheres under one paint or another.
 std::vector<Scene> painted_spheres() {

@@ -20,7 +20,7 @@ using Kind = mie::SizeDistributionKind;
 namespace {
 
 const std::vector<double> kWavelengths = {450, 550};
-const SolverOptions kOptions = {.stokes = 1, .streams = 16};
+const SolverOptions kOptions = {.streams = 16, .stokes = 1};
 
 Scene scene_of(const std::string& base, const std::string& coat, double radius_um = 1.0) {
     Scene scene = support::scene_of(base, {coat});
