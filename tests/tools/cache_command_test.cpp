@@ -11,7 +11,8 @@ using namespace miebrdf;
 namespace {
 
 const std::string kWork =
-    "albedo --base index:1.5,0.01 --effective-radius 0.5 --mu-in 1 --wavelengths 500,550 --stokes 1";
+    "albedo --base index:1.5,0.01 --effective-radius 0.5 --mu-in 1 --wavelengths 500,550 --stokes "
+    "1";
 
 support::CsvOutput info(const std::string& environment) {
     const auto run = support::run_program("cache info", environment);
