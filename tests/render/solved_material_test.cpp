@@ -28,8 +28,10 @@ Brdf brdf_of(const Scene& scene, const SolverOptions& options = {}) {
 
 SolvedMaterial material_of(const BrdfTable& table) { return SolvedMaterial({&table, 1}); }
 
+/// With the coupling that Brdf::evaluate has.
 SolvedMaterial material_of(const Scene& scene, BrdfPart part = BrdfPart::total) {
-    return material_of(brdf_of(scene).table({.part = part}));
+    const auto coupling = scene.coupling.value_or(rte::SurfaceCoupling::paper);
+    return material_of(brdf_of(scene).table({.part = part, .coupling = coupling}));
 }
 
 RenderScene sphere_of(const Scene& scene) {
@@ -158,11 +160,14 @@ TEST_CASE("the surface lobe is the solver's between the nodes of its masking", "
     scene.surface->distribution = distribution;
     const SolvedMaterial table = material_of(scene, BrdfPart::surface);
     const rte::SurfaceLobe lobe({2.4, 0.0}, *scene.surface);
+    // Far from the mirror direction a narrow lobe is below the smallest normal number.
+    const double underflow = 1e-30 * lobe.brdf(0.6, 0.6, 0.0);
     for (const double mu_in : {1e-4, 0.03, 0.4, 0.9, 1.0}) {
         for (const double azimuth : {0.0, 33.0, 180.0}) {
             CAPTURE(roughness, mu_in, azimuth);
-            CHECK(value(table, mu_in, 0.6, azimuth) ==
-                  Approx(lobe.brdf(mu_in, 0.6, azimuth)).epsilon(bound));
+            const double expected = lobe.brdf(mu_in, 0.6, azimuth);
+            CHECK(std::abs(value(table, mu_in, 0.6, azimuth) - expected) <=
+                  bound * expected + underflow);
         }
     }
 }
@@ -176,8 +181,9 @@ TEST_CASE("tables of different wavelengths join in order", "[render][solved]") {
     CHECK(joined.table().wavelength_nm() == std::vector{620.0, 480.0, 450.0});
     std::vector<double> values(3);
     joined.evaluate(0.5, 0.5, 0.0, values);
-    CHECK(values[0] == Approx(value(material_of(dark), 0.5, 0.5, 90.0)));
-    CHECK(values[1] == Approx(value(material_of(bright), 0.5, 0.5, 90.0)));
+    const double bound = SolvedMaterial::kTolerance;
+    CHECK(values[0] == Approx(value(material_of(dark), 0.5, 0.5, 90.0)).epsilon(bound));
+    CHECK(values[1] == Approx(value(material_of(bright), 0.5, 0.5, 90.0)).epsilon(bound));
     CHECK(values[2] == values[1]);
 }
 
