@@ -126,9 +126,9 @@ TEST_CASE("a profile draws the points that belong to it", "[program][plot]") {
 TEST_CASE("damaged points are refused with file and line", "[program][plot][errors]") {
     const TemporaryFolder folder;
     const auto [content, wanted] = GENERATE(table<std::string, std::string>({
-        {"", "no values"},
-        {"mu_in,mu_out\n1,1\n", "wanted columns"},
-        {"wavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180\n", "line 2: 4 fields"},
+        {"", "has no rows"},
+        {"mu_in,mu_out\n1,1\n", "no column 'brdf'"},
+        {"wavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180\n", "points.csv:2: 4 fields"},
         {"# x\nwavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180,nan\n", "line 3"},
     }));
     const std::string points = folder.write("points.csv", content);

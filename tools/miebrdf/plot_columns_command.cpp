@@ -73,6 +73,12 @@ int run(const ColumnsArguments& arguments, const Shell& shell) {
     const auto add = [&](const std::string& text, plot::Mark mark) {
         const auto [label, path] = labelled(text);
         const materials::NumberTable table(path);
+        for (const std::string& name : {arguments.x, arguments.y}) {
+            // The command line named it: a wrong request, not a damaged file.
+            if (table.find(name) == nullptr)
+                throw UsageError(fmt::format("{}: no column '{}'; there are {}", path, name,
+                                             fmt::join(table.names(), ", ")));
+        }
         panel.curves.push_back(
             {label, table.column(arguments.x), table.column(arguments.y), mark, {}, {}});
         // Points of the n-th table belong to the n-th curve of the same label.
