@@ -9,7 +9,6 @@
 
 #include "pipeline/scene/scene_parts.h"
 #include "rte/stack/layered_reflection.h"
-#include "tests/support/allocation_count.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -109,32 +108,4 @@ TEST_CASE("a batch names the value that is out of range", "[pipeline][layers]") 
     const LayerAlbedos no_incidence = layer_albedos({two, kZero, kDeep, kOne, kZero, {}});
     CHECK(no_incidence.plane_albedo.empty());
     CHECK(no_incidence.spherical_albedo.size() == 2);
-}
-
-TEST_CASE("layers after the first allocate nothing", "[pipeline][layers]") {
-    if (!support::kCountsAllocations) {
-        WARN("skipped: allocations are not counted here");
-        return;
-    }
-    const std::string kind = GENERATE("half-spaces", "on grounds", "both");
-    const std::vector<double> g{0.5}, mu_in{0.2, 0.5}, index{GENERATE(1.0, 1.5)}, ground{0.2};
-    const auto allocations_of = [&](std::size_t count) {
-        std::vector<double> albedo, depth;
-        for (std::size_t i = 0; i < count; ++i) {
-            // 1 and close to it has a way of its own (DiffusionEigenmode).
-            albedo.push_back(i % 5 == 0   ? 1.0
-                             : i % 5 == 1 ? 1.0 - 1e-4 * double(i % 7)
-                                          : double(i) / double(count));
-            const bool is_half_space = kind == "half-spaces" || (kind == "both" && i % 3 == 0);
-            depth.push_back(is_half_space ? kInfinite : 0.1 * double(1 + i % 32));
-        }
-        const long before = support::allocation_count();
-        layer_albedos({albedo, g, depth, index, ground, mu_in}, {}, {.threads = 1});
-        return support::allocation_count() - before;
-    };
-    CAPTURE(kind, index[0]);
-    allocations_of(1);  // what a process needs once
-    const long of_some = allocations_of(200);
-    CHECK(of_some > 0);  // something is counted
-    CHECK(allocations_of(600) == of_some);
 }
