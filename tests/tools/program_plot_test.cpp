@@ -129,7 +129,7 @@ TEST_CASE("damaged points are refused with file and line", "[program][plot][erro
         {"", "has no rows"},
         {"mu_in,mu_out\n1,1\n", "no column 'brdf'"},
         {"wavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180\n", "points.csv:2: 4 fields"},
-        {"# x\nwavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180,nan\n", "line 3"},
+        {"# x\nwavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180,nan\n", "points.csv:3: "},
     }));
     const std::string points = folder.write("points.csv", content);
     const ProgramRun run =
