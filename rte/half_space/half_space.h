@@ -100,8 +100,7 @@ void no_reflection(const ZenithGrid& grid, const RequestedDirections& requested,
 ///
 /// @param tolerance  of the iterative methods: remaining error of (mu + mu') R, relative
 /// Not converging is an outcome: read `converged` and `physical`.
-/// @param work  matrices that one Fourier order after the other can use: only the first allocates
-///              (`fixed_point` and `doubling` always do)
+/// @param work  matrices that one Fourier order after the other can use
 /// @param result  overwritten
 void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const FourierMode& mode,
                       const ZenithGrid& grid, const RequestedDirections& requested,

@@ -76,11 +76,9 @@ struct StackMemory {
     StackOrder order = {};
 };
 
-/// Solves the base and puts the coats and boundaries on it. Fourier orders after the first find
-/// their matrices allocated (except by the paper's methods, which are there for comparison). Light
-/// as a number is the block of one row; of Stokes vectors a Fourier order falls into blocks of
-/// components that do not mix (stokes_blocks), and the same solvers take rows of these. Not
-/// thread-safe.
+/// Solves the base and puts the coats and boundaries on it. Light as a number is the block
+/// of one row; of Stokes vectors a Fourier order falls into blocks of components that do not mix
+/// (stokes_blocks), and the same solvers take rows of these. Not thread-safe.
 class StackSolver {
   public:
     /// The arguments must outlive this.
