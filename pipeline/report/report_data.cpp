@@ -205,7 +205,9 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
         for (const Variant& variant : scene.variants) {
             const Brdf& brdf = variant.brdf;
             const Plan plan = plan_evaluate(brdf, {{0.2, 0.5, 1.0}, {0.1, 0.6}, {0.0, 90.0}});
-            const BrdfTable solved = brdf.table();
+            // A page shows what `brdf` gives: the paper's coupling where the scene says nothing.
+            const BrdfTable solved = brdf.table(
+                {.coupling = brdf.scene().coupling.value_or(rte::SurfaceCoupling::paper)});
             const CompactTable table({&solved, 1}, {.tolerance = kPageTolerance}, control);
             const AlbedoValues albedo = brdf.albedo(mu);
             const bool converged = solved.report().converged() && albedo.converged();

@@ -93,15 +93,16 @@ TEST_CASE("the paper's pair agrees with the reference reflection", "[pipeline][b
     }
 }
 
-TEST_CASE("points of P leave room for the doubt about how they change the forward peak",
+TEST_CASE("only straight back does the doubt about how P changes the forward peak show",
           "[pipeline][brdf]") {
-    // Straight back at 480 nm R stated 1.03e-3 while points were given all that the other steps
-    // left.
+    // The rms of that doubt is measured (docs/internals/mie-log.md); more sizes do not remove it.
     const Scene scene = scene_of("TiO2", {"AlGaAs7@0.1[grey]"});
-    const BrdfValues values =
-        solve(scene, {480})
-            .evaluate({{0.2, 0.5}, {0.1, 0.2, 0.3, 0.4, 0.5}, {0, 30, 60, 90, 120, 150, 180}});
-    CHECK(values.error_estimate() <= values.tolerance);
+    const Brdf brdf = solve(scene, {480});
+    const Directions around{{0.2, 0.5}, {0.1, 0.2, 0.3, 0.4, 0.5}, {0, 30, 60, 90, 120, 150}};
+    CHECK(brdf.evaluate(around).error_estimate() <= 1e-3);
+    const BrdfValues back = brdf.evaluate({{0.2, 0.5}, {0.2, 0.5}, {180}});
+    CHECK(back.error_estimate() > 1e-3);
+    CHECK_FALSE(back.converged());
 }
 
 TEST_CASE("any number of threads gives the same bits", "[pipeline][brdf]") {
@@ -194,10 +195,10 @@ TEST_CASE("nodes that do not carry all moments yet do not end the search for mor
     // by 5e-5.
     const Scene scene = scene_of("index:1.5,0.2,radius=3");
     const Directions directions{{0.2, 1}, {0.2, 1}, {180}};
-    const Brdf truth = solve(scene, {550}, {.tolerance = 1e-6, .streams = 160});
+    const Brdf truth = solve(scene, {550}, {.tolerance = 1e-6, .streams = 160, .stokes = 1});
     const auto values = truth.evaluate(directions);
     for (const double tolerance : {1e-2, 1e-3, 3e-4, 1e-4, 3e-5}) {
-        const Brdf brdf = solve(scene, {550}, {.tolerance = tolerance});
+        const Brdf brdf = solve(scene, {550}, {.tolerance = tolerance, .stokes = 1});
         const auto found = brdf.evaluate(directions);
         CAPTURE(tolerance);
         CHECK(found.converged());
