@@ -11,6 +11,7 @@
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
 #include <miebrdf/layer_albedos.h>
+#include <miebrdf/measured.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/processor_path.h>

@@ -1,0 +1,382 @@
+// Tables: spectra in columns or in rows, one value a line, goniometers' lists of directions, and
+// what this program writes.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "materials/readers/text.h"
+#include "pipeline/measured/azimuth.h"
+#include "pipeline/measured/columns.h"
+#include "pipeline/measured/sheet.h"
+
+namespace miebrdf::measured {
+namespace {
+
+using materials::lower_case;
+
+/// Wavelengths of a column without a unit: numbers below are micrometres, above nanometres.
+constexpr double kLeastNm = 100.0;
+
+struct ValueColumn {
+    std::size_t index = 0;
+    std::string name;
+    std::optional<MeasuredKind> kind;  ///< nothing: the rows say it, or the options
+    bool times_mu_out = false;
+    double factor = 1.0;
+    std::optional<std::size_t> sigma = {};
+};
+
+/// A table whose lines have one wavelength or direction each.
+class LongTable {
+  public:
+    LongTable(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options)
+        : file_(file), sheet_(std::move(sheet)), options_(options) {
+        for (std::size_t c = 0; c < sheet_.names.size(); ++c)
+            roles_.push_back(column_role(sheet_.names[c]));
+    }
+
+    Measurements read() {
+        choose_columns();
+        find_sigmas();
+        find_unit();
+        for (ValueColumn& column : columns_) {
+            const bool says =
+                says_percent(column.name) || (sheet_.says_percent() && is_large(column));
+            column.factor = share_factor(list_, options_, says, column.name);
+        }
+        drop_repeated_facts();
+        for (const SheetRow& row : sheet_.rows) read_row(row);
+        if (!raw_.empty()) set_directions(list_, raw_, options_, file_);
+        if (missing_ > 0) {
+            list_.doubts.push_back(
+                fmt::format("{}:{}: no number; left out{}", file_.path, first_missing_,
+                            missing_ > 1 ? fmt::format(" ({} in all)", missing_) : std::string()));
+        }
+        return std::move(list_);
+    }
+
+  private:
+    std::optional<std::size_t> find(Role role) const {
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            if (roles_[c].role == role) return c;
+        }
+        return std::nullopt;
+    }
+    /// Numbers; or any text where numbers must be, which is refused with its line.
+    bool has_values(std::size_t column) const {
+        return std::any_of(sheet_.rows.begin(), sheet_.rows.end(), [&](const SheetRow& row) {
+            const SheetCell& cell = row.cells[column];
+            return cell.number || (roles_[column].role == Role::value && !cell.is_missing);
+        });
+    }
+    /// A remark about percent is believed where values are too large for shares.
+    bool is_large(const ValueColumn& column) const {
+        return std::any_of(sheet_.rows.begin(), sheet_.rows.end(), [&](const SheetRow& row) {
+            return row.cells[column.index].number.value_or(0.0) > 2.0;
+        });
+    }
+
+    /// The columns of values: the one asked for; those whose names are known; else all that are
+    /// left.
+    void choose_columns() {
+        std::vector<std::size_t> asked, known, unknown;
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            const Role role = roles_[c].role;
+            const bool free = role == Role::value || role == Role::other;
+            if (!free || !has_values(c)) continue;
+            if (lower_case(sheet_.names[c]) == lower_case(options_.column)) asked.push_back(c);
+            (role == Role::value ? known : unknown).push_back(c);
+        }
+        const std::vector<std::size_t>& chosen = !asked.empty()   ? asked
+                                                 : !known.empty() ? known
+                                                                  : unknown;
+        if (chosen.empty()) {
+            refuse(file_, sheet_.names_line,
+                   fmt::format("no column of values; there are {}", fmt::join(sheet_.names, ", ")));
+        }
+        for (const std::size_t c : chosen)
+            columns_.push_back({c, sheet_.names[c], roles_[c].kind, roles_[c].times_mu_out});
+        if (asked.empty() && !known.empty() && !unknown.empty()) {
+            std::vector<std::string> names;
+            for (const std::size_t c : unknown) names.push_back(sheet_.names[c]);
+            list_.facts.emplace_back("columns not read", fmt::format("{}", fmt::join(names, ", ")));
+        }
+        const bool directions = find(Role::theta_out) || find(Role::mu_out);
+        const bool says = !options_.quantity.empty() || find(Role::quantity);
+        for (ValueColumn& column : columns_) {
+            if (column.kind || says) continue;
+            if (directions) {
+                refuse(file_, sheet_.names_line,
+                       fmt::format("what is '{}': brdf (1/sr) or reflectance_factor (white is 1)? "
+                                   "Say so with the option quantity, or name the column so",
+                                   column.name));
+            }
+            column.kind = MeasuredKind{};
+        }
+    }
+
+    void find_sigmas() {
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            if (roles_[c].role != Role::sigma) continue;
+            const std::string of = sigma_of(sheet_.names[c]).value_or("");
+            for (ValueColumn& column : columns_) {
+                const bool named = !of.empty() && bare_name(column.name) == of;
+                const bool only = of.empty() && columns_.size() == 1;
+                const bool next = of.empty() && c == column.index + 1;
+                if (named || only || next) column.sigma = c;
+            }
+        }
+    }
+
+    void find_unit() {
+        const auto column = find(Role::wavelength);
+        if (!column) return;
+        if (roles_[*column].unit) {
+            unit_ = *roles_[*column].unit;
+            return;
+        }
+        double largest = 0.0;
+        for (const SheetRow& row : sheet_.rows)
+            largest = std::max(largest, row.cells[*column].number.value_or(0.0));
+        unit_ = largest >= kLeastNm ? materials::Unit::nanometre : materials::Unit::micrometre;
+        list_.facts.emplace_back(
+            sheet_.names[*column],
+            fmt::format("taken as {}: the largest is {:g}", materials::name_of(unit_), largest));
+    }
+
+    void drop_repeated_facts() {
+        std::vector<std::pair<std::string, std::string>> kept;
+        for (const auto& fact : list_.facts) {
+            const auto same = [&](const auto& other) {
+                return other.first == fact.first && fact.first == "unit";
+            };
+            if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(fact);
+        }
+        list_.facts = std::move(kept);
+    }
+
+    double angle(const SheetRow& row, Role role) const {
+        const auto column = find(role);
+        if (!column) return MeasuredValue::kNone;
+        const auto& number = row.cells[*column].number;
+        if (!number)
+            refuse(file_, row.line, fmt::format("'{}' has no number", sheet_.names[*column]));
+        return roles_[*column].radians ? *number * 180.0 / std::numbers::pi : *number;
+    }
+    double plain(const SheetRow& row, Role role) const {
+        const auto column = find(role);
+        return column ? row.cells[*column].number.value_or(MeasuredValue::kNone)
+                      : MeasuredValue::kNone;
+    }
+    std::string text(const SheetRow& row, Role role) const {
+        const auto column = find(role);
+        return column ? row.cells[*column].text : std::string();
+    }
+
+    std::size_t sample_of(const SheetRow& row, const ValueColumn& column) {
+        std::string name = text(row, Role::sample);
+        if (name.empty() || columns_.size() > 1) name += (name.empty() ? "" : " ") + column.name;
+        const auto [at, added] = samples_.try_emplace(name, list_.samples.size());
+        if (added) list_.samples.push_back(name);
+        return at->second;
+    }
+
+    MeasuredKind kind_of_row(const SheetRow& row, const ValueColumn& column) const {
+        MeasuredKind kind = column.kind.value_or(MeasuredKind{});
+        const std::string quantity = text(row, Role::quantity),
+                          geometry = text(row, Role::geometry);
+        if (!column.kind && !quantity.empty()) kind = quantity_of(row, quantity);
+        if (!geometry.empty()) kind.geometry = geometry_of(row, geometry);
+        return kind;
+    }
+    MeasuredKind quantity_of(const SheetRow& row, const std::string& word) const {
+        for (const auto quantity :
+             {MeasuredQuantity::lab_l, MeasuredQuantity::lab_a, MeasuredQuantity::lab_b}) {
+            if (word_of(quantity) == word) return {quantity, MeasuredGeometry::unknown};
+        }
+        try {
+            return measured_kind(word);
+        } catch (const UsageError& error) {
+            refuse(file_, row.line, error.what());
+        }
+    }
+    MeasuredGeometry geometry_of(const SheetRow& row, const std::string& word) const {
+        for (int g = 0; g <= static_cast<int>(MeasuredGeometry::directions); ++g) {
+            const auto geometry = static_cast<MeasuredGeometry>(g);
+            if (word_of(geometry) == lower_case(word)) return geometry;
+        }
+        const NamedGeometry named = geometry_in(word);
+        if (named.geometry != MeasuredGeometry::unknown) return named.geometry;
+        refuse(file_, row.line,
+               fmt::format("geometry '{}'; allowed: directional, d8-sci, d8-sce, 45-0, "
+                           "hemispherical, hdrf, directions",
+                           word));
+    }
+
+    void read_row(const SheetRow& row) {
+        MeasuredValue value;
+        value.line = row.line;
+        if (const auto column = find(Role::wavelength)) {
+            const auto& number = row.cells[*column].number;
+            const std::string& as_text = row.cells[*column].text;
+            if (number && !(*number > 0.0)) {
+                refuse(file_, row.line, fmt::format("wavelength {}; allowed: above 0", *number));
+            }
+            if (!number && !as_text.empty()) {
+                refuse(file_, row.line, fmt::format("wavelength '{}' is not a number", as_text));
+            }
+            if (number) value.wavelength_nm = materials::to_nm(*number, unit_);
+        }
+        RawDirection raw;
+        raw.theta_in = angle(row, Role::theta_in);
+        raw.theta_out = angle(row, Role::theta_out);
+        raw.phi = angle(row, Role::phi);
+        raw.phi_in = angle(row, Role::phi_in);
+        raw.phi_out = angle(row, Role::phi_out);
+        value.mu_in = plain(row, Role::mu_in);
+        value.mu_out = plain(row, Role::mu_out);
+        value.azimuth_deg = plain(row, Role::azimuth_deg);
+        for (const ValueColumn& column : columns_) {
+            const SheetCell& cell = row.cells[column.index];
+            if (!cell.number) {
+                if (!cell.is_missing) {
+                    refuse(file_, row.line,
+                           fmt::format("'{}' in '{}' is not a number", cell.text, column.name));
+                }
+                if (missing_++ == 0) first_missing_ = row.line;
+                continue;
+            }
+            const MeasuredKind kind = kind_of_row(row, column);
+            value.quantity = kind.quantity;
+            value.geometry = kind.geometry;
+            const double factor = !is_share(kind.quantity) || cell.is_percent ? 1.0 : column.factor;
+            value.value = *cell.number * factor;
+            value.sigma = MeasuredValue::kNone;
+            if (column.sigma && row.cells[*column.sigma].number)
+                value.sigma = *row.cells[*column.sigma].number * factor;
+            value.sample = sample_of(row, column);
+            list_.values.push_back(value);
+            raw.times_mu_out = column.times_mu_out;
+            if (raw.given()) {
+                raw.value = list_.values.size() - 1;
+                raw_.push_back(raw);
+            }
+        }
+    }
+
+    const MeasuredFile& file_;
+    Sheet sheet_;
+    const MeasuredOptions& options_;
+    std::vector<ColumnRole> roles_;
+    std::vector<ValueColumn> columns_;
+    materials::Unit unit_ = materials::Unit::nanometre;
+    Measurements list_;
+    std::map<std::string, std::size_t> samples_;
+    std::vector<RawDirection> raw_;
+    std::size_t missing_ = 0;
+    int first_missing_ = 0;
+};
+
+/// Spectra in rows: wavelengths name the columns at the end, the others name the sample.
+Measurements read_rows(const MeasuredFile& file, const Sheet& sheet,
+                       const MeasuredOptions& options) {
+    Measurements list;
+    std::size_t first = sheet.names.size();
+    while (first > 0 && wavelength_in_name(sheet.names[first - 1])) --first;
+    bool percent = sheet.says_percent();
+    std::size_t missing = 0;
+    int first_missing = 0;
+    double largest = 0.0;
+    for (const SheetRow& row : sheet.rows) {
+        for (std::size_t c = first; c < row.cells.size(); ++c)
+            largest = std::max(largest, row.cells[c].number.value_or(0.0));
+    }
+    percent = percent && largest > 2.0;
+    for (std::size_t c = first; c < sheet.names.size(); ++c)
+        percent = percent || says_percent(sheet.names[c]);
+    const double factor = share_factor(list, options, percent, "as the file says");
+    for (const SheetRow& row : sheet.rows) {
+        std::string name, words;
+        for (std::size_t c = 0; c < first; ++c) {
+            if (row.cells[c].text.empty()) continue;
+            name += (name.empty() ? "" : " ") + row.cells[c].text;
+        }
+        if (name.empty()) name = fmt::format("row {}", list.samples.size() + 1);
+        std::vector<double> nm, values;
+        for (std::size_t c = first; c < sheet.names.size(); ++c) {
+            const SheetCell& cell = row.cells[c];
+            if (!cell.number) {
+                if (!cell.is_missing) {
+                    refuse(file, row.line,
+                           fmt::format("'{}' at {} is not a number", cell.text, sheet.names[c]));
+                }
+                if (missing++ == 0) first_missing = row.line;
+                continue;
+            }
+            nm.push_back(*wavelength_in_name(sheet.names[c]));
+            values.push_back(*cell.number * (cell.is_percent ? 1.0 : factor));
+        }
+        const NamedGeometry geometry = geometry_in(name);
+        add_spectrum(list, name, {MeasuredQuantity::reflectance, geometry.geometry}, geometry.mu_in,
+                     nm, values, std::vector<int>(nm.size(), row.line));
+    }
+    if (missing > 0) {
+        list.doubts.push_back(fmt::format("{}:{}: {} field{} without a number, left out", file.path,
+                                          first_missing, missing, missing > 1 ? "s" : ""));
+    }
+    return list;
+}
+
+/// Two or three columns of numbers without names: wavelength, value and perhaps sigma.
+Measurements read_nameless(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options) {
+    const std::size_t count = sheet.rows.front().cells.size();
+    sheet.names = {"wavelength", "reflectance"};
+    if (count == 3) sheet.names.emplace_back("sigma");
+    Measurements list = LongTable(file, std::move(sheet), options).read();
+    list.facts.emplace_back(
+        "columns", "without names: wavelength, value" + std::string(count == 3 ? ", sigma" : ""));
+    return list;
+}
+
+bool is_nameless(const Sheet& sheet) {
+    if (!sheet.names.empty() || sheet.rows.size() < 3) return false;
+    const std::size_t count = sheet.rows.front().cells.size();
+    const auto is_number = [](const SheetCell& cell) { return cell.number.has_value(); };
+    return (count == 2 || count == 3) &&
+           std::all_of(sheet.rows.begin(), sheet.rows.end(), [&](const SheetRow& row) {
+               return std::all_of(row.cells.begin(), row.cells.end(), is_number);
+           });
+}
+
+bool looks_like_table(const MeasuredFile& file) {
+    if (!sheet_names(file).empty()) return true;
+    try {
+        return is_nameless(read_sheet(file));
+    } catch (const materials::ImportError&) {
+        return false;
+    }
+}
+
+Measurements read_table(const MeasuredFile& file, const MeasuredOptions& options) {
+    Sheet sheet = read_sheet(file);
+    if (sheet.rows.empty()) refuse(file, 0, "has no rows; the first line names the columns");
+    if (sheet.names_are_wavelengths) return read_rows(file, sheet, options);
+    if (is_nameless(sheet)) return read_nameless(file, std::move(sheet), options);
+    if (sheet.names.empty()) {
+        refuse(file, 1,
+               "no line of names with a wavelength or directions, as in wavelength_nm,reflectance "
+               "or theta_in,theta_out,phi,brdf");
+    }
+    return LongTable(file, std::move(sheet), options).read();
+}
+
+}  // namespace
+
+extern const Reader kCsv;
+constinit const Reader kCsv{{"csv", "tables (CSV)"}, looks_like_table, read_table};
+
+}  // namespace miebrdf::measured

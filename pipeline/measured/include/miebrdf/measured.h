@@ -1,0 +1,115 @@
+// Measurements as instruments write them, as one list of values.
+//
+//     const auto measured = read_measured("paint.cxf");
+//     for (const auto& m : measured.values) use(m.wavelength_nm, m.value);
+//
+// docs/measured.md has the formats, and what each says of its quantity and geometry.
+#pragma once
+
+#include <miebrdf/error.h>
+
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#pragma GCC visibility push(default)
+namespace miebrdf {
+
+enum class MeasuredQuantity {
+    reflectance,         ///< share of the incident light that comes back
+    transmittance,       ///< share of the incident light that passes
+    brdf,                ///< 1/sr, without the cosine
+    reflectance_factor,  ///< relative to a white Lambertian surface: pi times the BRDF
+    lab_l,               ///< CIE L*, a*, b*
+    lab_a,
+    lab_b,
+};
+
+enum class MeasuredGeometry {
+    unknown,
+    directional,    ///< light from mu_in, all that comes back or passes, the mirror part included
+    d8_sci,         ///< the same at 8 degrees, as a sphere with specular included sees it
+    d8_sce,         ///< at 8 degrees without the mirror part: specular excluded
+    d45_0,          ///< light from 45 degrees, seen from above
+    hemispherical,  ///< light from all sides alike
+    hdrf,           ///< under sun and sky, seen from mu_out
+    directions,     ///< mu_in, mu_out, azimuth
+};
+
+struct MeasuredKind {
+    MeasuredQuantity quantity = MeasuredQuantity::reflectance;
+    MeasuredGeometry geometry = MeasuredGeometry::unknown;
+
+    bool operator==(const MeasuredKind&) const = default;
+};
+
+/// What a word says: plane_albedo, spherical_albedo, hemispherical, plane_transmittance,
+/// spherical_transmittance, brdf, reflection, reflectance_factor, hdrf, d8-sci, d8-sce, 45-0, lab
+/// (its L*), reflectance, transmittance.
+/// @throws UsageError  naming them
+MeasuredKind measured_kind(std::string_view word);
+/// "reflectance", "lab_l"; "d8-sci", and an empty text for an unknown geometry.
+std::string word_of(MeasuredQuantity quantity);
+std::string word_of(MeasuredGeometry geometry);
+/// Quantities that are shares of the incident light, or relative to white.
+bool is_share(MeasuredQuantity quantity);
+
+/// One value. Numbers that it has none of are not a number (NaN).
+struct MeasuredValue {
+    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+    MeasuredQuantity quantity = MeasuredQuantity::reflectance;
+    MeasuredGeometry geometry = MeasuredGeometry::unknown;
+    double wavelength_nm = kNone;
+    double mu_in = kNone, mu_out = kNone;  ///< known where the geometry fixes them
+    double azimuth_deg = kNone;            ///< in [0, 360); 0 = mirror side
+    double value = kNone;
+    double sigma = kNone;    ///< standard error, in the unit of the value
+    std::size_t sample = 0;  ///< of Measurements::samples
+    int line = 0;            ///< of the file; 0: it has none
+};
+
+struct Measurements {
+    std::string file, format;
+    std::vector<std::string> samples;   ///< names of samples or columns, at least one
+    std::vector<MeasuredValue> values;  ///< sample by sample, wavelengths ascending
+    /// What was understood, by name: "unit" -> "percent", "azimuth" -> "0 = mirror side".
+    std::vector<std::pair<std::string, std::string>> facts = {};
+    /// Sentences about what may be wrong, with the line and what would help.
+    std::vector<std::string> doubts = {};
+};
+
+struct MeasuredOptions {
+    std::string format = {};    ///< name of a format; empty: recognised
+    std::string column = {};    ///< one sample or column alone; empty: all
+    std::string quantity = {};  ///< a word of measured_kind(), in place of what the file says
+    std::optional<bool> percent = {};          ///< nothing: as the file says, else shares of 1
+    std::optional<double> wavelength_nm = {};  ///< of values that have none, like the next three
+    std::optional<double> mu_in = {}, mu_out = {}, azimuth_deg = {};
+    /// Standard errors of values that have none; both: the root of the sum of squares.
+    std::optional<double> sigma = {}, relative_sigma = {};
+    /// What azimuth 0 means in the file: "mirror" or "back" (towards the source, as in graphics).
+    /// Empty: as the file says, or as its values show beyond doubt.
+    std::string azimuth_zero = {};
+};
+
+/// A format that is read.
+struct MeasuredFormat {
+    const char* name;
+    const char* title;
+};
+std::vector<MeasuredFormat> measured_formats();
+
+/// Reads a file of any of these formats, recognised by its content.
+/// @throws UsageError  for options that are out of range, or that name a column that is not there
+/// @throws InputError  with FILE:LINE for a file that cannot be read or is damaged, values in
+///         percent where shares are meant, wavelengths that are there twice with two values, and
+///         directions whose convention is not known
+Measurements read_measured(const std::filesystem::path& file, const MeasuredOptions& options = {});
+
+}  // namespace miebrdf
+#pragma GCC visibility pop

@@ -1,0 +1,62 @@
+// What every reader of measurements is, and what they share.
+#pragma once
+
+#include <miebrdf/database.h>
+#include <miebrdf/measured.h>
+
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace miebrdf::measured {
+
+inline double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
+
+struct MeasuredFile {
+    std::string path;
+    std::string_view content;  ///< text without its byte-order mark
+};
+
+/// A format: one file here, and one line in the list of read_measured.cpp.
+struct Reader {
+    MeasuredFormat format;
+    bool (*looks_like)(const MeasuredFile& file);
+    /// Values as they stand in the file, shares of 1 where it says its unit; complete() does the
+    /// rest.
+    Measurements (*read)(const MeasuredFile& file, const MeasuredOptions& options);
+};
+
+/// In the order in which they are asked: the most particular first.
+std::span<const Reader* const> readers();
+
+/// @throws ImportError  always; line 0: the whole file
+[[noreturn]] inline void refuse(const MeasuredFile& file, int line, const std::string& reason) {
+    throw materials::ImportError(file.path, line, reason);
+}
+
+/// What values are multiplied with, and the fact about it. Percent may be said by the file or asked
+/// for.
+double share_factor(Measurements& list, const MeasuredOptions& options, bool file_says_percent,
+                    std::string_view where);
+
+/// The geometry and direction that words of a file tell: "Directional (10 Degree) Hemispherical",
+/// "Sphere d/8 SPIN", "45/0". Nothing where they tell none.
+struct NamedGeometry {
+    MeasuredGeometry geometry = MeasuredGeometry::unknown;
+    double mu_in = MeasuredValue::kNone;
+};
+NamedGeometry geometry_in(std::string_view words);
+
+/// Adds a spectrum as a sample of its own.
+/// @param lines  of the values; empty: the file has none
+void add_spectrum(Measurements& list, const std::string& sample, MeasuredKind kind, double mu_in,
+                  std::span<const double> wavelength_nm, std::span<const double> values,
+                  std::span<const int> lines = {});
+
+/// Fills in what the options say, checks everything and sorts it.
+void complete(Measurements& list, const MeasuredOptions& options);
+
+}  // namespace miebrdf::measured
