@@ -11,21 +11,28 @@ packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev li
 # Rendering is optional; its tests run only with these.
 packages_render=("${packages_program[@]}" libembree-dev libtinyobjloader-dev libpng-dev)
 packages_tests=("${packages_render[@]}" catch2 python3-pytest)
+packages_site=(doxygen python3-sphinx python3-myst-parser python3-breathe python3-numpy)
 # What single tests need and say when it is missing: they are skipped.
 packages_everything=("${packages_tests[@]}" python3-venv python3-xarray python3-netcdf4 netcdf-bin
                      python3-matplotlib python3-tqdm codespell chromium slurm-wlm munge
-                     openmpi-bin debootstrap dpkg-dev)
+                     openmpi-bin debootstrap dpkg-dev "${packages_site[@]}")
 packages_gates=("${packages_program[@]}" clang clang-format clang-tidy python3-numpy mypy)
 packages_coverage=("${packages_everything[@]}" gcovr)
 
-# install_missing_packages program|render|tests|everything|gates|coverage
+# missing_packages KIND: those of packages_KIND that are not installed
+missing_packages() {
+    local -n of_kind="packages_$1"
+    for package in "${of_kind[@]}"; do
+        dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+            echo "$package"
+    done | paste -sd ' '
+}
+
+# install_missing_packages program|render|tests|everything|gates|coverage|site
 install_missing_packages() {
     local -n wanted="packages_$1"
-    local missing=()
-    for package in "${wanted[@]}"; do
-        dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
-            missing+=("$package")
-    done
+    local missing
+    read -ra missing <<<"$(missing_packages "$1")"
     if [ ${#missing[@]} -eq 0 ]; then
         say "all ${#wanted[@]} packages are there"
         return

@@ -44,7 +44,7 @@ class Albedos:
         Returns
         -------
         xarray.DataArray or numpy.ndarray
-            Of shape (wavelengths, *shape of mu_in).
+            Of shape ``(wavelengths, *shape of mu_in)``.
         """
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         name = "plane_transmittance" if transmitted else "plane_albedo"

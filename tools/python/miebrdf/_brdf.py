@@ -93,7 +93,7 @@ class Brdf(Albedos):
         Returns
         -------
         xarray.DataArray or numpy.ndarray
-            Of shape (wavelengths, *broadcast directions).
+            Of shape ``(wavelengths, *broadcast directions)``.
         """
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         table = self._table(part)

@@ -17,7 +17,7 @@ class FileCheck:
     Attributes
     ----------
     reciprocity_rms : float or None
-        Of |f(i, o) - f(o, i)| over the mean of both; None where no pair is listed both ways.
+        Of ``|f(i, o) - f(o, i)|`` over the mean of both; None where no pair is listed both ways.
     largest_albedo : float or None
         Over all channels and incidences.
     largest_albedo_error, largest_albedo_mu : float

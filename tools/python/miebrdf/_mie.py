@@ -19,7 +19,7 @@ class Sphere(NamedTuple):
     q_ext: Any  #: extinction, q_sca + q_abs
     q_sca: Any  #: scattering
     q_abs: Any  #: absorption, summed by itself; exactly 0 for k = 0
-    q_back: Any  #: radar backscattering, 4 |S(180)|^2 / x^2
+    q_back: Any  #: radar backscattering, ``4 |S(180)|^2 / x^2``
     asymmetry: Any  #: g, mean cosine of the scattering angle
     accuracy: Any  #: estimated relative error from rounding
     reached: Any  #: accuracy <= 1e-12
@@ -219,7 +219,7 @@ def phase(material: Any, wavelengths_nm: ArrayLike, angles_deg: ArrayLike, **opt
     Returns
     -------
     xarray.DataArray or numpy.ndarray
-        Of shape (wavelengths, *shape of angles_deg).
+        Of shape ``(wavelengths, *shape of angles_deg)``.
     """
     wavelengths, single = wavelength_list(wavelengths_nm)
     axes: Axes = broadcast({"angle_deg": angles_deg})

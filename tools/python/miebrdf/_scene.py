@@ -172,7 +172,7 @@ class Scene:
         Returns
         -------
         xarray.DataArray or numpy.ndarray
-            1/sr, without the cosine, of shape (wavelengths, *broadcast directions); attributes:
+            1/sr, without the cosine, of shape ``(wavelengths, *broadcast directions)``; attributes:
             units, version, sources, error_estimate, tolerance, converged.
 
         Warns
@@ -226,8 +226,8 @@ class Scene:
         Returns
         -------
         xarray.DataArray or numpy.ndarray
-            1/sr, without the cosine, of shape (wavelengths, *broadcast directions, outgoing,
-            incident): what it makes of the Stokes vector (I, Q, U[, V]) of the incident light, Q =
+            1/sr, without the cosine, of shape ``(wavelengths, *broadcast directions, outgoing,
+            incident)``: what it makes of the Stokes vector (I, Q, U[, V]) of the incident light, Q =
             parallel minus perpendicular to the meridian plane of each ray.
 
         Raises
@@ -306,7 +306,7 @@ class Scene:
         Returns
         -------
         xarray.DataArray or numpy.ndarray
-            Of shape (wavelengths, *shape of mu_in).
+            Of shape ``(wavelengths, *shape of mu_in)``.
         """
         solved = self._without_table(wavelengths_nm, options)
         if mu_in is None and theta_in_deg is None:

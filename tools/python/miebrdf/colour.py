@@ -81,7 +81,7 @@ def xyz(
     Returns
     -------
     numpy.ndarray
-        Of shape (*other axes, 3).
+        Of shape ``(*other axes, 3)``.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def colour_error(
 ) -> Floats:
     """What the wavelengths leave, at most: dE76 to the colour from every other one of them.
 
-    Of shape (*other axes). Arguments as for `xyz`.
+    Of shape ``(*other axes)``. Arguments as for `xyz`.
     """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(12, 13))[..., 0]
 
