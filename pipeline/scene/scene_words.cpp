@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <miebrdf/error.h>
+#include "pipeline/scene/named_numbers.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/scene/scene_parts.h"
 #include "pipeline/scene/word_setters.h"
@@ -72,7 +73,7 @@ const SceneWord* find_scene_word(std::string_view name) {
 }
 
 void apply(const SceneWord& word, std::span<const WordValue> values, Request& request) {
-    word.set(word, values, request);
+    word.set(word, without_names(word, values, request.scene), request);
 }
 
 std::string text_of(const WordValue& value) {

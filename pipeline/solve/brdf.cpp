@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/solve/brdf_parts.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/layers.h"
@@ -70,7 +71,8 @@ void add_physics(BrdfValues::Slice& slice, const Directions& directions) {
     if (!whole.empty()) slice.physics = physics_of(whole, directions);
 }
 
-/// The parts of a BRDF at one wavelength from its layers.
+}  // namespace
+
 BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::size_t w,
                            const Directions& directions, const BrdfParts& parts,
                            const Control& control) {
@@ -99,7 +101,74 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
     return slice;
 }
 
-}  // namespace
+std::vector<LayerSlice> layers_of(const Brdf::State& state, const Directions& directions,
+                                  const BrdfParts& parts) {
+    const ResolvedScene& scene = state.resolved;
+    std::vector<LayerSlice> layers(scene.wavelength_nm.size());
+    if (wants_layers(parts)) {
+        layers = compute_layers({scene, directions, state.solver, LayerQuantity::reflection},
+                                state.control);
+    } else {
+        for (std::size_t w = 0; w < layers.size(); ++w) {
+            layers[w].report.wavelength_nm = scene.wavelength_nm[w];
+            layers[w].report.converged = layers[w].report.solver.converged = true;
+        }
+    }
+    return layers;
+}
+
+BrdfValues brdf_values(std::vector<LayerSlice> layers, const Brdf::State& state,
+                       const Directions& directions, const BrdfParts& parts) {
+    const ResolvedScene& scene = state.resolved;
+    BrdfValues values;
+    values.directions = directions;
+    values.tolerance = state.solver.tolerance;
+    values.sources = scene.sources;
+    values.notes = scene.notes;
+    for (const LayerSlice& layer : layers) values.wavelengths.push_back(layer.report);
+    values.slices.resize(layers.size());
+    run_parallel("surface", layers.size(), state.control, [&](std::size_t w) {
+        values.slices[w] =
+            slice_of(std::move(layers[w]), scene, w, directions, parts, state.control);
+    });
+    return values;
+}
+
+AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& scene,
+                           const std::vector<double>& mu_in, const SolverOptions& solver) {
+    AlbedoValues values;
+    values.mu_in = mu_in;
+    for (LayerSlice& layer : layers) {
+        values.wavelengths.push_back(layer.report);
+        values.spherical_albedo.push_back(layer.values.back());
+        layer.values.pop_back();
+        values.plane_albedo.push_back(std::move(layer.values));
+        if (!layer.mirror_reflectance.empty())
+            values.mirror_reflectance.push_back(std::move(layer.mirror_reflectance));
+        if (solver.stokes > 1)
+            values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
+        if (!scene.substrate || scene.surface) continue;
+        values.spherical_transmittance.push_back(layer.transmittance.back());
+        layer.transmittance.pop_back();
+        values.plane_transmittance.push_back(std::move(layer.transmittance));
+    }
+    return values;
+}
+
+AlbedoValues albedo_of(const Brdf::State& state, std::vector<LayerSlice> layers,
+                       const std::vector<double>& mu_in) {
+    const ResolvedScene& scene = state.resolved;
+    if (scene.surface) {
+        run_parallel("surface", layers.size(), state.control, [&](std::size_t w) {
+            add_surface_to_albedos(scene, w, mu_in, layers[w].values);
+        });
+    }
+    AlbedoValues values = albedo_values(std::move(layers), scene, mu_in, state.solver);
+    values.tolerance = state.solver.tolerance;
+    values.sources = scene.sources;
+    values.notes = scene.notes;
+    return values;
+}
 
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
@@ -115,29 +184,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
 
 BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {
     rte::validate(directions);
-    const ResolvedScene& scene = state_->resolved;
-    std::vector<LayerSlice> layers(scene.wavelength_nm.size());
-    if (wants_layers(parts)) {
-        layers = compute_layers({scene, directions, state_->solver, LayerQuantity::reflection},
-                                state_->control);
-    } else {
-        for (std::size_t w = 0; w < layers.size(); ++w) {
-            layers[w].report.wavelength_nm = scene.wavelength_nm[w];
-            layers[w].report.converged = layers[w].report.solver.converged = true;
-        }
-    }
-    BrdfValues values;
-    values.directions = directions;
-    values.tolerance = state_->solver.tolerance;
-    values.sources = scene.sources;
-    values.notes = scene.notes;
-    for (const LayerSlice& layer : layers) values.wavelengths.push_back(layer.report);
-    values.slices.resize(layers.size());
-    run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
-        values.slices[w] =
-            slice_of(std::move(layers[w]), scene, w, directions, parts, state_->control);
-    });
-    return values;
+    return brdf_values(layers_of(*state_, directions, parts), *state_, directions, parts);
 }
 
 AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
@@ -145,31 +192,7 @@ AlbedoValues Brdf::albedo(const std::vector<double>& mu_in) const {
     const ResolvedScene& scene = state_->resolved;
     std::vector<LayerSlice> layers = compute_layers(
         {scene, {mu_in, {}, {}}, state_->solver, albedo_quantity(scene)}, state_->control);
-    AlbedoValues values;
-    values.mu_in = mu_in;
-    values.tolerance = state_->solver.tolerance;
-    values.sources = scene.sources;
-    values.notes = scene.notes;
-    if (scene.surface) {
-        run_parallel("surface", layers.size(), state_->control, [&](std::size_t w) {
-            add_surface_to_albedos(scene, w, mu_in, layers[w].values);
-        });
-    }
-    for (LayerSlice& layer : layers) {
-        values.wavelengths.push_back(layer.report);
-        values.spherical_albedo.push_back(layer.values.back());
-        layer.values.pop_back();
-        values.plane_albedo.push_back(std::move(layer.values));
-        if (!layer.mirror_reflectance.empty())
-            values.mirror_reflectance.push_back(std::move(layer.mirror_reflectance));
-        if (state_->solver.stokes > 1)
-            values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
-        if (!scene.substrate || scene.surface) continue;
-        values.spherical_transmittance.push_back(layer.transmittance.back());
-        layer.transmittance.pop_back();
-        values.plane_transmittance.push_back(std::move(layer.transmittance));
-    }
-    return values;
+    return albedo_of(*state_, std::move(layers), mu_in);
 }
 
 BrdfTable Brdf::table(const TableOptions& options) const {

@@ -184,33 +184,6 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     return slice;
 }
 
-/// A slice at the distinct directions as one at all those that were asked for.
-LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
-    if (quantity == LayerQuantity::mueller || distinct.are_all()) return slice;
-    LayerSlice all;
-    all.report = slice.report;
-    if (quantity == LayerQuantity::reflection) {
-        all.values = distinct.spread(slice.values);
-        all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
-    } else {
-        all.values = distinct.spread_incident(slice.values);
-        all.values.push_back(slice.values.back());  // the spherical albedo
-        all.transmittance = distinct.spread_incident(slice.transmittance);
-        all.transmittance.push_back(slice.transmittance.back());
-    }
-    if (!slice.mirror_reflectance.empty())
-        all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);
-    if (!slice.polarised_plane_albedo.empty())
-        all.polarised_plane_albedo = distinct.spread_incident(slice.polarised_plane_albedo);
-    return all;
-}
-
-bool has_cut_moments(const rte::Stack& stack) {
-    return (stack.base_kind == rte::BaseKind::half_space && stack.base.has_more_moments) ||
-           std::any_of(stack.coats.begin(), stack.coats.end(),
-                       [](const rte::Coat& coat) { return coat.optics.has_more_moments; });
-}
-
 std::vector<double> packed(const LayerSlice& slice) {
     const auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] =
         slice;
@@ -238,6 +211,32 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
 }
 
 }  // namespace
+
+LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
+    if (quantity == LayerQuantity::mueller || distinct.are_all()) return slice;
+    LayerSlice all;
+    all.report = slice.report;
+    if (quantity == LayerQuantity::reflection) {
+        all.values = distinct.spread(slice.values);
+        all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
+    } else {
+        all.values = distinct.spread_incident(slice.values);
+        all.values.push_back(slice.values.back());  // the spherical albedo
+        all.transmittance = distinct.spread_incident(slice.transmittance);
+        all.transmittance.push_back(slice.transmittance.back());
+    }
+    if (!slice.mirror_reflectance.empty())
+        all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);
+    if (!slice.polarised_plane_albedo.empty())
+        all.polarised_plane_albedo = distinct.spread_incident(slice.polarised_plane_albedo);
+    return all;
+}
+
+bool has_cut_moments(const rte::Stack& stack) {
+    return (stack.base_kind == rte::BaseKind::half_space && stack.base.has_more_moments) ||
+           std::any_of(stack.coats.begin(), stack.coats.end(),
+                       [](const rte::Coat& coat) { return coat.optics.has_more_moments; });
+}
 
 LayerQuantity albedo_quantity(const ResolvedScene& scene) {
     return scene.surface ? LayerQuantity::albedo_through_surface : LayerQuantity::albedo;

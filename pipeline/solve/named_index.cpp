@@ -114,13 +114,17 @@ ResolvedIndex resolve_index(const Species& species, const std::vector<double>& w
                                      species.index.size()),
                          wavelength_nm, k_floor);
     }
-    return materials.remembered(species.name, wavelength_nm, k_floor, [&] {
+    ResolvedIndex found = materials.remembered(species.name, wavelength_nm, k_floor, [&] {
         const auto table = materials.index(species.name);
         const auto info = materials.open().info(species.name);
         ResolvedIndex resolved = values_of(table, source_line(info), wavelength_nm, k_floor);
         resolved.density_g_cm3 = info.density_g_cm3;
         return resolved;
     });
+    if (materials.shift && materials.shift->name == species.name) {
+        for (std::complex<double>& index : found.index) index = materials.shift->of(index);
+    }
+    return found;
 }
 
 ResolvedIndex resolve_index(const Species& species, const std::vector<double>& wavelength_nm,

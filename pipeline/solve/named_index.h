@@ -21,6 +21,19 @@ struct ResolvedIndex {
     std::optional<double> density_g_cm3 = {};  ///< of a material by name, where it is known
 };
 
+/// A change of n + ik at all wavelengths, of a material by the name that a scene calls it.
+struct IndexShift {
+    std::string name;
+    double n = 0.0;           ///< added to n
+    double share_of_k = 0.0;  ///< k becomes k (1 + this)
+    double k_in_place_of_0 = 0.0;
+
+    std::complex<double> of(std::complex<double> index) const {
+        const double k = index.imag();
+        return {index.real() + n, k > 0.0 ? k * (1.0 + share_of_k) : k_in_place_of_0};
+    }
+};
+
 /// What scenes of one run have looked up. Thread-safe. A database that changes during the run is
 /// not asked again.
 class NamedIndexMemo {
@@ -50,6 +63,9 @@ class Materials {
                              double k_floor, const std::function<ResolvedIndex()>& look_up) const;
 
     materials::RefractiveIndex index(const std::string& name);
+
+    /// Of every index that is looked up from now on; empty: none.
+    std::optional<IndexShift> shift = {};
 
   private:
     std::string file_;

@@ -124,9 +124,9 @@ void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
 }  // namespace
 
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm,
-                      NamedIndexMemo* memo) {
+                      NamedIndexMemo* memo, const IndexShift* shift) {
     Resolver resolver(scene, wavelength_nm.empty() ? kDepthWavelengthNm : wavelength_nm.front(),
-                      memo);
+                      memo, shift);
     ResolvedScene resolved{.wavelength_nm = wavelength_nm, .particles = scene.particles};
     if (scene.substrate) {
         resolved.substrate = scene.substrate->kind;

@@ -13,6 +13,7 @@ namespace miebrdf {
 
 class JobKey;
 class NamedIndexMemo;
+struct IndexShift;
 
 /// Spheres of one kind at one wavelength.
 struct Particles {
@@ -103,12 +104,13 @@ struct ResolvedScene {
 };
 
 /// Looks everything up, once.
-/// @param memo  of names, for several scenes (OpticsMemo::names); null: none
+/// @param memo   of names, for several scenes (OpticsMemo::names); null: none
+/// @param shift  null: every index as it is known
 /// @throws UsageError  for particles without contrast to their host, amounts and densities that are
 ///         missing, and for a surface without a refractive index
 /// @throws InputError  for unknown names, a database that cannot be read, and wavelengths that a
 ///         material does not cover
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm,
-                      NamedIndexMemo* memo = nullptr);
+                      NamedIndexMemo* memo = nullptr, const IndexShift* shift = nullptr);
 
 }  // namespace miebrdf

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
@@ -83,10 +84,13 @@ bool has_mirror(const Scene& scene) {
 
 bool has_host(const Host& host) { return !host.name.empty() || host.index != 1.0; }
 
-Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo)
+Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo,
+                   const IndexShift* shift)
     : scene_(scene),
       example_wavelength_nm_(example_wavelength_nm),
-      materials_(scene.database, scene.index, memo) {}
+      materials_(scene.database, scene.index, memo) {
+    if (shift != nullptr) materials_.shift = *shift;
+}
 
 ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                                 double optical_depth) {
@@ -294,9 +298,12 @@ void Resolver::require_particles(const Layer& layer) {
 
 ResolvedMedium Resolver::reference(const Layer& layer) {
     try {
-        // Its notes are made at the wavelengths of the scene already.
+        // Its notes are made at the wavelengths of the scene already, and a shift is of the index
+        // there.
         const std::vector<std::string> notes = notes_;
+        const std::optional<IndexShift> shift = std::exchange(materials_.shift, {});
         ResolvedMedium found = medium(layer.medium, {layer.depth.wavelength_nm}, layer.depth.value);
+        materials_.shift = shift;
         notes_ = notes;
         return found;
     } catch (const InputError& error) {

@@ -13,7 +13,9 @@ class Resolver {
   public:
     /// @param example_wavelength_nm  a wavelength at which the scene is wanted, for advice
     /// @param memo     null: nothing is remembered
-    Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo = nullptr);
+    /// @param shift    null: every index as it is known
+    Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexMemo* memo = nullptr,
+             const IndexShift* shift = nullptr);
 
     /// @throws UsageError, InputError  as resolve() of resolved_scene.h
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it

@@ -60,9 +60,6 @@ class StackBuilder {
 
     const std::vector<double>& depths(std::size_t place) const { return depths_[place]; }
 
-  private:
-    double depth(std::size_t medium, Place at) const { return depths_[at.place][medium - 1]; }
-
     /// Media first ... last - 1, the first as the half-space (but for a substrate).
     std::vector<SceneOptics> stacks_of(std::size_t first, std::size_t last,
                                        const std::vector<Place>& places) const {
@@ -74,6 +71,7 @@ class StackBuilder {
         std::vector<SceneOptics> scenes;
         for (std::size_t p = 0; p < places.size(); ++p) {
             SceneOptics& whole = scenes.emplace_back();
+            whole.lowest_medium = first;
             whole.stack.boundary = scene_.boundary;
             if (on_ground) put_on_ground(places[p].wavelength, whole.stack);
             for (std::size_t i = 0; i < media.size(); ++i) {
@@ -91,6 +89,9 @@ class StackBuilder {
         }
         return scenes;
     }
+
+  private:
+    double depth(std::size_t medium, Place at) const { return depths_[at.place][medium - 1]; }
 
     void put_on_ground(std::size_t wavelength, rte::Stack& stack) const {
         stack.ground_albedo = scene_.ground_albedo[wavelength];
@@ -143,6 +144,12 @@ class StackBuilder {
     std::vector<std::vector<double>> depths_;  ///< [place][layer]
 };
 
+std::vector<Place> places_of(const std::vector<std::size_t>& wavelengths) {
+    std::vector<Place> places;
+    for (std::size_t p = 0; p < wavelengths.size(); ++p) places.push_back({wavelengths[p], p});
+    return places;
+}
+
 }  // namespace
 
 std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Directions& directions,
@@ -150,14 +157,20 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control) {
     const StackBuilder builder(scene, directions, tolerance, wavelengths, demand, control);
-    std::vector<Place> places;
-    for (std::size_t p = 0; p < wavelengths.size(); ++p) places.push_back({wavelengths[p], p});
-    std::vector<SceneOptics> stacks = builder.visible_below(scene.media.size(), places);
+    std::vector<SceneOptics> stacks =
+        builder.visible_below(scene.media.size(), places_of(wavelengths));
     for (std::size_t p = 0; p < stacks.size(); ++p) {
         stacks[p].stack = rte::with_black_ground(std::move(stacks[p].stack));
         stacks[p].optical_depths = builder.depths(p);
     }
     return stacks;
+}
+
+std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t lowest_medium,
+                                     const std::vector<std::size_t>& wavelengths,
+                                     const OpticsDemand& demand, const Control& control) {
+    const StackBuilder builder(scene, {}, 0.0, wavelengths, demand, control);
+    return builder.stacks_of(lowest_medium, scene.media.size(), places_of(wavelengths));
 }
 
 Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,

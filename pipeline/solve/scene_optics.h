@@ -14,6 +14,7 @@ struct SceneOptics {
     std::vector<double> optical_depths = {};  ///< of all layers, also of those that do not show
     double mie_error_estimate = 0.0;          ///< largest of the media
     bool converged = true;
+    std::size_t lowest_medium = 0;  ///< of the scene, that shows
 };
 
 /// Optics of the layers that show from above, at some of the scene's wavelengths: a layer that
@@ -23,6 +24,13 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         double tolerance,
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control);
+
+/// The same with the layers from a given medium up, whatever they hide: a scene a little different
+/// from one of which that is known.
+/// @param lowest_medium  as of SceneOptics
+std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t lowest_medium,
+                                     const std::vector<std::size_t>& wavelengths,
+                                     const OpticsDemand& demand, const Control& control);
 
 /// Directions as the layers under a scene's boundary see them.
 Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,

@@ -90,9 +90,15 @@ ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m) {
     return scaled;
 }
 
-void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled) {
-    const double sharp = delta_m ? forward_fraction(optics, moments) : 0.0;
-    scaled.first_cutoff = first_cutoff(sharp, moments);
+void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled,
+                  const ScaledOptics* like) {
+    const auto fraction_like = [&] {
+        return like->truncated > 0.0 ? chi_at(optics, std::size_t(moments)) : 0.0;
+    };
+    const double sharp = like != nullptr ? fraction_like()
+                         : delta_m       ? forward_fraction(optics, std::size_t(moments))
+                                         : 0.0;
+    scaled.first_cutoff = like != nullptr ? like->first_cutoff : first_cutoff(sharp, moments);
     scaled.chi.setZero(moments);  // (1 - f) chi' until f is known
     double sum = 0.0;
     double weights = 0.0;

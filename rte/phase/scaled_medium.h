@@ -40,7 +40,9 @@ struct ScaledOptics {
 /// @param moments  L >= 1; degrees at and above L are dropped (no delta-M) or scaled away
 ScaledOptics scale_optics(const Optics& optics, int moments, bool delta_m);
 /// @param scaled  overwritten; its memory is used again
-void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled);
+/// @param like    null, or scaled optics whose cutoffs are taken, as of moments a little different
+void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics& scaled,
+                  const ScaledOptics* like = nullptr);
 
 /// Moments chi_l, l >= L, split into the smooth forward peak F_l and the structure N_l (glory,
 /// rainbows).

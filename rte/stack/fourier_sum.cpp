@@ -320,7 +320,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                                       std::span<const double> azimuth_deg, const SolvedLight& light,
                                       double tail_tolerance, const SolverOptions& options,
                                       StackMemory& memory, const FourierOrders& coarser_orders,
-                                      KeptOrders kept) {
+                                      KeptOrders kept, int exactly) {
     const int c = light.shown();
     const RequestedDirections rows = repeated(requested, c);
     MultipleScattering sum;
@@ -329,7 +329,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                       rows.in.size() * rows.out.size() <= kMostKeptPairs;
 
     StackSolver solver(stack, grids, requested, light.components, options, memory);
-    const int highest = highest_order(requested, solver.fourier_orders(), light);
+    const int all_orders = highest_order(requested, solver.fourier_orders(), light);
+    const int highest = exactly > 0 ? std::min(exactly, all_orders) : all_orders;
     FourierTail tail(tail_tolerance);
     FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
@@ -363,7 +364,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         sum.fourier_orders = m + 1;
         const auto asked = asked_part(*multiple);
         by_azimuth.add(m, asked);
-        ended = tail.ends_with(sizes.next(asked)) && m >= least;
+        ended = exactly == 0 && tail.ends_with(sizes.next(asked)) && m >= least;
         if (ended) {
             by_azimuth.finish();
             order_zero_over_peak = sizes.over_listed(sum.reflection);

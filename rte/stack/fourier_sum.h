@@ -177,11 +177,12 @@ enum class KeptOrders {
 /// orders whose cosine is zero at every azimuth (the odd ones across the plane of incidence) are
 /// left out where only numbers are wanted.
 /// @param coarser  by_fourier_order of a solution with fewer nodes, or empty
+/// @param exactly  so many orders, whatever they are; 0: as many as are needed
 MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids& grids,
                                       const RequestedDirections& requested,
                                       std::span<const double> azimuth_deg, const SolvedLight& light,
                                       double tail_tolerance, const SolverOptions& options,
                                       StackMemory& memory, const FourierOrders& coarser = {},
-                                      KeptOrders kept = KeptOrders::for_finer);
+                                      KeptOrders kept = KeptOrders::for_finer, int exactly = 0);
 
 }  // namespace miebrdf::rte

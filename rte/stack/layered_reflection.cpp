@@ -213,40 +213,6 @@ void albedo_with(const AlbedoRequest& request, const RequestedDirections& reques
     solution.report.error_estimate = order.residual;
 }
 
-// Nothing scattered is taken for a beam here: with the optical depths as they are.
-void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
-                              const SolvedLight& light, ScaledStack& exact,
-                              std::vector<double>& reflectances) {
-    reflectances.clear();
-    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
-    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
-    if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
-    if (exact.boundary && exact.boundary->is_rough()) return;
-    for (const double mu : mu_in) {
-        if (light.components == 1) {
-            reflectances.push_back(mirror_reflection<double>(exact, mu));
-            continue;
-        }
-        const Eigen::Matrix4d M = mueller_of(mirror_reflection<FresnelMatrix>(exact, mu));
-        for (int element = 0, c = light.shown(); element < c * c; ++element)
-            reflectances.push_back(M(element / c, element % c));
-    }
-}
-
-// [pair][element][azimuth] to [pair][azimuth][element].
-std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
-                                  std::size_t azimuths) {
-    if (elements == 1) return values;
-    std::vector<double> result(values.size());
-    const std::size_t block = elements * azimuths;
-    for (std::size_t first = 0; first < values.size(); first += block) {
-        for (std::size_t e = 0; e < elements; ++e)
-            for (std::size_t a = 0; a < azimuths; ++a)
-                result[first + a * elements + e] = values[first + e * azimuths + a];
-    }
-    return result;
-}
-
 // `worst_value` counts as ReflectionTable::reflection does.
 void name_worst_direction(const Directions& directions, std::size_t elements,
                           SolverReport& report) {
@@ -346,6 +312,38 @@ void find_albedos(const AlbedoRequest& request, const std::vector<double>& mu_in
 }
 
 }  // namespace
+
+void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
+                              const SolvedLight& light, ScaledStack& exact,
+                              std::vector<double>& reflectances) {
+    reflectances.clear();
+    if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
+    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
+    if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
+    if (exact.boundary && exact.boundary->is_rough()) return;
+    for (const double mu : mu_in) {
+        if (light.components == 1) {
+            reflectances.push_back(mirror_reflection<double>(exact, mu));
+            continue;
+        }
+        const Eigen::Matrix4d M = mueller_of(mirror_reflection<FresnelMatrix>(exact, mu));
+        for (int element = 0, c = light.shown(); element < c * c; ++element)
+            reflectances.push_back(M(element / c, element % c));
+    }
+}
+
+std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
+                                  std::size_t azimuths) {
+    if (elements == 1) return values;
+    std::vector<double> result(values.size());
+    const std::size_t block = elements * azimuths;
+    for (std::size_t first = 0; first < values.size(); first += block) {
+        for (std::size_t e = 0; e < elements; ++e)
+            for (std::size_t a = 0; a < azimuths; ++a)
+                result[first + a * elements + e] = values[first + e * azimuths + a];
+    }
+    return result;
+}
 
 SolutionMemory::SolutionMemory() : parts_(std::make_unique<Parts>()) {}
 SolutionMemory::~SolutionMemory() = default;

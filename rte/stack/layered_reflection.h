@@ -1,6 +1,7 @@
 // <miebrdf/transfer.h>, and tables of the Fourier orders of a solution.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <miebrdf/transfer.h>
@@ -24,6 +25,17 @@ struct TabulatedOrders {
 TabulatedOrders tabulate_orders(const Stack& stack, const std::vector<double>& mu,
                                 const SolvedLight& light, const SolverReport& solved,
                                 const SolverOptions& options);
+
+/// ReflectionTable::mirror_reflectance. Nothing scattered is taken for a beam here: with the
+/// optical depths as they are.
+/// @param exact  overwritten; its memory is used again
+void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
+                              const SolvedLight& light, ScaledStack& exact,
+                              std::vector<double>& reflectances);
+
+/// [pair][element][azimuth], as FirstOrderSum has them, to [pair][azimuth][element].
+std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
+                                  std::size_t azimuths);
 
 /// The stack with as many moments as the longest list of its media's coefficients, so that whatever
 /// chooses by the number of moments sees them all.

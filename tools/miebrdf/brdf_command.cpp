@@ -64,17 +64,37 @@ void start_row(std::vector<Cell>& row, double wavelength_nm, const Directions& d
            azimuth_deg[index % azimuth_deg.size()]};
 }
 
-/// @param values  must stay where it is until the rows are written
-RowSource rows_of(const BrdfValues& values, const BrdfQuestion& question) {
+/// @param all  must stay where it is until the rows are written
+RowSource rows_of(const WithDerivatives<BrdfValues>& all, const BrdfQuestion& question) {
     const double factor = question.as_reflection ? std::numbers::pi : 1.0;
-    const std::size_t directions = count_of(values.directions);
-    return {values.slices.size() * directions,
-            [&values, &question, factor, directions](std::size_t i, std::vector<Cell>& row) {
+    const std::size_t directions = count_of(all.values.directions);
+    return {all.values.slices.size() * directions,
+            [&all, &question, factor, directions](std::size_t i, std::vector<Cell>& row) {
                 const std::size_t w = i / directions, index = i % directions;
-                start_row(row, values.wavelengths[w].wavelength_nm, values.directions, index);
-                for (const BrdfPart part : question.columns)
-                    row.emplace_back(factor * values.slices[w].of(part)[index]);
+                start_row(row, all.values.wavelengths[w].wavelength_nm, all.values.directions,
+                          index);
+                const auto add = [&](const BrdfValues& values) {
+                    for (const BrdfPart part : question.columns)
+                        row.emplace_back(factor * values.slices[w].of(part)[index]);
+                };
+                add(all.values);
+                for (const BrdfValues& derivative : all.derivatives) add(derivative);
             }};
+}
+
+/// Adds a column for the derivative of each value by each parameter.
+void add_derivative_columns(Table& table, std::size_t first_value,
+                            const std::vector<std::string>& parameters) {
+    const std::size_t end = table.columns.size();
+    for (const std::string& parameter : parameters) {
+        for (std::size_t c = first_value; c < end; ++c)
+            table.columns.push_back(fmt::format("{}_d_{}", table.columns[c], parameter));
+    }
+    if (!parameters.empty()) {
+        table.facts.emplace_back(
+            "derivatives",
+            "VALUE_d_NAME: per unit in which the number is written; n(NAME), k(NAME): per 1");
+    }
 }
 
 /// Calls add(in, out, azimuth) for every direction, in the order of values.
@@ -136,7 +156,13 @@ int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question, const Brd
 int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
     if (question.request.solver.stokes > 1) return write_mueller(brdf, question, shell);
     if (question.diffuse_fraction) return write_hdrf(brdf, question, shell);
-    const BrdfValues values = brdf.evaluate(question.directions, question.parts);
+    const auto all =
+        question.derivatives.empty()
+            ? WithDerivatives<BrdfValues>{brdf.evaluate(question.directions, question.parts),
+                                          {},
+                                          {}}
+            : brdf.derivatives(question.derivatives).evaluate(question.directions, question.parts);
+    const BrdfValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
     if (question.viewing) return write_brdf_colours(brdf, question, values, shell);
     Table table;
@@ -154,39 +180,45 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
                                     ? quantity
                                     : fmt::format("{}_{}", quantity, name_of(part)));
     }
-    table.more_rows = rows_of(values, question);
+    add_derivative_columns(table, 4, all.parameters);
+    table.more_rows = rows_of(all, question);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }
 
-void add_spectra(Table& table, const AlbedoValues& values,
+/// Calls add(name, value) for each quantity at one wavelength and incidence.
+template <typename Add>
+void for_each_albedo(const AlbedoValues& values, std::size_t w, std::size_t i,
+                     const std::optional<double>& diffuse_fraction, const Add& add) {
+    add("plane_albedo", values.at(w, i));
+    add("spherical_albedo", values.spherical_albedo[w]);
+    if (!values.plane_transmittance.empty()) {
+        add("plane_transmittance", values.plane_transmittance[w][i]);
+        add("spherical_transmittance", values.spherical_transmittance[w]);
+    }
+    if (!values.mirror_reflectance.empty())
+        add("mirror_reflectance", values.mirror_reflectance[w][i]);
+    if (!values.polarised_plane_albedo.empty())
+        add("polarised_plane_albedo", values.polarised_plane_albedo[w][i]);
+    if (diffuse_fraction) add("blue_sky_albedo", values.under_sky(w, i, *diffuse_fraction));
+}
+
+void add_spectra(Table& table, const WithDerivatives<AlbedoValues>& all,
                  const std::optional<double>& diffuse_fraction) {
-    table.columns = {"wavelength_nm", "mu_in", "plane_albedo", "spherical_albedo"};
-    const bool transmits = !values.plane_transmittance.empty();
-    if (transmits) {
-        table.columns.insert(table.columns.end(),
-                             {"plane_transmittance", "spherical_transmittance"});
-    }
-    const bool mirrors = !values.mirror_reflectance.empty();
-    if (mirrors) table.columns.emplace_back("mirror_reflectance");
-    const bool polarised = !values.polarised_plane_albedo.empty();
-    if (polarised) table.columns.emplace_back("polarised_plane_albedo");
-    if (diffuse_fraction) {
-        table.facts.emplace_back("diffuse_fraction", *diffuse_fraction);
-        table.columns.emplace_back("blue_sky_albedo");
-    }
+    const AlbedoValues& values = all.values;
+    table.columns = {"wavelength_nm", "mu_in"};
+    for_each_albedo(values, 0, 0, diffuse_fraction,
+                    [&](const char* name, double) { table.columns.emplace_back(name); });
+    if (diffuse_fraction) table.facts.emplace_back("diffuse_fraction", *diffuse_fraction);
+    add_derivative_columns(table, 2, all.parameters);
     for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
         for (std::size_t i = 0; i < values.mu_in.size(); ++i) {
             auto& row = table.rows.emplace_back(
-                std::vector<Cell>{values.wavelengths[w].wavelength_nm, values.mu_in[i],
-                                  values.at(w, i), values.spherical_albedo[w]});
-            if (transmits) {
-                row.emplace_back(values.plane_transmittance[w][i]);
-                row.emplace_back(values.spherical_transmittance[w]);
-            }
-            if (mirrors) row.emplace_back(values.mirror_reflectance[w][i]);
-            if (polarised) row.emplace_back(values.polarised_plane_albedo[w][i]);
-            if (diffuse_fraction) row.emplace_back(values.under_sky(w, i, *diffuse_fraction));
+                std::vector<Cell>{values.wavelengths[w].wavelength_nm, values.mu_in[i]});
+            const auto add = [&](const char*, double value) { row.emplace_back(value); };
+            for_each_albedo(values, w, i, diffuse_fraction, add);
+            for (const AlbedoValues& derivative : all.derivatives)
+                for_each_albedo(derivative, w, i, diffuse_fraction, add);
         }
     }
 }
@@ -219,7 +251,10 @@ int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
 
 int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
     if (!question.over.empty()) return write_drawdown(question, shell);
-    const AlbedoValues values = brdf.albedo(question.mu_in);
+    const auto all = question.derivatives.empty()
+                         ? WithDerivatives<AlbedoValues>{brdf.albedo(question.mu_in), {}, {}}
+                         : brdf.derivatives(question.derivatives).albedo(question.mu_in);
+    const AlbedoValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
     if (question.viewing) return write_albedo_colours(brdf, question, values, shell);
     Table table;
@@ -229,7 +264,7 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
               "into what lies below the layers; mirror_reflectance: the part of plane_albedo that "
               "goes into the mirror direction alone; polarised_plane_albedo: what plane_albedo "
               "changes by for light polarised in the plane of incidence");
-    add_spectra(table, values, question.diffuse_fraction);
+    add_spectra(table, all, question.diffuse_fraction);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }

@@ -82,6 +82,23 @@ CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const st
         ->type_name("F");
 }
 
+void add_derivatives(CLI::App& command, std::string& text) {
+    command
+        .add_option("--derivatives", text,
+                    "adds a column VALUE_d_NAME for each of these numbers of the scene: those "
+                    "that have a name in its words, hg:{w=0.9},{g=0.6}@{tau=2}, and n(MATERIAL), "
+                    "k(MATERIAL)")
+        ->type_name("NAMES");
+}
+
+/// @param excluded  why there are no derivatives here; empty: there are
+std::vector<std::string> parse_derivatives(const std::string& text, const std::string& excluded) {
+    std::vector<std::string> names = split_list(text);
+    std::erase(names, "");
+    if (names.empty() || excluded.empty()) return names;
+    throw UsageError("--derivatives goes without " + excluded);
+}
+
 }  // namespace
 
 void ColourArguments::add_to(CLI::App& command) {
@@ -125,6 +142,7 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
         ->type_name("NAME")
         ->capture_default_str();
     add_diffuse_fraction(command, diffuse_fraction_, "belongs to --quantity hdrf");
+    add_derivatives(command, derivatives_);
     colour_.add_to(command);
 }
 
@@ -160,6 +178,11 @@ BrdfQuestion BrdfArguments::parse() const {
     }
     if (question.diffuse_fraction && question.columns != std::vector{BrdfPart::total})
         throw UsageError("--quantity hdrf is that of the whole; leave out --component");
+    const bool has_matrix = question.request.solver.stokes > 1;
+    question.derivatives =
+        parse_derivatives(derivatives_, question.viewing || question.diffuse_fraction || has_matrix
+                                            ? "--colour, --stokes and --quantity hdrf"
+                                            : "");
     return question;
 }
 
@@ -168,6 +191,7 @@ void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
     mu_in_.add_to(command, "cosines of the angles of incidence, in (0, 1]",
                   "0.1:1:0.1; 1 with --over");
     add_diffuse_fraction(command, diffuse_fraction_, "adds the blue-sky albedo");
+    add_derivatives(command, derivatives_);
     command
         .add_option("--over", over_,
                     "a dark and a light ground in place of one below, each as in --substrate; "
@@ -188,6 +212,8 @@ AlbedoQuestion AlbedoArguments::parse() const {
     question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
     question.viewing = colour_.parse(question.request.wavelength_nm);
     question.reference = colour_.reference();
+    question.derivatives = parse_derivatives(
+        derivatives_, question.viewing || !over_.empty() ? "--colour and --over" : "");
     if (over_.empty()) return question;
     question.over = parse_grounds(over_);
     question.request.scene.substrate = question.over.front();

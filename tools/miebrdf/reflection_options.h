@@ -36,8 +36,9 @@ struct BrdfQuestion {
     bool as_reflection = false;     ///< pi times the BRDF
     /// The sky's share, for the reflectance factor (HDRF) that takes the BRDF's place.
     std::optional<double> diffuse_fraction;
-    std::optional<Viewing> viewing;  ///< of the colours that take the place of spectra
-    std::string reference;           ///< file to compare colours with; empty: none
+    std::optional<Viewing> viewing;        ///< of the colours that take the place of spectra
+    std::string reference;                 ///< file to compare colours with; empty: none
+    std::vector<std::string> derivatives;  ///< numbers of the scene; empty: none
 };
 
 class BrdfArguments {
@@ -54,6 +55,7 @@ class BrdfArguments {
     std::string components_ = "total";
     std::string quantity_ = "brdf";
     std::string diffuse_fraction_;
+    std::string derivatives_;
     ColourArguments colour_;
 };
 
@@ -64,7 +66,8 @@ struct AlbedoQuestion {
     std::optional<double> diffuse_fraction;  ///< of the light from the sky
     std::optional<Viewing> viewing;          ///< of the colours that take the place of spectra
     std::string reference;                   ///< file to compare colours with; empty: none
-    std::vector<Substrate> over;  ///< a dark and a light ground; empty: as the scene says
+    std::vector<Substrate> over;           ///< a dark and a light ground; empty: as the scene says
+    std::vector<std::string> derivatives;  ///< numbers of the scene; empty: none
 };
 
 class AlbedoArguments {
@@ -78,6 +81,7 @@ class AlbedoArguments {
     DirectionArgument mu_in_{DirectionArgument::Side::in};
     std::string diffuse_fraction_;
     std::string over_;
+    std::string derivatives_;
     ColourArguments colour_;
 };
 

@@ -184,6 +184,17 @@ class HdrfValues : public ResultReport {
     std::vector<std::vector<double>> hdrf;
 };
 
+/// Values, and their derivatives by numbers of the scene: of the discrete solution that gave the
+/// values, with its nodes, moments and Fourier orders, and the sizes of spheres, as they are
+/// (docs/derivatives.md).
+template <typename Values>
+struct WithDerivatives {
+    Values values;
+    std::vector<std::string> parameters;
+    /// [parameter], laid out as `values`, per unit in which the number is written; without reports.
+    std::vector<Values> derivatives;
+};
+
 /// A layer of a scene at one wavelength. What needs absolute amounts, and what needs densities, is
 /// empty where they are not known.
 struct LayerOptics {
@@ -240,6 +251,26 @@ class BrdfTable : public BrdfSource {
     std::shared_ptr<const SolvedTable> solved_;
 };
 
+/// Asks a scene for values and their derivatives; made by Brdf::derivatives. Copies share their
+/// data.
+class BrdfDerivatives {
+  public:
+    /// Values as Brdf::evaluate and Brdf::albedo give them.
+    /// @throws UsageError  as these, and where a derivative has no bound: by the albedo of a
+    ///         half-space that absorbs nothing
+    WithDerivatives<BrdfValues> evaluate(const Directions& directions,
+                                         const BrdfParts& parts = {}) const;
+    WithDerivatives<AlbedoValues> albedo(const std::vector<double>& mu_in) const;
+
+    const std::vector<std::string>& parameters() const;
+
+    struct State;
+    explicit BrdfDerivatives(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+
+  private:
+    std::shared_ptr<const State> state_;
+};
+
 /// A scene at some wavelengths. Copies share one solution; functions may be called from several
 /// threads. Single scattering is computed when it is first needed, as much of it as is needed, and
 /// kept.
@@ -281,6 +312,11 @@ class Brdf {
 
     /// How well the scene is solved at directions of all kinds, steep and grazing.
     ResultReport report() const;
+
+    /// Values with derivatives by numbers of the scene: those that have a name (named_numbers),
+    /// `n(NAME)` and `k(NAME)`, the index of a material or host at the wavelength of the value.
+    /// @throws UsageError  for a parameter that the scene does not have
+    BrdfDerivatives derivatives(const std::vector<std::string>& parameters) const;
 
     const Scene& scene() const;
     const std::vector<double>& wavelength_nm() const;

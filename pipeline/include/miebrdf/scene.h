@@ -226,6 +226,19 @@ struct ParticleOptions {
     Packing packing = Packing::independent;
 };
 
+/// A number that has a name: `{radius=0.13}` in the words of a scene. Derivatives and fits ask for
+/// it.
+struct NamedNumber {
+    std::string name;  ///< letters, digits and _, no digit first
+    double value = 0.0;
+};
+
+/// A word of a scene with numbers that have names, as it was said: "coat" and its layers.
+struct NamedWords {
+    std::string word;
+    std::vector<std::string> values;
+};
+
 /// A semi-infinite base or a ground, layers in painting order (the last one is on top) and, if
 /// wanted, a rough surface above them.
 struct Scene {
@@ -246,7 +259,25 @@ struct Scene {
     std::optional<std::complex<double>> surface_index = {};
     std::string database = {};           ///< file of the user's materials; empty: the default one
     materials::IndexOptions index = {};  ///< of materials, between and beyond their rows
+    std::vector<NamedWords> named = {};  ///< words that give numbers names, by say()
 };
+
+/// Says a word of a scene as options of the program and keys of scene files do: "base", "coat" (all
+/// coats at once), "substrate", "boundary", "host-index", ... A number in it may have a name:
+/// `hg:{w=0.9},{g=0.6}`, `TiO2,radius={r=130}nm,volume={c=10}%@{d=40}um`.
+/// @throws UsageError, InputError  as the program, and for names of words that describe no matter
+void say(Scene& scene, const std::string& word, const std::vector<std::string>& values);
+
+/// The numbers that have names, each once. A name may stand in several places: one number.
+std::vector<NamedNumber> named_numbers(const Scene& scene);
+
+/// The scene with other values of some of them: their words are read again.
+/// @throws UsageError  for a name that the scene does not have, and for values that it cannot have
+Scene with_values(const Scene& scene, const std::vector<NamedNumber>& values);
+
+/// The text with values in the place of `{name}` and `{name=...}`: `{name=value}`. Names that are
+/// not listed stay as they are.
+std::string with_values(const std::string& text, const std::vector<NamedNumber>& values);
 
 /// "AlGaAs7 (optical depth 0.1) on TiO2, surface roughness 0.3"
 std::string describe(const Scene& scene);

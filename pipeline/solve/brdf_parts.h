@@ -1,0 +1,32 @@
+// What a Brdf makes of its layers and its surface.
+#pragma once
+
+#include <miebrdf/brdf.h>
+
+#include <vector>
+
+#include "pipeline/solve/layers.h"
+
+namespace miebrdf {
+
+/// The parts of a BRDF at one wavelength from its layers.
+BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::size_t w,
+                           const Directions& directions, const BrdfParts& parts,
+                           const Control& control);
+
+/// The layers as far as these parts need them.
+std::vector<LayerSlice> layers_of(const Brdf::State& state, const Directions& directions,
+                                  const BrdfParts& parts);
+
+BrdfValues brdf_values(std::vector<LayerSlice> layers, const Brdf::State& state,
+                       const Directions& directions, const BrdfParts& parts);
+
+/// @param layers  of albedo_quantity, without the surface
+AlbedoValues albedo_of(const Brdf::State& state, std::vector<LayerSlice> layers,
+                       const std::vector<double>& mu_in);
+
+/// @param layers  the same with the surface (add_surface_to_albedos)
+AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& scene,
+                           const std::vector<double>& mu_in, const SolverOptions& solver);
+
+}  // namespace miebrdf

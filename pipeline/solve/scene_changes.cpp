@@ -1,0 +1,142 @@
+#include "pipeline/solve/scene_changes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "pipeline/solve/named_index.h"
+#include "pipeline/solve/optics_memo.h"
+
+namespace miebrdf {
+namespace {
+
+// The share of a number that it is changed by. What is differenced are optics, by explicit formulas
+// and sums with fixed nodes: the second order of so small a change is 1e-10 of their own, or 1e-7
+// where they change with the hundredth of the number, and rounding 1e-11.
+constexpr double kStep = 1e-5;
+// Where a number may not be larger, or not smaller, the difference has an error of first order.
+constexpr double kOneSidedStep = 1e-7;
+// Of a number that is 0 nobody knows what is small: of albedos, shares, g and k this is.
+constexpr double kStepFromZero = 1e-7;
+
+/// What `make` makes of a number; empty where it is out of range.
+template <typename Make>
+std::optional<ResolvedScene> possible(const Make& make, double value) {
+    try {
+        return make(value);
+    } catch (const UsageError&) {
+        return std::nullopt;
+    }
+}
+
+/// The scene with the number on both sides, or on one where the other is not allowed.
+/// @param make  the scene of a value; throws UsageError for values out of range
+template <typename Make>
+SceneChange around(const std::string& parameter, double value, std::size_t wavelengths,
+                   const Make& make) {
+    const double scale = std::abs(value);
+    double up = scale > 0.0 ? kStep * scale : kStepFromZero, down = up;
+    auto plus = possible(make, value + up), minus = possible(make, value - down);
+    const double one_sided = scale > 0.0 ? kOneSidedStep * scale : kStepFromZero;
+    if (!plus) {
+        up = 0.0;
+        minus = make(value - (down = one_sided));
+        plus = make(value);
+    } else if (!minus) {
+        down = 0.0;
+        plus = make(value + (up = one_sided));
+        minus = make(value);
+    }
+    // As the numbers are rounded.
+    const double apart = (value + up) - (value - down);
+    return {parameter, std::move(*plus), std::move(*minus),
+            std::vector<double>(wavelengths, apart)};
+}
+
+/// Names of materials and hosts of a scene.
+std::set<std::string> materials_of(const Scene& scene) {
+    std::set<std::string> names;
+    const auto add_host = [&](const Host& host) {
+        if (!host.name.empty()) names.insert(host.name);
+    };
+    const auto add = [&](const Medium& medium) {
+        for (const Species& species : medium.species) {
+            if (species.kind == Species::Kind::material) names.insert(species.name);
+        }
+        if (medium.host) add_host(*medium.host);
+    };
+    if (!scene.substrate) add(scene.base);
+    for (const Layer& layer : scene.layers) add(layer.medium);
+    if (scene.substrate) add_host(scene.substrate->mirror);
+    add_host(scene.particles.host);
+    return names;
+}
+
+/// `n(NAME)`, `k(NAME)`.
+struct IndexParameter {
+    bool is_k;
+    std::string material;
+};
+std::optional<IndexParameter> index_parameter(const std::string& text) {
+    if (text.size() < 4 || text[1] != '(' || text.back() != ')') return std::nullopt;
+    if (text[0] != 'n' && text[0] != 'k') return std::nullopt;
+    return IndexParameter{text[0] == 'k', text.substr(2, text.size() - 3)};
+}
+
+SceneChange change_of_index(const Brdf::State& state, const std::string& parameter,
+                            const IndexParameter& index) {
+    const std::set<std::string> names = materials_of(state.scene);
+    if (names.count(index.material) == 0) {
+        throw UsageError(fmt::format(
+            "derivative by '{}': the scene has no material or host '{}'; it has {}", parameter,
+            index.material,
+            names.empty() ? "none by name" : fmt::format("{}", fmt::join(names, ", "))));
+    }
+    const std::vector<double>& nm = state.resolved.wavelength_nm;
+    NamedIndexMemo& memo = state.control.memo->names();
+    const auto shifted = [&](IndexShift shift) {
+        shift.name = index.material;
+        return resolve(state.scene, nm, &memo, &shift);
+    };
+    SceneChange change{parameter, {}, {}, {}};
+    if (!index.is_k) {
+        change.plus = shifted({{}, kStep, 0.0, 0.0});
+        change.minus = shifted({{}, -kStep, 0.0, 0.0});
+        change.apart.assign(nm.size(), 2.0 * kStep);
+        return change;
+    }
+    // k spans decades over a spectrum: by a share of itself, and upwards from 0.
+    change.plus = shifted({{}, 0.0, kStep, kStepFromZero});
+    change.minus = shifted({{}, 0.0, -kStep, 0.0});
+    Materials materials(state.scene.database, state.scene.index, &memo);
+    const Species material{.kind = Species::Kind::material, .name = index.material};
+    const ResolvedIndex known =
+        resolve_index(material, nm, state.scene.particles.k_floor, materials);
+    for (const std::complex<double> at : known.index)
+        change.apart.push_back(at.imag() > 0.0 ? 2.0 * kStep * at.imag() : kStepFromZero);
+    return change;
+}
+
+}  // namespace
+
+SceneChange change_of(const Brdf::State& state, const std::string& parameter) {
+    if (const auto index = index_parameter(parameter))
+        return change_of_index(state, parameter, *index);
+    const std::vector<NamedNumber> numbers = named_numbers(state.scene);
+    const auto found = std::find_if(numbers.begin(), numbers.end(),
+                                    [&](const NamedNumber& one) { return one.name == parameter; });
+    if (found == numbers.end()) with_values(state.scene, {{parameter, 0.0}});  // which refuses it
+    const auto make = [&](double value) {
+        const Scene scene = with_values(state.scene, {{parameter, value}});
+        validate(scene);
+        return resolve(scene, state.resolved.wavelength_nm, &state.control.memo->names());
+    };
+    return around(parameter, found->value, state.resolved.wavelength_nm.size(), make);
+}
+
+}  // namespace miebrdf

@@ -1,0 +1,49 @@
+// A stack in the discretisation of a solution that is known: nodes, moments, cutoffs and Fourier
+// orders do not depend on its numbers.
+#pragma once
+
+#include <vector>
+
+#include "rte/derivatives/stack_derivatives.h"
+#include "rte/grid/discretisation.h"
+#include "rte/stack/scaled_stack.h"
+
+namespace miebrdf::rte {
+
+/// Equations are solved to rounding.
+inline constexpr double kFrozenTolerance = 1e-12;
+
+class FrozenStack {
+  public:
+    /// @param solved  its streams, moments and Fourier orders; 0: those that solving begins with
+    FrozenStack(const Stack& stack, const SolverOptions& options, const SolverReport& solved);
+
+    /// Of another stack of the same layers, cut off as this one is.
+    ScaledStack scaled_like(const Stack& other) const;
+    StackGrids grids_of(const ScaledStack& scaled) const;
+
+    const ScaledStack& scaled() const { return scaled_; }
+    const StackGrids& grids() const { return grids_; }
+    int fourier_orders() const { return fourier_orders_; }
+    const SolverOptions& options() const { return options_; }
+
+  private:
+    ScaledStack scale(const Stack& stack) const;
+
+    SolverOptions options_;
+    Discretisation discretisation_;
+    int fourier_orders_;
+    ScaledStack scaled_;
+    StackGrids grids_;
+};
+
+/// ReflectionTable::reflection, [pair][element][azimuth] of StokesHarmonic elements.
+std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledStack& scaled,
+                                      const StackGrids& grids, const Directions& directions,
+                                      const SolvedLight& light);
+/// Of an AlbedoTable all but the mirror's part and the report.
+AlbedoTable frozen_albedo(const FrozenStack& frozen, const ScaledStack& scaled,
+                          const StackGrids& grids, const AlbedoQuestion& question,
+                          const std::function<SurfaceWeights(double mu)>& surface);
+
+}  // namespace miebrdf::rte

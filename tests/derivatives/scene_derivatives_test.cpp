@@ -1,0 +1,125 @@
+// Derivatives of what a scene is asked for, against differences of it.
+#include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+/// Nodes are given and equations solved far below what is compared.
+SolverOptions fixed_nodes() {
+    SolverOptions options;
+    options.tolerance = 1e-10;
+    options.streams = 12;
+    return options;
+}
+
+Brdf solved(const Scene& scene, const std::string& name, double value) {
+    return solve(with_values(scene, {{name, value}}), {550}, fixed_nodes());
+}
+
+/// The central difference, to fourth order in the step.
+template <typename Ask>
+double difference(const Scene& scene, const NamedNumber& number, const Ask& ask) {
+    const double h = 1e-3 * number.value;
+    const auto at = [&](double steps) {
+        return ask(solved(scene, number.name, number.value + steps * h));
+    };
+    return (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12.0 * h);
+}
+
+Scene half_space() {
+    Scene scene;
+    say(scene, "base", {"hg:{w=0.9},{g=0.6}"});
+    say(scene, "coat", {"isotropic:{a=0.97}@{tau=0.5}"});
+    return scene;
+}
+
+Scene film() {
+    Scene scene;
+    say(scene, "substrate", {"lambert:{ground=0.3}"});
+    say(scene, "coat", {"hg:{w=0.9},{g=0.6}@{tau=2}"});
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("derivatives of albedos are those of the values", "[derivatives]") {
+    const Scene scene = GENERATE(half_space(), film());
+    const std::vector<double> mu_in = {0.3, 1.0};
+    const std::vector<NamedNumber> numbers = named_numbers(scene);
+    std::vector<std::string> names;
+    for (const NamedNumber& number : numbers) names.push_back(number.name);
+    const auto all = solve(scene, {550}, fixed_nodes()).derivatives(names).albedo(mu_in);
+    REQUIRE(all.parameters == names);
+    REQUIRE(all.derivatives.size() == names.size());
+    double largest = 0.0;
+    for (std::size_t p = 0; p < numbers.size(); ++p)
+        largest = std::max(largest, std::abs(numbers[p].value * all.derivatives[p].at(0, 0)));
+    for (std::size_t p = 0; p < numbers.size(); ++p) {
+        CAPTURE(describe(scene), names[p]);
+        const auto within = [&](double derivative, double truth) {
+            CAPTURE(derivative, truth);
+            CHECK(std::abs(numbers[p].value * (derivative - truth)) <= 1e-6 * largest);
+        };
+        const AlbedoValues& derivative = all.derivatives[p];
+        within(derivative.at(0, 0), difference(scene, numbers[p], [&](const Brdf& brdf) {
+                   return brdf.albedo(mu_in).at(0, 0);
+               }));
+        within(derivative.spherical_albedo[0], difference(scene, numbers[p], [&](const Brdf& brdf) {
+                   return brdf.albedo(mu_in).spherical_albedo[0];
+               }));
+        if (!scene.substrate) continue;
+        within(derivative.plane_transmittance[0][1],
+               difference(scene, numbers[p], [&](const Brdf& brdf) {
+                   return brdf.albedo(mu_in).plane_transmittance[0][1];
+               }));
+    }
+}
+
+TEST_CASE("derivatives of a BRDF are those of the values", "[derivatives]") {
+    Scene scene = GENERATE(half_space(), film());
+    const bool has_lobe = GENERATE(false, true);
+    if (has_lobe) {
+        say(scene, "roughness", {"{m=0.3}"});
+        say(scene, "surface-index", {"{n=1.5},0"});
+    }
+    const Directions directions{{0.3, 1.0}, {0.2, 0.9}, {0.0, 70.0, 180.0}};
+    const std::vector<NamedNumber> numbers = named_numbers(scene);
+    std::vector<std::string> names;
+    for (const NamedNumber& number : numbers) names.push_back(number.name);
+    const auto all = solve(scene, {550}, fixed_nodes()).derivatives(names).evaluate(directions);
+    double largest = 0.0;
+    for (std::size_t p = 0; p < numbers.size(); ++p) {
+        for (const double one : all.derivatives[p].slices[0].total)
+            largest = std::max(largest, std::abs(numbers[p].value * one));
+    }
+    for (std::size_t p = 0; p < numbers.size(); ++p) {
+        for (const std::size_t azimuth : {0u, 1u, 2u}) {
+            const double derivative = all.derivatives[p].at(0, 0, 1, azimuth);
+            const double truth = difference(scene, numbers[p], [&](const Brdf& brdf) {
+                return brdf.evaluate(directions).at(0, 0, 1, azimuth);
+            });
+            CAPTURE(describe(scene), names[p], azimuth, derivative, truth);
+            CHECK(std::abs(numbers[p].value * (derivative - truth)) <= 1e-6 * largest);
+        }
+    }
+}
+
+TEST_CASE("derivatives that have no bound are refused", "[derivatives][errors]") {
+    Scene scene;
+    say(scene, "base", {"hg:{w=1},{g=0.6}"});
+    const Brdf brdf = solve(scene, {550});
+    CHECK_THROWS_WITH(brdf.derivatives({"w"}).albedo({1.0}), Catch::Contains("log1m"));
+    CHECK_THROWS_WITH(brdf.derivatives({"x"}), Catch::Contains("it has w, g"));
+    CHECK_THROWS_WITH(brdf.derivatives({"n(TiO2)"}), Catch::Contains("no material or host"));
+    // It stays white whatever its asymmetry.
+    CHECK(std::abs(brdf.derivatives({"g"}).albedo({1.0}).derivatives[0].at(0, 0)) <= 1e-6);
+}
