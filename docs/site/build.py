@@ -35,11 +35,11 @@ CHAPTERS = [
     ("Reference", ["docs/conventions", "reference/python", "reference/cpp"]),
     ("Mathematics", ["docs/maths-mie", "docs/maths-rte", "docs/maths-boundary", "docs/maths-polarisation", "docs/maths-surface"]),
     ("Accuracy and speed", ["docs/accuracy", "docs/performance", "docs/numerics", "docs/stability", "docs/benchmarking"]),
-    ("The project", ["CONTRIBUTING", "docs/folders", "docs/dependencies", "SECURITY", "CHANGELOG", "docs/internals/README"]),
+    ("The project", ["CONTRIBUTING", "docs/folders", "docs/dependencies", "docs/versions", "tools/packaging/README", "SECURITY", "CHANGELOG", "docs/internals/README"]),
 ]  # fmt: skip
 
 #: What the pages link to lies where it does in the repository.
-SOURCES = ["docs", "tools", "tests", "materials", "mie", "rte", "pipeline", "CONTRIBUTING.md", "SECURITY.md",
+SOURCES = [".github", "docs", "tools", "tests", "materials", "mie", "rte", "pipeline", "CONTRIBUTING.md", "SECURITY.md",
            "CHANGELOG.md", "README.md", "LICENSE", "CITATION.cff", "pyproject.toml"]  # fmt: skip
 
 PLACE = re.compile(r'^<a id="([\w-]+)"></a>$', re.MULTILINE)
@@ -163,9 +163,10 @@ OUTPUT_DIRECTORY = "{build / 'doxygen'}"
     pages = []
     declared = declarations(build / "doxygen/xml")
     umbrella = headers["miebrdf.h"].read_text()
-    for name in re.findall(r"#include <miebrdf/(\w+\.h)>", umbrella):
-        if name not in headers:
-            continue  # made by CMake: version.h
+    named = re.findall(r"#include <miebrdf/(\w+\.h)>", umbrella)
+    for name in dict.fromkeys([*named, *headers]):
+        if name not in headers or name == "miebrdf.h":
+            continue  # version.h is made by CMake
         pages.append(name.removesuffix(".h"))
         put(build / "source/reference/cpp" / f"{pages[-1]}.rst", header_page(headers[name], declared.get(name, [])))
     text = (HERE / "cpp.rst").read_text() + "\n.. toctree::\n   :maxdepth: 1\n\n"

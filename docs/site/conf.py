@@ -21,7 +21,7 @@ extensions = [
     "breathe",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["tools", "tests", "materials", "mie", "rte", "pipeline", ".github"]
+exclude_patterns = ["tests", "materials", "mie", "rte", "pipeline", ".github"]
 
 myst_heading_anchors = 6
 myst_enable_extensions = ["html_image"]

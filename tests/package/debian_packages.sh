@@ -1,8 +1,11 @@
 #!/bin/sh
-# The Debian packages in a root of their own: made, installed, used and removed without a trace.
-# debian_packages.sh BUILD-FOLDER WORK-FOLDER
+# What tools/package makes, in a root of its own: installed, used and removed without a trace. Debian
+# packages, then the wheel and the source archive where there are some.
+# debian_packages.sh FOLDER WORK-FOLDER [--compile-source]
+# FOLDER holds the packages, or is the build folder of the preset `debian`, which they are made of.
 set -eu
-build=$1 work=$2
+mkdir -p "$2"
+packages=$(cd "$1" && pwd) work=$(cd "$2" && pwd) compile=${3:-}
 skip() { echo "skipped: $*"; exit 0; }
 [ "$(id -u)" -eq 0 ] || skip "only root may make a root"
 for tool in debootstrap cpack dpkg-shlibdeps chroot; do
@@ -10,10 +13,14 @@ for tool in debootstrap cpack dpkg-shlibdeps chroot; do
 done
 mirror=${MIEBRDF_DEBIAN_MIRROR:-http://deb.debian.org/debian}
 
-rm -rf "$work/deb" && mkdir -p "$work/deb"
-(cd "$build" && cpack -G DEB -B "$work/deb" >"$work/cpack.log" 2>&1) || { cat "$work/cpack.log"; exit 1; }
-rm -rf "$work/deb/_CPack_Packages"
-ls -l "$work/deb"
+if [ -e "$packages/CMakeCache.txt" ]; then
+    build=$packages packages=$work/deb
+    rm -rf "$packages" && mkdir -p "$packages"
+    (cd "$build" && cpack -G DEB -B "$packages" >"$work/cpack.log" 2>&1) || { cat "$work/cpack.log"; exit 1; }
+    rm -rf "$packages/_CPack_Packages"
+fi
+ls -l "$packages"
+now() { date +%s; }
 
 root=$work/root
 # debootstrap may leave file systems of the machine mounted there: these come off first, and nothing
@@ -34,14 +41,18 @@ fi
 remove_root
 mkdir -p "$root/proc" "$root/sys" && tar -xf "$work/base.tar" --exclude=./proc --exclude=./sys -C "$root"
 mount -t proc proc "$root/proc" 2>/dev/null || echo "no /proc in the new root: it cannot be mounted here"
-cp "$work"/deb/*.deb "$root/root/"
+cp "$packages"/miebrdf* "$packages"/*.deb "$root/root/"
 in_root() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
 in_root apt-get -qq update || skip "no packages can be fetched in the new root"
 
 echo "== install"
+started=$(now)
 in_root sh -c 'apt-get -qq install -y --no-install-recommends /root/*.deb' >"$work/install.log" 2>&1 ||
     { tail -n 20 "$work/install.log"; exit 1; }
-in_root dpkg -l miebrdf miebrdf-extras libmiebrdf-dev python3-miebrdf | tail -n 4
+in_root dpkg -l 'miebrdf*' libmiebrdf-dev python3-miebrdf | tail -n 5
+in_root python3 -c "import miebrdf; print(miebrdf.Scene(base='TiO2,radius=0.2').brdf(550, 0.5, 0.5))"
+echo "from nothing to a BRDF in Python, by apt: $(($(now) - started)) s"
+in_root test -s /usr/share/doc/miebrdf/docs/conventions.md -a -s /usr/share/doc/miebrdf/docs/examples/albedo_spectrum.cpp
 
 echo "== the program"
 in_root miebrdf --version
@@ -109,8 +120,47 @@ END
 in_root sh -c 'cd /root && g++ -std=c++20 own.cpp -o own $(pkg-config --cflags --libs miebrdf) && ./own'
 
 echo "== purge"
-in_root apt-get -qq purge -y miebrdf miebrdf-extras libmiebrdf-dev python3-miebrdf >"$work/purge.log" 2>&1
+in_root apt-get -qq purge -y miebrdf miebrdf-extras libmiebrdf-dev python3-miebrdf miebrdf-doc >"$work/purge.log" 2>&1
 left=$(in_root find /usr /etc /var/lib -name '*miebrdf*' -not -path '*/dpkg/*' -not -path '*/apt/*')
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 if in_root dpkg -l 2>/dev/null | grep miebrdf; then echo "dpkg still knows a package"; exit 1; fi
 echo "installed, used and purged"
+
+wheel=$(ls "$packages"/miebrdf-*.whl 2>/dev/null | head -n 1)
+if [ -n "$wheel" ]; then
+    echo "== the wheel"
+    # What it is linked to: the same packages as python3-miebrdf, found by the names of the libraries.
+    libraries=$(dpkg-deb -f "$packages"/miebrdf_*.deb Depends | tr ',' '\n' | sed 's/ *(.*//; s/ //g' | grep '^lib')
+    started=$(now)
+    in_root sh -c "apt-get -qq install -y --no-install-recommends python3-venv python3-numpy $(echo $libraries)" \
+        >"$work/wheel.log" 2>&1 || { tail -n 20 "$work/wheel.log"; exit 1; }
+    in_root python3 -m venv --system-site-packages /root/venv
+    in_root sh -c '/root/venv/bin/pip install --no-index /root/miebrdf-*.whl' >"$work/wheel.log" 2>&1 ||
+        { tail -n 20 "$work/wheel.log"; exit 1; }
+    in_root /root/venv/bin/python -c "
+import miebrdf
+print(miebrdf.__file__, miebrdf.Scene(base='TiO2,radius=0.2').brdf(550, 0.5, 0.5))"
+    echo "from nothing to a BRDF in Python, by the wheel: $(($(now) - started)) s"
+fi
+
+if [ "$compile" = --compile-source ]; then
+    echo "== the source archive, compiled"
+    started=$(now)
+    # What is missing is named by the first try; the second one has it.
+    in_root sh -c 'apt-get -qq install -y --no-install-recommends g++ cmake ninja-build python3-venv python3-numpy' \
+        >"$work/source.log" 2>&1 || { tail -n 20 "$work/source.log"; exit 1; }
+    in_root python3 -m venv --clear --system-site-packages /root/venv
+    if in_root sh -c '/root/venv/bin/pip install /root/miebrdf-*.tar.gz' >"$work/source.log" 2>&1; then
+        echo "the source was compiled without its libraries"; exit 1
+    fi
+    install=$(sed -n 's/.*sudo \(apt install .*\)/\1/p' "$work/source.log" | head -n 1)
+    [ -n "$install" ] || { tail -n 30 "$work/source.log"; echo "no line for apt was named"; exit 1; }
+    echo "named: $install"
+    in_root sh -c "apt-get -qq install -y --no-install-recommends ${install#apt install}" >"$work/source.log" 2>&1
+    in_root sh -c '/root/venv/bin/pip install /root/miebrdf-*.tar.gz' >"$work/source.log" 2>&1 ||
+        { tail -n 30 "$work/source.log"; exit 1; }
+    in_root /root/venv/bin/python -c "
+import miebrdf
+print(miebrdf.__file__, miebrdf.Scene(base='TiO2,radius=0.2').brdf(550, 0.5, 0.5))"
+    echo "from nothing to a BRDF in Python, by pip from source: $(($(now) - started)) s"
+fi

@@ -38,7 +38,10 @@ if(BUILD_SHARED_LIBS)
     miebrdf_finds_libraries(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
 else()
     add_library(miebrdf_everything INTERFACE)
-    target_link_libraries(miebrdf_everything INTERFACE ${libraries})
+    # To link alone: what their sources include stays with them.
+    foreach(library IN LISTS libraries)
+        target_link_libraries(miebrdf_everything INTERFACE $<LINK_ONLY:${library}>)
+    endforeach()
 endif()
 set_target_properties(miebrdf_everything PROPERTIES EXPORT_NAME miebrdf)
 target_link_libraries(miebrdf_everything INTERFACE miebrdf_base)
@@ -59,19 +62,17 @@ configure_package_config_file("${PROJECT_SOURCE_DIR}/tools/cmake/miebrdfConfig.c
                               "${PROJECT_BINARY_DIR}/miebrdfConfig.cmake"
                               INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/miebrdfConfigVersion.cmake"
-                                 COMPATIBILITY SameMinorVersion)
+                                 COMPATIBILITY SameMajorVersion)  # docs/versions.md
 install(FILES "${PROJECT_BINARY_DIR}/miebrdfConfig.cmake"
               "${PROJECT_BINARY_DIR}/miebrdfConfigVersion.cmake"
         DESTINATION "${package_dir}")
 
 # The pkg-config file says what the targets say. Static archives: ours, the last declared first, so
 # that a linker finds everything, then their dependencies by the names pkg-config has for them.
-set(pc_name_Eigen3::Eigen eigen3)
 set(pc_name_fmt::fmt fmt)
 set(pc_name_TBB::tbb tbb)
 set(pc_name_pugixml::pugixml pugixml)
 set(pc_name_ZLIB::ZLIB zlib)
-set(header_only Boost::headers nlohmann_json::nlohmann_json)
 set(MIEBRDF_PC_LIBS "-lmiebrdf")
 foreach(library IN LISTS arithmetic)
     string(APPEND MIEBRDF_PC_LIBS " -l${library}")
@@ -83,9 +84,7 @@ if(NOT BUILD_SHARED_LIBS)
         string(PREPEND MIEBRDF_PC_LIBS "-l${library} ")
     endforeach()
     foreach(dependency IN LISTS outside)
-        if(dependency IN_LIST header_only)
-            continue()
-        elseif(DEFINED pc_name_${dependency})
+        if(DEFINED pc_name_${dependency})
             string(APPEND MIEBRDF_PC_REQUIRES "${pc_name_${dependency}} ")
         elseif(NOT dependency MATCHES "::")  # linked by name, so by name here too
             string(APPEND MIEBRDF_PC_LIBS "-l${dependency} ")
@@ -100,3 +99,18 @@ string(REGEX REPLACE "/$" "" MIEBRDF_PC_TO_PREFIX "${MIEBRDF_PC_TO_PREFIX}")
 configure_file("${PROJECT_SOURCE_DIR}/tools/cmake/miebrdf.pc.in"
                "${PROJECT_BINARY_DIR}/miebrdf.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/miebrdf.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+
+# Pages and examples, by the names that headers give them ("docs/conventions.md"), and the site where
+# tools/site has made it.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT doc
+        PATTERN "site" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff LICENSE
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT doc)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/build/site/html" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+        COMPONENT doc OPTIONAL PATTERN ".buildinfo" EXCLUDE)
+
+if(PROJECT_IS_TOP_LEVEL)
+    add_custom_target(uninstall
+        COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR}
+                -P "${PROJECT_SOURCE_DIR}/tools/cmake/uninstall.cmake" VERBATIM)
+endif()

@@ -19,14 +19,19 @@ function(miebrdf_library name)
         CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     if(kind STREQUAL "SHARED")
         miebrdf_shared_arithmetic(${target} "")
-        # Installed headers do without it.
-        string(REPLACE "Eigen3::Eigen" "$<BUILD_INTERFACE:Eigen3::Eigen>" ARG_PUBLIC "${ARG_PUBLIC}")
     endif()
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_include_directories(${target} PUBLIC
         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-    target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE}
+    # Of libraries that are headers alone nothing is left when ours is built: no public header has them.
+    set(public ${ARG_PUBLIC})
+    set(private ${ARG_PRIVATE})
+    foreach(headers Eigen3::Eigen Boost::headers nlohmann_json::nlohmann_json)
+        list(TRANSFORM public REPLACE "^${headers}$" "$<BUILD_INTERFACE:${headers}>")
+        list(TRANSFORM private REPLACE "^${headers}$" "$<BUILD_INTERFACE:${headers}>")
+    endforeach()
+    target_link_libraries(${target} PUBLIC ${public} PRIVATE ${private}
                                     $<BUILD_INTERFACE:miebrdf_flags>)
     set(how PRECOMPILE ${ARG_PRECOMPILE})
     if(ARG_COLD)

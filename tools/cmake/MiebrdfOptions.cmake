@@ -4,13 +4,24 @@ option(MIEBRDF_WERROR "Warnings of the compilers of continuous integration (gcc 
 option(MIEBRDF_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 option(MIEBRDF_COVERAGE "Line coverage for gcov" OFF)
 option(MIEBRDF_FUZZERS "libFuzzer targets (needs clang)" OFF)
-option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ON)
-option(MIEBRDF_BUILD_PYTHON "The Python package, where pybind11 and NumPy are found" ON)
+# As a part of another project (add_subdirectory, FetchContent): the library alone, unless it is asked
+# for more; nothing of the other project's is set.
+option(MIEBRDF_BUILD_TOOLS "The miebrdf program" ${PROJECT_IS_TOP_LEVEL})
+option(MIEBRDF_BUILD_PYTHON "The Python package, where pybind11 and NumPy are found" ${PROJECT_IS_TOP_LEVEL})
 option(MIEBRDF_PRECOMPILE "Precompiled headers" ON)
-option(MIEBRDF_UNITY "Several sources are compiled as one" OFF)
+set(unity ON)
+if(PROJECT_IS_TOP_LEVEL)
+    set(unity OFF)
+endif()
+option(MIEBRDF_UNITY "Several sources are compiled as one" ${unity})
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+set(MIEBRDF_BUILD_TESTS OFF)
+if(PROJECT_IS_TOP_LEVEL)
+    if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+        set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+    endif()
+    include(CTest)
+    set(MIEBRDF_BUILD_TESTS ${BUILD_TESTING})
 endif()
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -20,7 +31,6 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 # What is installed belongs to developers, unless it says another component: program, extras, python.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
-include(CTest)
 include(GNUInstallDirs)
 
 # Plug-ins (miebrdf_plugin): where programs of the build folder and installed ones find them.
@@ -32,6 +42,11 @@ set(CMAKE_BUILD_RPATH "$ORIGIN/../../plugins")  # from tools/miebrdf/, tests/swe
 add_library(miebrdf_flags INTERFACE)
 target_compile_options(miebrdf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                                                -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual)
+if(NOT PROJECT_IS_TOP_LEVEL)
+    # Without optimisation everything takes fifty times as long: where the other project has no build
+    # type, our own sources have one.
+    target_compile_options(miebrdf_flags INTERFACE $<$<CONFIG:>:-O2>)
+endif()
 # Boost's package defines it for whoever asks for Boost; defined for all, one precompiled header
 # serves them all.
 target_compile_definitions(miebrdf_flags INTERFACE BOOST_ALL_NO_LIB)

@@ -1,4 +1,4 @@
-# cpack -G DEB: miebrdf (program and library), miebrdf-extras (plug-ins), libmiebrdf-dev,
+# cpack -G DEB: miebrdf (program and library), miebrdf-extras (plug-ins), libmiebrdf-dev, miebrdf-doc,
 # python3-miebrdf. Build the preset `debian` for it: portable, one shared library, the arithmetic
 # once more for newer processors.
 # docs/python.md, README.md
@@ -12,7 +12,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_GENERATOR DEB)
 
-set(CPACK_COMPONENTS_ALL program extras dev)
+set(CPACK_COMPONENTS_ALL program extras dev doc)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -36,10 +36,17 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "miebrdf (= ${PROJECT_VERSION})")
 if(NOT BUILD_SHARED_LIBS)  # archives leave their dependencies to who links them
-    string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libeigen3-dev, libboost-dev, libfmt-dev, "
-        "libtbb-dev, nlohmann-json3-dev, libpugixml-dev, libsqlite3-dev, libyaml-dev, libsodium-dev, "
+    string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libfmt-dev, libtbb-dev, "
+        "libpugixml-dev, zlib1g-dev, libsqlite3-dev, libyaml-dev, libsodium-dev, "
         "libmuparser-dev, libzip-dev, libopenexr-dev")
 endif()
+
+set(CPACK_DEBIAN_DOC_PACKAGE_NAME miebrdf-doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_COMPONENT_DOC_DESCRIPTION
+    "Pages and examples of miebrdf, and the site made of them with the references of C++ and Python.")
 
 if(TARGET miebrdf_python)
     list(APPEND CPACK_COMPONENTS_ALL python)
@@ -58,6 +65,7 @@ endif()
 set(packages_program miebrdf)
 set(packages_extras miebrdf-extras)
 set(packages_dev libmiebrdf-dev)
+set(packages_doc miebrdf-doc)
 set(packages_python python3-miebrdf)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" RENAME copyright COMPONENT ${component}

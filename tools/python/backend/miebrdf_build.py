@@ -6,6 +6,12 @@ build-dir
     A build folder that is configured already; default: build/python, configured here.
 cmake-args
     More arguments of CMake's, separated by blanks.
+paths
+    Processors whose arithmetic the wheel holds beside the one that every processor runs: ``here``
+    (default: the best path of this machine; half the time to compile), ``all`` (for wheels that are
+    given away), ``none``, or a list as x86-64-v3;x86-64-v4.
+
+It says how long it takes and how far it is: on the terminal, too, where pip keeps what it prints.
 """
 
 from __future__ import annotations
@@ -15,6 +21,7 @@ import hashlib
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -30,6 +37,8 @@ ROOT = Path(__file__).resolve().parents[3]
 _NOT_SOURCES = {".git", "build", "out", "__pycache__", ".mypy_cache", ".ruff_cache"}
 # Entries of wheels have a date; one that does not change makes builds reproducible.
 _DATE = (2020, 1, 1, 0, 0, 0)
+# Minutes of one processor: everything once, and the arithmetic for one more path.
+_MINUTES_BASE, _MINUTES_PATH = 6.0, 3.0
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
@@ -81,25 +90,85 @@ def _run(*command: str | Path) -> None:
             f"miebrdf: {words[0]} is not installed; `apt install cmake ninja-build g++`"
         ) from None
     if done.returncode != 0:
-        raise SystemExit(
-            f"miebrdf: {words[0]} failed; docs/dependencies.md lists the packages that it needs, "
-            "and tools/quickstart installs them"
-        )
+        raise SystemExit(f"miebrdf: {words[0]} failed; what it said stands above")
+
+
+def _say(text: str) -> None:
+    """Prints a line, and shows it to who waits for pip, which keeps what backends print."""
+    print(f"miebrdf: {text}", flush=True)
+    if not sys.stdout.isatty():
+        try:
+            with open("/dev/tty", "w") as terminal:
+                terminal.write(f"\r\033[K  miebrdf: {text}\n")
+        except OSError:
+            pass  # nobody is there
+
+
+def _run_with_progress(*command: str | Path) -> None:
+    """As _run; each tenth of Ninja's (or make's) steps is said."""
+    words = [str(word) for word in command]
+    print("+", shlex.join(words), flush=True)
+    tenths = 0
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as job:
+        assert job.stdout is not None
+        for line in job.stdout:
+            print(line, end="", flush=True)
+            steps = re.match(r"\[(\d+)/(\d+)\]|\[ *(\d+)%\]", line)
+            if steps is None:
+                continue
+            share = int(steps[3]) / 100 if steps[3] else int(steps[1]) / int(steps[2])
+            if int(10 * share) > tenths:
+                tenths = int(10 * share)
+                _say(f"{10 * tenths} % of the steps are done")
+    if job.returncode != 0:
+        raise SystemExit(f"miebrdf: {words[0]} failed; what it said stands above")
+
+
+def _paths(wanted: str) -> str:
+    """MIEBRDF_PROCESSOR_PATHS for the setting ``paths``."""
+    if wanted == "all":
+        return "x86-64-v3;x86-64-v4"
+    if wanted == "none":
+        return ""
+    if wanted != "here":
+        return wanted
+    try:
+        flags = set(Path("/proc/cpuinfo").read_text().split("flags", 2)[1].split("\n", 1)[0].split())
+    except (OSError, IndexError):
+        return ""  # no x86-64, or not Linux: one build for all
+    if {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"} <= flags:
+        return "x86-64-v4"
+    return "x86-64-v3" if {"avx2", "fma", "bmi2"} <= flags else ""
+
+
+def _is_native(folder: Path) -> bool:
+    """Whether a build folder has the instructions of the machine that built it."""
+    return "\nMIEBRDF_NATIVE:BOOL=ON\n" in (folder / "CMakeCache.txt").read_text()
 
 
 def _build(settings: dict[str, Any]) -> Path:
     """Builds the module. @returns the build folder"""
     folder = Path(settings.get("build-dir", ROOT / "build" / "python")).resolve()
     more = shlex.split(settings.get("cmake-args", ""))
+    jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     if not (folder / "CMakeCache.txt").exists():
-        _run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release",
+        paths = _paths(settings.get("paths", "here"))
+        # Measured on a processor of 2021: docs/internals/build-log.md
+        minutes = (_MINUTES_BASE + _MINUTES_PATH * len(paths.split(";") if paths else [])) / float(jobs)
+        _say(f"compiling for x86-64{' and ' + paths.replace(';', ', ') if paths else ''} with {jobs} "
+             f"processes: about {max(1, round(minutes))} minutes on a recent machine")  # fmt: skip
+        ninja = ["-G", "Ninja"] if shutil.which("ninja") and "CMAKE_GENERATOR" not in os.environ else []
+        _run("cmake", "-S", ROOT, "-B", folder, *ninja, "-DCMAKE_BUILD_TYPE=Release",
              "-DMIEBRDF_UNITY=ON", "-DMIEBRDF_BUILD_TOOLS=OFF", "-DBUILD_TESTING=OFF",
              "-DMIEBRDF_PYTHON_REQUIRED=ON", f"-DPython_EXECUTABLE={sys.executable}",
-             "-DMIEBRDF_PROCESSOR_PATHS=x86-64-v3;x86-64-v4", *more)  # fmt: skip
+             f"-DMIEBRDF_PROCESSOR_PATHS={paths}", *more)  # fmt: skip
     elif more:
         _run("cmake", folder, *more)
-    jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
-    _run("cmake", "--build", folder, "--parallel", jobs, "--target", "miebrdf_python")
+    _run_with_progress("cmake", "--build", folder, "--parallel", jobs, "--target", "miebrdf_python")
+    if _is_native(folder):
+        _say(f"warning: {folder} is built with MIEBRDF_NATIVE for the processor of this machine; the "
+             "wheel (build 0native) may end with 'illegal instruction' on others: leave build-dir "
+             "out to make one for all")  # fmt: skip
     return folder
 
 
@@ -119,7 +188,8 @@ def build_wheel(
 ) -> str:
     folder = _build(config_settings or {})
     info = f"miebrdf-{_version()}.dist-info"
-    name = f"miebrdf-{_version()}-{_tag()}.whl"
+    build = "0native" if _is_native(folder) else ""
+    name = "-".join(filter(None, ["miebrdf", _version(), build, f"{_tag()}.whl"]))
     with tempfile.TemporaryDirectory() as stage:
         _run("cmake", "--install", folder, "--component", "python", "--prefix", stage)
         package = next(Path(stage).rglob("miebrdf/__init__.py")).parent
@@ -134,6 +204,7 @@ def build_wheel(
     contents[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     contents[f"{info}/WHEEL"] = (
         f"Wheel-Version: 1.0\nGenerator: miebrdf_build\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
+        + (f"Build: {build}\n" if build else "")
     ).encode()
     record = ""
     for path, content in contents.items():
