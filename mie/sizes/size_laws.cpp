@@ -8,7 +8,7 @@
 
 namespace miebrdf::mie {
 
-extern const SizeLaw kPowerLaw, kGamma, kLogNormal, kRosinRammler, kMono, kTabulated;
+extern const SizeLaw kPowerLaw, kGamma, kLogNormal, kRosinRammler, kMono, kJunge, kTabulated;
 
 namespace {
 
@@ -23,6 +23,7 @@ constinit const SizeDistributionKind SizeDistributionKind::power_law{kPowerLaw};
 constinit const SizeDistributionKind SizeDistributionKind::gamma{kGamma};
 constinit const SizeDistributionKind SizeDistributionKind::log_normal{kLogNormal};
 constinit const SizeDistributionKind SizeDistributionKind::mono{kMono};
+constinit const SizeDistributionKind SizeDistributionKind::junge{kJunge};
 constinit const SizeDistributionKind SizeDistributionKind::tabulated{kTabulated};
 
 SizeDistributionKind parse_size_distribution(std::string_view name) {

@@ -19,8 +19,8 @@ concept Is = std::same_as<std::remove_const_t<Any>, T>;
 
 template <Is<mie::SizeDistribution> T>
 auto fields(T& value) {
-    auto& [kind, radius, variance, radii, density] = value;
-    return std::tie(kind, radius, variance, radii, density);
+    auto& [kind, radius, variance, radii, density, exponent] = value;
+    return std::tie(kind, radius, variance, radii, density, exponent);
 }
 
 template <Is<rte::SurfaceOptions> T>

@@ -18,7 +18,11 @@ struct MieWork {
     double wavelength_nm = 550.0;
     double tolerance = 2e-4;   ///< of the average
     bool whole_phase = false;  ///< the phase function at every angle and all its moments
+    std::size_t coatings = 0;
 };
+
+/// The average that a species asks for at a wavelength. @pre it goes through Mie theory
+MieWork mie_work(const ResolvedSpecies& species, std::size_t w, double tolerance, bool whole_phase);
 
 /// Mie theory for one medium at one wavelength.
 double mie_seconds(const MieWork& work);

@@ -7,6 +7,7 @@
 #include <miebrdf/ensemble.h>
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
+#include "pipeline/solve/coated.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/rules.h"
 #include "rte/math/tolerance_budget.h"
@@ -98,12 +99,7 @@ double Planner::matrix_cost() const {
     for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
         for (const ResolvedSpecies& species : scene_.media[m].species) {
             if (!species.needs_mie()) continue;
-            const Particles& at = species.particles.front();
-            mie::EnsembleRequest request;
-            request.sizes = species.sizes;
-            request.refractive_index = at.index;
-            request.host_index = at.host_index;
-            request.wavelength_nm = at.wavelength_nm;
+            mie::EnsembleRequest request = particles_of(species, 0);
             request.tolerance = demand_.tolerance;
             sum += mie::matrix_seconds(request);
         }

@@ -87,10 +87,8 @@ double Planner::memory_bytes() const {
         for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
             for (const ResolvedSpecies& species : scene_.media[m].species) {
                 if (!species.needs_mie()) continue;
-                const Particles& at = species.particles[job.wavelength];
-                const MieWork work{species.sizes,     at.index / at.host_index,
-                                   at.host_index,     at.wavelength_nm,
-                                   solver_.tolerance, demand_.whole_phase_function};
+                const MieWork work = mie_work(species, job.wavelength, solver_.tolerance,
+                                              demand_.whole_phase_function);
                 bytes += mie_bytes(work);
                 working = std::max(working, mie_working_bytes(work));
             }
@@ -112,9 +110,7 @@ double Planner::mie_cost(std::size_t medium, std::size_t w) const {
 
 double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
     if (!species.needs_mie()) return 0.0;
-    const Particles& at = species.particles[w];
-    return mie_seconds({species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm,
-                        demand_.tolerance, whole});
+    return mie_seconds(mie_work(species, w, demand_.tolerance, whole));
 }
 
 double Planner::typical_mie_cost(std::size_t w) const {

@@ -48,19 +48,30 @@ std::string amount_text(const Amount& amount) {
     return fmt::format("{:.4g} per cm\u00b3", amount.value);
 }
 
+std::string material_text(const Host& host, const std::string& what) {
+    return host.name.empty() ? fmt::format("{} of index {:g}", what, host.index.real())
+                             : readable(host.name);
+}
+
+std::string host_text(const Host& host) { return material_text(host, "a host"); }
+
+std::string coating_text(const Coating& coating) {
+    const std::string of = material_text(coating.material, "a coating");
+    if (coating.share_of_radius > 0.0)
+        return fmt::format("{:g} % of the radius of {}", 100.0 * coating.share_of_radius, of);
+    return fmt::format("{:g} nm of {}", 1e3 * coating.thickness_um, of);
+}
+
 std::string species_text(const Species& species) {
     std::string text = kind_text(species);
     if (const auto radius = species.sizes.effective_radius_um)
         text += fmt::format(", radius {:g} \u00b5m", *radius);
     if (const auto variance = species.sizes.effective_variance)
         text += fmt::format(", variance {:g}", *variance);
+    for (const Coating& coating : species.coatings)
+        text += ", coated with " + coating_text(coating);
     if (species.amount) text += ", " + amount_text(*species.amount);
     return text;
-}
-
-std::string host_text(const Host& host) {
-    return host.name.empty() ? fmt::format("a host of index {:g}", host.index.real())
-                             : readable(host.name);
 }
 
 /// The surface or boundary above the layers; empty where there is none.

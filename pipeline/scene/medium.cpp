@@ -315,7 +315,10 @@ std::vector<MediumForm> medium_forms() {
 
 Layer layer(const std::string& text) {
     const std::size_t at = text.rfind('@');
-    if (at != std::string::npos && text.find('=', at) != std::string::npos) {
+    // `coating=SiO2@5nm` without a depth behind it is refused as a coating without thickness.
+    const std::size_t coating = text.rfind("coating=", at);
+    const bool is_of_coating = coating != std::string::npos && text.find('@', coating) == at;
+    if (!is_of_coating && at != std::string::npos && text.find('=', at) != std::string::npos) {
         throw UsageError(
             fmt::format("coat '{}': what belongs to the medium comes before the depth, e.g. "
                         "TiO2,radius=0.1@1",

@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <miebrdf/error.h>
 #include "materials/database/names.h"
 #include "pipeline/scene/number_list.h"
+#include "pipeline/scene/scene_parts.h"
+#include "pipeline/scene/size_words.h"
 
 namespace miebrdf {
 namespace {
@@ -60,17 +64,10 @@ void set_amount(Species& species, Amount amount, const std::string& text) {
     species.amount = amount;
 }
 
-/// A log-normal law as laboratories give it: the median radius by one measure of particles, and the
-/// geometric standard deviation.
-struct LogNormalWords {
-    std::optional<double> median_um, sigma_g;
-    std::optional<std::string> by;
-};
-
 /// A species on its way in.
 struct Words {
     Species& species;
-    LogNormalWords log_normal = {};
+    SizeWords sizes = {};
 };
 
 /// A key that follows a species, and what it sets.
@@ -79,6 +76,39 @@ struct Key {
     void (*set)(Words& words, const std::string& value, const std::string& what,
                 const std::string& text);
 };
+
+template <typename Value>
+struct Named {
+    const char* name;
+    Value value;
+};
+constexpr Named<GrainShape::Kind> kShapes[] = {
+    {"sphere", GrainShape::Kind::sphere},
+    {"spheroid", GrainShape::Kind::spheroid},
+    {"hexagonal-plate", GrainShape::Kind::hexagonal_plate},
+    {"koch", GrainShape::Kind::koch}};
+constexpr Named<PhaseForm> kPhases[] = {
+    {"mie", PhaseForm::mie},
+    {"henyey-greenstein", PhaseForm::henyey_greenstein},
+    {"double-henyey-greenstein", PhaseForm::double_henyey_greenstein}};
+
+template <typename Value, std::size_t count>
+Value value_of(const Named<Value> (&all)[count], const std::string& name, const std::string& what) {
+    std::string known;
+    for (const auto& one : all) {
+        if (name == one.name) return one.value;
+        known += (known.empty() ? "" : ", ") + std::string(one.name);
+    }
+    throw UsageError(fmt::format("{}: '{}'; allowed: {}", what, name, known));
+}
+
+template <typename Value, std::size_t count>
+const char* name_in(const Named<Value> (&all)[count], Value value) {
+    for (const auto& one : all) {
+        if (value == one.value) return one.name;
+    }
+    return "";
+}
 
 const std::vector<Key> kKeys = {
     {"radius",
@@ -115,21 +145,38 @@ const std::vector<Key> kKeys = {
                     {Amount::Kind::number_per_cm3, parse_quantity(value, what, kNumbersPerCm3)},
                     text);
      }},
-    {"median",
+    {"shape", [](Words& w, const std::string& value, const std::string& what,
+                 const std::string&) { w.species.shape.kind = value_of(kShapes, value, what); }},
+    {"aspect",
      [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.log_normal.median_um, parse_length_um(value, what), "median", text);
+         set_once(w.species.shape.aspect, parse_number(value, what), "aspect", text);
      }},
-    {"sigma_g",
+    {"asymmetry",
      [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.log_normal.sigma_g, parse_number(value, what), "sigma_g", text);
+         set_once(w.species.shape.asymmetry, parse_number(value, what), "asymmetry", text);
      }},
-    {"by", [](Words& w, const std::string& value, const std::string&,
-              const std::string& text) { set_once(w.log_normal.by, value, "by", text); }},
+    {"absorption",
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.species.shape.absorption, parse_number(value, what), "absorption", text);
+     }},
+    {"phase",
+     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
+         set_once(w.species.phase, value_of(kPhases, value, what), "phase", text);
+     }},
+    {"coating",
+     [](Words& w, const std::string& value, const std::string&, const std::string& text) {
+         try {  // keys are taken from the end, coatings written from inside out
+             w.species.coatings.insert(w.species.coatings.begin(), coating(value));
+         } catch (const UsageError& error) {
+             throw UsageError(fmt::format("medium '{}': {}", text, error.what()));
+         }
+     }},
 };
 
 std::vector<std::string> key_names() {
     std::vector<std::string> names;
     for (const Key& key : kKeys) names.emplace_back(key.name);
+    names.insert(names.end(), size_word_names().begin(), size_word_names().end());
     return names;
 }
 
@@ -168,6 +215,46 @@ std::string describe(const Amount& amount) {
     return fmt::format(",number={}/cm3", amount.value);
 }
 
+void validate(const Coating& coating, const std::string& text) {
+    validate(coating.material);
+    for (const double size : {coating.thickness_um, coating.share_of_radius}) {
+        if (size >= 0.0 && std::isfinite(size)) continue;
+        throw UsageError(
+            fmt::format("medium '{}': thickness {} of coating {} is out of range; "
+                        "allowed: >= 0, finite",
+                        text, size, describe(coating.material)));
+    }
+}
+
+void validate_shape(const Species& species, const std::string& text) {
+    const GrainShape& shape = species.shape;
+    const auto refuse = [&](const std::string& reason) {
+        throw UsageError(fmt::format("medium '{}': {}", text, reason));
+    };
+    const double aspect = shape.aspect.value_or(1.0), g = shape.asymmetry.value_or(0.0),
+                 absorption = shape.absorption.value_or(1.0);
+    if (!(aspect >= 0.1 && aspect <= 20.0))
+        refuse(fmt::format("aspect {} is out of range; allowed: 0.1 to 20, width over length",
+                           aspect));
+    if (!(g > -1.0 && g < 1.0))
+        refuse(fmt::format("asymmetry {} is out of range; allowed: above -1, below 1", g));
+    if (!(absorption >= 0.5 && absorption <= 3.0)) {
+        refuse(
+            fmt::format("absorption {} is out of range; allowed: 0.5 to 3, B of Libois et al. "
+                        "(2013), 1.25 for spheres, 1.6 for snow",
+                        absorption));
+    }
+    if (shape.aspect && shape.kind == GrainShape::Kind::sphere)
+        refuse("spheres have no aspect; give a shape, e.g. shape=hexagonal-plate");
+    if (shape == GrainShape{}) return;
+    if (species.phase == PhaseForm::mie) {
+        refuse(
+            "grains that are no spheres have no phase function of Mie theory; allowed: "
+            "phase=henyey-greenstein, double-henyey-greenstein");
+    }
+    if (!species.coatings.empty()) refuse("corrections of shape are of grains without coatings");
+}
+
 void validate(const Amount& amount, const std::string& text) {
     const bool is_share = amount.kind != Amount::Kind::number_per_cm3;
     const bool allowed =
@@ -180,39 +267,55 @@ void validate(const Amount& amount, const std::string& text) {
                                  amount.value, is_share ? "0 to 1 (or 100%)" : ">= 0, finite"));
 }
 
-/// Effective radius and variance of a log-normal law. With s = ln sigma_g and the median r by
-/// number, the mean of r^3 over the mean of r^2 is r exp(5/2 s^2), the variance exp(s^2) - 1
-/// (Hansen & Travis 1974, eq. 2.60); medians by area and by volume are r exp(2 s^2), r exp(3 s^2)
-/// (Hatch & Choate, J. Franklin Inst. 207, 369 (1929)).
-void set_log_normal(const LogNormalWords& words, Species& species, const std::string& text) {
-    if (!words.median_um && !words.sigma_g && !words.by) return;
-    const auto refuse = [&](const std::string& reason) {
-        throw UsageError(
-            fmt::format("medium '{}': {}; write median=0.1,sigma_g=1.6 (by=volume where "
-                        "the median is not that of numbers)",
-                        text, reason));
-    };
-    if (!words.median_um || !words.sigma_g) refuse("median and sigma_g belong together");
-    ParticleSizes& sizes = species.sizes;
-    if (sizes.effective_radius_um || sizes.effective_variance ||
-        (sizes.distribution && *sizes.distribution != Kind::log_normal))
-        refuse("median and sigma_g say radius, variance and distribution");
-    const double sigma_g = *words.sigma_g;
-    constexpr double kLargestSigma = 4.5;  // a variance of 9.6
-    if (!(sigma_g > 1.0 && sigma_g <= kLargestSigma))
-        refuse(fmt::format("sigma_g {}; allowed: above 1, up to {}", sigma_g, kLargestSigma));
-    const std::string by = words.by.value_or("number");
-    const bool is_volume = by == "volume" || by == "mass";
-    if (by != "number" && by != "area" && !is_volume)
-        refuse(fmt::format("by '{}'; allowed: number, area, volume, mass", by));
-    const double s2 = std::pow(std::log(sigma_g), 2);
-    const double power = is_volume ? -0.5 : by == "area" ? 0.5 : 2.5;
-    sizes.effective_radius_um = *words.median_um * std::exp(power * s2);
-    sizes.effective_variance = std::expm1(s2);
-    sizes.distribution = Kind::log_normal;
+/// What follows the sizes.
+std::string rest_of_keys(const Species& species) {
+    std::string text;
+    for (const Coating& coating : species.coatings) text += ",coating=" + describe(coating);
+    const GrainShape& shape = species.shape;
+    if (shape.kind != GrainShape::Kind::sphere)
+        text += fmt::format(",shape={}", name_in(kShapes, shape.kind));
+    if (shape.aspect) text += fmt::format(",aspect={}", *shape.aspect);
+    if (shape.asymmetry) text += fmt::format(",asymmetry={}", *shape.asymmetry);
+    if (shape.absorption) text += fmt::format(",absorption={}", *shape.absorption);
+    if (species.phase) text += fmt::format(",phase={}", name_in(kPhases, *species.phase));
+    if (species.density_g_cm3) text += fmt::format(",density={}", *species.density_g_cm3);
+    if (species.amount) text += describe(*species.amount);
+    return text;
 }
 
 }  // namespace
+
+Coating coating(const std::string& text) {
+    const std::size_t at = text.rfind('@');
+    if (at == std::string::npos) {
+        throw UsageError(fmt::format(
+            "coating '{}' has no thickness; write coating={}@5nm or, as a share of the core's "
+            "radius, coating={}@10% (the last @ of a layer is followed by the layer's depth)",
+            text, text, text));
+    }
+    Coating coating{.material = host(trimmed_text(text.substr(0, at)))};
+    const std::string size = trimmed_text(text.substr(at + 1));
+    const std::string what = fmt::format("thickness of coating '{}'", text);
+    // Without a unit nobody knows whether a length or a share is meant.
+    constexpr auto lengths = std::span(kLengthsUm).first(kLengthsUm.size() - 1);
+    if (size.ends_with('%')) {
+        coating.share_of_radius = parse_quantity(size, what, std::span(kShares).first(1));
+    } else {
+        coating.thickness_um = parse_quantity(size, what, lengths);
+    }
+    validate(coating, text);
+    return coating;
+}
+
+std::string describe(const Coating& coating) {
+    if (coating.share_of_radius == 0.0)
+        return fmt::format("{}@{}um", describe(coating.material), coating.thickness_um);
+    // The shortest percentage that is read as this share.
+    double percent = 100.0 * coating.share_of_radius;
+    const double short_one = parse_number(fmt::format("{:.15g}", percent), "share");
+    if (short_one / 100.0 == coating.share_of_radius) percent = short_one;
+    return fmt::format("{}@{}%", describe(coating.material), percent);
+}
 
 double parse_length_um(std::string_view text, const std::string& what) {
     return parse_quantity(text, what, kLengthsUm);
@@ -225,10 +328,17 @@ mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of
     if (own.effective_variance) sizes.effective_variance = *own.effective_variance;
     if (own.distribution) {
         sizes.kind = *own.distribution;
-        sizes.radii_um.clear();
-        sizes.number_density.clear();
+        sizes.exponent = own.exponent.value_or(sizes.exponent);
+        sizes.radii_um = own.radii_um;
+        sizes.number_density = own.number_density;
     }
     return sizes;
+}
+
+bool states_radius(const Species& species) {
+    const ParticleSizes& sizes = species.sizes;
+    return sizes.effective_radius_um || sizes.specific_surface_m2_per_kg ||
+           sizes.distribution == Kind::junge || sizes.distribution == Kind::tabulated;
 }
 
 void validate_keys(const Species& species, const std::string& text) {
@@ -242,10 +352,18 @@ void validate_keys(const Species& species, const std::string& text) {
         refuse("radius", radius_um, "finite and > 0, in um");
     const double variance = sizes.effective_variance.value_or(0.2);
     if (!(variance > 0.0 && variance <= 10.0)) refuse("variance", variance, "above 0, up to 10");
-    if (sizes.distribution == Kind::tabulated) {
-        throw UsageError(fmt::format(
-            "medium '{}': a table of sizes belongs to the scene, not to a layer", text));
+    const double surface = sizes.specific_surface_m2_per_kg.value_or(1.0);
+    if (!(surface > 0.0 && std::isfinite(surface)))
+        refuse("ssa", surface, "finite and > 0, in m2/kg");
+    if (sizes.distribution == Kind::tabulated || sizes.distribution == Kind::junge) {
+        try {
+            mie::radius_range(sizes_of(species, {}));
+        } catch (const UsageError& error) {
+            throw UsageError(fmt::format("medium '{}': {}", text, error.what()));
+        }
     }
+    for (const Coating& coating : species.coatings) validate(coating, text);
+    validate_shape(species, text);
     const double density = species.density_g_cm3.value_or(1.0);
     if (!(density > 0.0 && density <= 30.0))
         refuse("density", density, "above 0, up to 30, in g/cm3");
@@ -256,33 +374,49 @@ std::string describe_keys(const Species& species) {
     const ParticleSizes& sizes = species.sizes;
     std::string text;
     if (sizes.effective_radius_um) text += fmt::format(",radius={}", *sizes.effective_radius_um);
+    if (sizes.specific_surface_m2_per_kg)
+        text += fmt::format(",ssa={}m2/kg", *sizes.specific_surface_m2_per_kg);
+    if (sizes.distribution == Kind::junge && sizes.radii_um.size() == 2)
+        return text +
+               fmt::format(",junge={},from={},to={}", sizes.exponent.value_or(0.0),
+                           sizes.radii_um[0], sizes.radii_um[1]) +
+               rest_of_keys(species);
+    if (sizes.distribution == Kind::tabulated)
+        return text + ",sizes=" + sizes.file + rest_of_keys(species);
     if (sizes.effective_variance) text += fmt::format(",variance={}", *sizes.effective_variance);
     if (sizes.distribution) text += ",distribution=" + name_of(*sizes.distribution);
-    if (species.density_g_cm3) text += fmt::format(",density={}", *species.density_g_cm3);
-    if (species.amount) text += describe(*species.amount);
-    return text;
+    return text + rest_of_keys(species);
 }
 
 std::string take_keys(const std::string& text, bool only_keys, Species& species) {
     std::string rest = text;
+    const std::string table = ",sizes:";  // another way to write sizes=FILE
+    if (const std::size_t at = rest.find(table); at != std::string::npos)
+        rest.replace(at, table.size(), ",sizes=");
     Words words{species};
     for (;;) {
+        // Values may have commas (coating=index:1.5,0.01@5nm), keys have none.
         const std::string outside = blank_in_parentheses(rest);
-        const std::size_t comma = outside.rfind(',');
-        if (comma == std::string::npos) break;
-        const std::size_t equals = outside.find('=', comma);
+        const std::size_t equals = outside.rfind('=');
         if (equals == std::string::npos) break;
+        const std::size_t comma = outside.rfind(',', equals);
+        if (comma == std::string::npos) break;
         const std::string name = trimmed_text(rest.substr(comma + 1, equals - comma - 1));
         const Key* key = find_key(name);
-        if (key == nullptr) {
+        const std::string value = trimmed_text(rest.substr(equals + 1));
+        const auto& sizes = size_word_names();
+        if (std::find(sizes.begin(), sizes.end(), name) != sizes.end()) {
+            if (!words.sizes.emplace(name, value).second)
+                throw UsageError(fmt::format("medium '{}': {} is given twice", text, name));
+        } else if (key == nullptr) {
             if (only_keys) refuse_key(name, text);
             break;
         }
-        key->set(words, trimmed_text(rest.substr(equals + 1)),
-                 fmt::format("medium '{}': {}", text, name), text);
+        if (key != nullptr)
+            key->set(words, value, fmt::format("medium '{}': {}", text, name), text);
         rest = trimmed_text(rest.substr(0, comma));
     }
-    set_log_normal(words.log_normal, species, text);
+    set_sizes(words.sizes, species, text);
     return rest;
 }
 

@@ -14,6 +14,9 @@ double parse_length_um(std::string_view text, const std::string& what);
 /// The sizes of a species: its own over those of the scene.
 mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene);
 
+/// Whether a species says how large its spheres are, or leaves it to the scene.
+bool states_radius(const Species& species);
+
 /// Sizes, density and amount within what they may be.
 /// @param text  the species, named in the message
 /// @throws UsageError  with the key, its value and the allowed range
@@ -23,8 +26,9 @@ void validate_keys(const Species& species, const std::string& text);
 /// nothing is said.
 std::string describe_keys(const Species& species);
 
-/// Takes `,radius=UM`, `,variance=V`, `,distribution=KIND`, `,density=G_CM3`, `,volume=SHARE`,
-/// `,mass=SHARE` and `,number=PER_CM3` in any order from the end of a text into `species`.
+/// Takes `,radius=UM`, `,variance=V`, `,distribution=KIND`, those of size_words.h,
+/// `,coating=NAME@5nm`, `,density=G_CM3`, `,volume=SHARE`, `,mass=SHARE` and `,number=PER_CM3` in
+/// any order from the end of a text into `species`.
 /// @param only_keys  whether any other `,key=value` at the end is a mistake; otherwise it is left
 ///        to the species (the name of a file may have one)
 /// @return the text before the keys

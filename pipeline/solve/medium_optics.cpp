@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/packing.h"
 #include "pipeline/solve/parallel.h"
@@ -56,7 +57,8 @@ class JobList {
             const auto compute = [&, species = species, w = w] {
                 return compute_optics(*species, w, demand, pieces);
             };
-            done[j] = species->needs_mie()
+            // Smooth phase functions are functions, not tables, and take milliseconds.
+            done[j] = species->needs_mie() && !has_smooth_phase(species->species)
                           ? remembered_optics(control, optics_hash(*species, w, demand), compute)
                           : compute();
             if (species->crowded) done[j] = crowded(done[j], *species, w, demand.angles_deg);
@@ -84,10 +86,10 @@ MediumOptics absorber() {
     return optics;
 }
 
-/// 3 f Q_ext / (4 r_eff).
+/// 3 f Q_ext / (4 r_eff): of the cores, as Q_ext is, which fill f / volume_per_core.
 double extinction_of(const ResolvedSpecies& species, const MediumOptics& optics) {
     return 0.75 * species.volume_fraction * optics.q_ext.value_or(0.0) /
-           species.effective_radius_um;
+           (species.effective_radius_um * species.volume_per_core);
 }
 
 }  // namespace

@@ -32,7 +32,21 @@ double series(double y, int power) {
 double kd_of(const ResolvedSpecies& species, std::size_t w) {
     const Particles& at = species.particles[w];
     const double k_per_um = 2.0e3 * kPi * at.host_index / at.wavelength_nm;
-    return 2.0 * k_per_um * species.effective_radius_um;
+    return 2.0 * k_per_um * species.outer_radius_um;
+}
+
+/// A sphere of the effective radius.
+std::vector<mie::SphereLayer> layers_of(const ResolvedSpecies& species, std::size_t w) {
+    const Particles& at = species.particles[w];
+    const double k_per_um = 2.0e3 * kPi * at.host_index / at.wavelength_nm;
+    const double core = k_per_um * species.effective_radius_um;
+    std::vector<mie::SphereLayer> layers = {{at.index / at.host_index, core}};
+    for (const mie::ParticleCoating& coating : at.coatings) {
+        layers.push_back({coating.refractive_index / at.host_index,
+                          layers.back().size_parameter + k_per_um * coating.thickness_um +
+                              coating.share_of_radius * core});
+    }
+    return layers;
 }
 
 /// Gauss nodes over (0, pi) that resolve `degrees` Legendre functions and S(q); weights of
@@ -139,11 +153,10 @@ std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w) {
     const double kd = kd_of(species, w);
     constexpr double kLargest = 60.0;
     if (0.5 * kd > kLargest) return std::nullopt;
-    const Particles& at = species.particles[w];
     const math::Quadrature angles = angles_for(kd, static_cast<int>(4.0 * kd) + 20);
     std::vector<double> degrees;
     for (const double theta : angles.nodes) degrees.push_back(theta * 180.0 / kPi);
-    const auto amplitudes = mie::scattering_amplitudes(at.index / at.host_index, 0.5 * kd, degrees);
+    const auto amplitudes = mie::scattering_amplitudes(layers_of(species, w), degrees);
     double alone = 0.0, together = 0.0;  // of the scattering, weighted by 1 - cos
     for (std::size_t i = 0; i < degrees.size(); ++i) {
         const double away = 1.0 - std::cos(angles.nodes[i]);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/grain_shape.h"
 #include "rte/boundary/fresnel_matrix.h"
 #include "rte/math/tolerance_budget.h"
 
@@ -46,11 +47,11 @@ constexpr double kMostAutomaticSize = 60.0;
 
 double size_parameter(const ResolvedSpecies& species, std::size_t w) {
     const Particles& at = species.particles[w];
-    return 2e3 * std::numbers::pi * at.host_index * species.effective_radius_um / at.wavelength_nm;
+    return 2e3 * std::numbers::pi * at.host_index * species.outer_radius_um / at.wavelength_nm;
 }
 
 bool polarises(const ResolvedSpecies& species, std::size_t w) {
-    if (species.needs_mie()) return true;
+    if (species.needs_mie()) return !has_smooth_phase(species.species);
     const rte::Optics optics =
         kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
     return optics.polarisation && optics.single_scattering_albedo > 0.0;

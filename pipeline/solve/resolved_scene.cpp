@@ -56,9 +56,12 @@ void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& reso
             "the surface out",
             describe(top)));
     }
-    ResolvedIndex index = resolver.index(top.species.front(), resolved.wavelength_nm);
+    const Species& only = top.species.front();
+    ResolvedIndex index = only.coatings.empty() ? resolver.index(only, resolved.wavelength_nm)
+                                                : resolver.mirror(only.coatings.back().material,
+                                                                  resolved.wavelength_nm);
     resolved.surface_index = std::move(index.index);
-    resolver.add_source(std::move(index.source));
+    if (!index.source.empty()) resolver.add_source(std::move(index.source));
     name_surface_index(resolved, "the particles, " + describe(top), resolver);
 }
 

@@ -2,6 +2,7 @@
 // it asks the database again.
 #pragma once
 
+#include <miebrdf/ensemble.h>
 #include <miebrdf/scene.h>
 
 #include <complex>
@@ -18,8 +19,9 @@ struct IndexShift;
 /// Spheres of one kind at one wavelength.
 struct Particles {
     double wavelength_nm = 0.0;
-    std::complex<double> index = {};  ///< n + ik, k raised to the scene's floor
-    double host_index = 1.0;          ///< the real part: docs/maths-mie.md
+    std::complex<double> index = {};                  ///< n + ik, k raised to the scene's floor
+    double host_index = 1.0;                          ///< the real part: docs/maths-mie.md
+    std::vector<mie::ParticleCoating> coatings = {};  ///< from inside out
 };
 
 /// A species at every wavelength of its scene.
@@ -28,7 +30,9 @@ struct ResolvedSpecies {
     std::vector<Particles> particles = {};   ///< empty for species that bring their optics
     std::vector<double> wavelength_nm = {};  ///< in vacuum
     mie::SizeDistribution sizes = {};
-    double effective_radius_um = 0.0;
+    double effective_radius_um = 0.0;  ///< of the spheres, or of their cores
+    double outer_radius_um = 0.0;      ///< that of a core of this radius, with its coatings
+    double volume_per_core = 1.0;      ///< mean volume of the particles over that of their cores
     /// The share of the layer's volume; 1 of a single species without amount, as of the particles'
     /// own.
     double volume_fraction = 1.0;

@@ -13,6 +13,8 @@
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/amounts.h"
+#include "pipeline/solve/coated.h"
+#include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/packing.h"
 
 namespace miebrdf {
@@ -23,12 +25,30 @@ void require_contrast(const ResolvedSpecies& species) {
     // Quotients of equal numbers are 1; what differs by rounding alone is no contrast either.
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
     for (const Particles& at : species.particles) {
-        if (std::abs(at.index / at.host_index - 1.0) > kRounding) continue;
+        const auto has_none = [&](std::complex<double> index) {
+            return std::abs(index / at.host_index - 1.0) <= kRounding;
+        };
+        if (!all_layers(at, has_none)) continue;
         throw UsageError(fmt::format(
             "{}: its refractive index at {} nm is that of its host, {}: without contrast nothing "
             "scatters; give another medium or another host_index",
             describe(species.species), at.wavelength_nm, at.host_index));
     }
+}
+
+/// Effective radius of particles by their surface: volume over mean projected area is r_eff 4/3,
+/// and convex bodies have four times the surface of that area (Cauchy).
+double radius_of_surface_um(const Species& species, std::optional<double> of_material_g_cm3) {
+    const std::optional<double> density =
+        species.density_g_cm3 ? species.density_g_cm3 : of_material_g_cm3;
+    if (!density) {
+        throw UsageError(
+            fmt::format("medium '{}': a specific surface needs a density; give it in g/cm3, e.g. "
+                        "density=2.5",
+                        describe(species)));
+    }
+    constexpr double kUmPerUnit = 1e3;  // 1 cm3/g over 1 m2/kg
+    return 3.0 * kUmPerUnit / (*density * *species.sizes.specific_surface_m2_per_kg);
 }
 
 /// Only numbers count: two names for the same figures are the same species.
@@ -37,6 +57,15 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
     if (species.needs_mie()) {
         const Particles& at = species.particles[w];
         key.add(at.index).add(at.wavelength_nm).add(species.sizes).add(at.host_index);
+        const GrainShape& shape = species.species.shape;
+        if (has_smooth_phase(species.species)) {
+            key.add(shape.kind).add(shape.aspect).add(shape.asymmetry).add(shape.absorption);
+            key.add(species.species.phase);
+        }
+        for (const mie::ParticleCoating& coating : at.coatings)
+            key.add(coating.refractive_index)
+                .add(coating.thickness_um)
+                .add(coating.share_of_radius);
     } else {
         key.add(species.species.kind).add(species.species.parameters);
         key.add(species.species.chi);
@@ -187,17 +216,39 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
             resolved.particles.push_back({wavelength_nm[w], index.index[w], host.index[w].real()});
         }
         resolved.sizes = sizes_of(species, scene_.particles);
+        if (species.sizes.specific_surface_m2_per_kg)
+            resolved.sizes.effective_radius_um = radius_of_surface_um(species, index.density_g_cm3);
         resolved.effective_radius_um = mie::effective_radius_of(resolved.sizes);
-        resolved.density_g_cm3 =
-            species.density_g_cm3 ? species.density_g_cm3 : index.density_g_cm3;
-        require_contrast(resolved);
+        resolved.density_g_cm3 = index.density_g_cm3;
         add_source(std::move(index.source));
+        add_coatings(resolved, coatings(species, wavelength_nm));
+        require_contrast(resolved);
+        require_grains(resolved);
     } else {
         add_source(describe(species));
     }
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
         resolved.key.push_back(key_of(resolved, w));
     return resolved;
+}
+
+std::vector<ResolvedIndex> Resolver::coatings(const Species& species,
+                                              const std::vector<double>& wavelength_nm) {
+    std::vector<ResolvedIndex> all;
+    for (const Coating& coating : species.coatings) {
+        const Host& of = coating.material;
+        const Species material = of.name.empty()
+                                     ? Species{.kind = Species::Kind::index,
+                                               .parameters = {of.index.real(), of.index.imag()}}
+                                     : Species{.kind = Species::Kind::material, .name = of.name};
+        try {
+            all.push_back(index(material, wavelength_nm));
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("coating '{}': {}", describe(coating), error.what()));
+        }
+        add_source("coating " + all.back().source);
+    }
+    return all;
 }
 
 void Resolver::set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
@@ -220,7 +271,7 @@ void Resolver::leave_out_host(const HostAt& host, const std::vector<double>& wav
                               double optical_depth, const ResolvedMedium& medium) {
     double radius_um = 0.0;
     for (const ResolvedSpecies& species : medium.species)
-        radius_um = std::max(radius_um, species.effective_radius_um);
+        radius_um = std::max(radius_um, species.outer_radius_um);
     std::size_t worst = 0;
     double least_volume = 0.0;  // at which the host is weak
     for (std::size_t w = 0; w < host.index.size(); ++w) {
@@ -254,7 +305,7 @@ void Resolver::leave_out_host(const HostAt& host, const std::vector<double>& wav
 void Resolver::note_strong_host(const HostAt& host, double k, double nm,
                                 const ResolvedMedium& medium) {
     for (const ResolvedSpecies& species : medium.species) {
-        const double kx = 2.0e3 * std::numbers::pi * species.effective_radius_um * k / nm;
+        const double kx = 2.0e3 * std::numbers::pi * species.outer_radius_um * k / nm;
         if (kx <= kWeakHost) continue;
         add_once(notes_, fmt::format("host {} absorbs noticeably within the particles of {}: Mie "
                                      "theory takes it as transparent (k x > {})",

@@ -46,6 +46,8 @@ class Resolver {
     HostAt look_up(const Host& host, const std::vector<double>& wavelength_nm);
     ResolvedSpecies species(const Species& species, const std::vector<double>& wavelength_nm,
                             const HostAt& host);
+    std::vector<ResolvedIndex> coatings(const Species& species,
+                                        const std::vector<double>& wavelength_nm);
     /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself
     /// takes the real part of the host's index).
     void set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/coated.h"
 #include "pipeline/solve/resolver.h"
 #include "rte/grid/directions.h"
 
@@ -38,10 +39,11 @@ bool is_symmetric(const Directions& directions) { return directions.mu_in == dir
 bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w) {
     if (!medium.needs_mie()) return medium.species.front().species.parameters[0] == 1.0;
     return medium.host_absorption[w] == 0.0 &&
-           std::all_of(medium.species.begin(), medium.species.end(),
-                       [w](const ResolvedSpecies& species) {
-                           return species.particles[w].index.imag() == 0.0;
-                       });
+           std::all_of(
+               medium.species.begin(), medium.species.end(), [w](const ResolvedSpecies& species) {
+                   return all_layers(species.particles[w],
+                                     [](std::complex<double> n) { return n.imag() == 0.0; });
+               });
 }
 
 bool absorbs_nothing(const ResolvedScene& scene, std::size_t w) {

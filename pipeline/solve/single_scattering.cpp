@@ -13,6 +13,8 @@
 #include <miebrdf/ensemble.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/coated.h"
+#include "pipeline/solve/grain_shape.h"
 #include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
@@ -34,12 +36,7 @@ constexpr double kMostPhaseWork = 3e8;
 
 mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_t w,
                                       const OpticsDemand& demand) {
-    const Particles& at = species.particles[w];
-    mie::EnsembleRequest request;
-    request.sizes = species.sizes;
-    request.refractive_index = at.index;
-    request.host_index = at.host_index;
-    request.wavelength_nm = at.wavelength_nm;
+    mie::EnsembleRequest request = particles_of(species, w);
     request.highest_moment = demand.highest_moment;
     request.angles_deg = demand.angles_deg;
     request.tolerance = demand.tolerance;
@@ -143,6 +140,12 @@ std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const Opt
 
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand, const mie::Executor& run) {
+    if (species.needs_mie() && has_smooth_phase(species.species)) {
+        const auto smooth = [&](const mie::EnsembleRequest&, const mie::Executor& pieces) {
+            return smooth_optics(species, w, demand, pieces);
+        };
+        return average(smooth, species.species, particles_of(species, w), run);
+    }
     if (species.needs_mie() && demand.polarisation) return polarising(species, w, demand, run);
     if (species.needs_mie()) {
         const auto request = ensemble_request(species, w, demand);

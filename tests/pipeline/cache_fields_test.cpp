@@ -102,7 +102,8 @@ TEST_CASE("every field of sizes is in a key", "[pipeline][cache][key]") {
         {.radii_um = {1, 2}, .number_density = {0, 1}},
         {[](auto& s) { s.kind = mie::SizeDistributionKind::tabulated; },
          [](auto& s) { s.effective_radius_um = 51; }, [](auto& s) { s.effective_variance = 0.3; },
-         [](auto& s) { s.radii_um[1] = 3; }, [](auto& s) { s.number_density[1] = 2; }});
+         [](auto& s) { s.radii_um[1] = 3; }, [](auto& s) { s.number_density[1] = 2; },
+         [](auto& s) { s.exponent = 3; }});
 }
 
 TEST_CASE("every field of a surface is in a key", "[pipeline][cache][key]") {

@@ -19,10 +19,15 @@ std::vector<std::string> all_words() {
 }
 
 /// "power-law, effective radius 50 um, effective variance 0.2"
-std::string sizes_text(const mie::SizeDistribution& sizes) {
-    std::string text =
-        fmt::format("{}, effective radius {} um", name_of(sizes.kind), sizes.effective_radius_um);
-    if (sizes.kind != mie::SizeDistributionKind::mono)
+std::string sizes_text(const Species& species, const ParticleOptions& of_scene) {
+    const mie::SizeDistribution sizes = sizes_of(species, of_scene);
+    std::string text = name_of(sizes.kind) + ", ";
+    if (const auto surface = species.sizes.specific_surface_m2_per_kg) {
+        text += fmt::format("specific surface {} m2/kg", *surface);
+    } else {
+        text += fmt::format("effective radius {} um", mie::effective_radius_of(sizes));
+    }
+    if (mie::has_variance(sizes.kind))
         text += fmt::format(", effective variance {}", sizes.effective_variance);
     return text;
 }
@@ -148,7 +153,7 @@ void SceneArguments::note_default_sizes(const Scene& scene) const {
     if (result_ != nullptr || given("effective-radius")) return;
     const auto find = [](const Medium& medium) -> const Species* {
         for (const Species& species : medium.species) {
-            if (needs_mie(species) && !species.sizes.effective_radius_um) return &species;
+            if (needs_mie(species) && !states_radius(species)) return &species;
         }
         return nullptr;
     };
@@ -158,9 +163,9 @@ void SceneArguments::note_default_sizes(const Scene& scene) const {
     }
     if (found == nullptr) return;
     shell_->note_at_end(fmt::format(
-        "no radius is given for {}: its spheres have the effective radius {} um, as in the paper; "
-        "a radius is written {},radius=0.1 (um) or ,radius=100nm",
-        describe(*found), scene.particles.sizes.effective_radius_um, describe(*found)));
+        "no radius is given for {}: its spheres have the sizes of the paper ({}); a radius is "
+        "written {},radius=0.1 (um) or ,radius=100nm",
+        describe(*found), sizes_text(*found, scene.particles), describe(*found)));
 }
 
 Request SceneArguments::complete(Request request) const {
@@ -176,12 +181,10 @@ std::string describe_particles(const Medium& medium, const ParticleOptions& part
     if (!needs_mie(medium)) return "";
     const std::string host = host_text(medium.host.value_or(particles.host));
     if (medium.species.size() == 1)
-        return fmt::format("{}, in {}", sizes_text(sizes_of(medium.species.front(), particles)),
-                           host);
+        return fmt::format("{}, in {}", sizes_text(medium.species.front(), particles), host);
     std::string text;
     for (const Species& species : medium.species) {
-        text += fmt::format("{}: {}; ", without_sizes(species),
-                            sizes_text(sizes_of(species, particles)));
+        text += fmt::format("{}: {}; ", without_sizes(species), sizes_text(species, particles));
     }
     return text + "in " + host;
 }
@@ -195,7 +198,7 @@ std::string describe_particles(const Scene& scene) {
         for (const Species& species : medium.species) {
             if (!needs_mie(species)) continue;
             parts.push_back({place + " " + without_sizes(species),
-                             sizes_text(sizes_of(species, scene.particles)),
+                             sizes_text(species, scene.particles),
                              host_text(medium.host.value_or(scene.particles.host))});
         }
     };

@@ -21,7 +21,39 @@ py::object law_of(const ParticleSizes& sizes) {
 
 void set_law(ParticleSizes& sizes, const std::optional<std::string>& law) {
     sizes.distribution.reset();
-    if (law) sizes.distribution = mie::parse_size_distribution(*law);
+    for (const auto kind :
+         {mie::SizeDistributionKind::junge, mie::SizeDistributionKind::tabulated}) {
+        if (law == mie::name_of(kind)) sizes.distribution = kind;
+    }
+    if (law && !sizes.distribution) sizes.distribution = mie::parse_size_distribution(*law);
+}
+
+py::tuple sizes_state(const ParticleSizes& s) {
+    return py::make_tuple(s.specific_surface_m2_per_kg, s.exponent, s.file, s.radii_um,
+                          s.number_density);
+}
+
+void set_sizes(ParticleSizes& s, const py::tuple& state) {
+    s.specific_surface_m2_per_kg = state[0].cast<std::optional<double>>();
+    s.exponent = state[1].cast<std::optional<double>>();
+    s.file = state[2].cast<std::string>();
+    s.radii_um = state[3].cast<std::vector<double>>();
+    s.number_density = state[4].cast<std::vector<double>>();
+}
+
+py::tuple shape_state(const Species& s) {
+    const GrainShape& shape = s.shape;
+    std::optional<int> phase;
+    if (s.phase) phase = static_cast<int>(*s.phase);
+    return py::make_tuple(static_cast<int>(shape.kind), shape.aspect, shape.asymmetry,
+                          shape.absorption, phase);
+}
+
+void set_shape(Species& s, const py::tuple& state) {
+    s.shape = {static_cast<GrainShape::Kind>(state[0].cast<int>()),
+               state[1].cast<std::optional<double>>(), state[2].cast<std::optional<double>>(),
+               state[3].cast<std::optional<double>>()};
+    if (!state[4].is_none()) s.phase = static_cast<PhaseForm>(state[4].cast<int>());
 }
 
 py::tuple state_of(const Species& s) {
@@ -32,9 +64,14 @@ py::tuple state_of(const Species& s) {
         matrices.append(
             py::make_tuple(m.single_scattering_albedo, m.a1, m.a2, m.a3, m.a4, m.b1, m.b2));
     }
+    py::list coatings;
+    for (const Coating& c : s.coatings)
+        coatings.append(
+            py::make_tuple(c.material.name, c.material.index, c.thickness_um, c.share_of_radius));
     return py::make_tuple(static_cast<int>(s.kind), s.name, s.parameters, s.chi, s.wavelength_nm,
                           s.index, s.sizes.effective_radius_um, s.sizes.effective_variance,
-                          law_of(s.sizes), s.density_g_cm3, amount, matrices);
+                          law_of(s.sizes), s.density_g_cm3, amount, matrices, coatings,
+                          sizes_state(s.sizes), shape_state(s));
 }
 
 Species species_of(const py::tuple& state) {
@@ -59,6 +96,15 @@ Species species_of(const py::tuple& state) {
         s.matrices.push_back(
             {numbers[0].cast<double>(), list(1), list(2), list(3), list(4), list(5), list(6)});
     }
+    for (const py::handle handle : state[12]) {
+        const auto coating = handle.cast<py::tuple>();
+        s.coatings.push_back(
+            {{coating[0].cast<std::string>(), coating[1].cast<std::complex<double>>()},
+             coating[2].cast<double>(),
+             coating[3].cast<double>()});
+    }
+    set_sizes(s.sizes, state[13].cast<py::tuple>());
+    set_shape(s, state[14].cast<py::tuple>());
     return s;
 }
 

@@ -10,11 +10,11 @@ namespace miebrdf::mie {
 
 struct SizeLaw;
 
-/// Which law a size distribution follows: one of size_distribution_forms(), or a table. Cheap to
-/// copy and to compare.
+/// Which law a size distribution follows: one of size_distribution_forms(), Junge's or a table.
+/// Cheap to copy and to compare.
 class SizeDistributionKind {
   public:
-    static const SizeDistributionKind power_law, gamma, log_normal, mono, tabulated;
+    static const SizeDistributionKind power_law, gamma, log_normal, mono, junge, tabulated;
 
     /// A law of one's own; it must outlive its use.
     explicit constexpr SizeDistributionKind(const SizeLaw& law) : law_(&law) {}
@@ -37,7 +37,7 @@ bool has_variance(SizeDistributionKind kind);
 struct SizeDistributionForm {
     std::string name, help;
 };
-/// All laws but the table.
+/// All laws but Junge's and the table, which have numbers of their own.
 std::vector<SizeDistributionForm> size_distribution_forms();
 
 /// A size distribution n(r) given by its two cross-section-weighted parameters (Hansen & Travis
@@ -48,9 +48,10 @@ struct SizeDistribution {
     double effective_radius_um = 50.0;  ///< > 0
     double effective_variance = 0.2;    ///< > 0, up to 10; ignored where has_variance() is false
     /// For tabulated only: number density n(r) in any unit at ascending radii, linear between them
-    /// and zero outside; radius and variance above are then ignored.
+    /// and zero outside; radius and variance above are then ignored. Of junge the two limits.
     std::vector<double> radii_um = {};
     std::vector<double> number_density = {};
+    double exponent = 4.0;  ///< of junge: n(r) ~ r^-exponent, 0 to 10
 };
 
 /// Smallest and largest radius of a distribution, in micrometres.
@@ -75,6 +76,10 @@ RadiusRange radius_range(const SizeDistribution& distribution, double tail,
 
 /// Share of the geometric cross-section within a range: below 1 for laws that have no ends.
 double area_share_within(const SizeDistribution& distribution, const RadiusRange& range);
+
+/// <r^power>, the mean over the number of particles, in powers of um.
+/// @throws UsageError  for distributions whose number of small particles has no limit
+double mean_radius_power(const SizeDistribution& distribution, int power);
 
 /// <pi r^2>, the mean over the number of particles.
 /// @throws UsageError  for distributions whose number of small particles has no limit

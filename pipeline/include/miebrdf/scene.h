@@ -15,11 +15,19 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// The sizes that a species states for its own spheres; for those not set, the scene's hold.
+/// The sizes that a species states for its own spheres; for those not set, the scene's hold. Of
+/// coated spheres they are those of the cores.
 struct ParticleSizes {
     std::optional<double> effective_radius_um = {};  ///< > 0
     std::optional<double> effective_variance = {};   ///< > 0, up to 10; ignored for mono
-    std::optional<mie::SizeDistributionKind> distribution = {};  ///< any but tabulated
+    std::optional<mie::SizeDistributionKind> distribution = {};
+    /// In place of a radius, area of surface over mass, as snow has it: r_eff = 3 / (density S).
+    std::optional<double> specific_surface_m2_per_kg = {};
+    /// junge: n(r) ~ r^-exponent between radii_um[0] and radii_um[1].
+    std::optional<double> exponent = {};
+    /// tabulated: as mie::SizeDistribution has them; `file` names where they come from.
+    std::string file = {};
+    std::vector<double> radii_um = {}, number_density = {};
 
     bool operator==(const ParticleSizes&) const = default;
 };
@@ -36,6 +44,45 @@ struct Amount {
 
     bool operator==(const Amount&) const = default;
 };
+
+/// What lies between the particles of a layer, or what a coating is made of: a material of the
+/// database, or a constant index.
+struct Host {
+    std::string name = {};  ///< NAME or source:KEY; empty: `index`
+    std::complex<double> index = 1.0;
+
+    bool operator==(const Host&) const = default;
+};
+
+/// A shell around every sphere of a species: as thick on each, or a share of the core's radius.
+struct Coating {
+    Host material = {};
+    double thickness_um = 0.0;     ///< >= 0, finite
+    double share_of_radius = 0.0;  ///< >= 0, finite
+
+    bool operator==(const Coating&) const = default;
+};
+
+/// Reads `NAME@5nm`, `NAME@10%` (of the core's radius) or `index:N,K@5nm`. @throws UsageError
+Coating coating(const std::string& text);
+/// In the notation of coating().
+std::string describe(const Coating& coating);
+
+/// Grains that are no spheres, by published corrections of what spheres of the same effective
+/// radius 3 V / (4 A) (V the volume, A the mean projected area) scatter: docs/particles.md.
+struct GrainShape {
+    enum class Kind { sphere, spheroid, hexagonal_plate, koch };
+    Kind kind = Kind::sphere;
+    std::optional<double> aspect = {};     ///< width over length; empty: that of He et al. (2017)
+    std::optional<double> asymmetry = {};  ///< g, in (-1, 1), in place of that of spheres or shapes
+    /// B of Libois et al. (2013), in [0.5, 3], 1.25 for spheres: how absorption is enhanced.
+    std::optional<double> absorption = {};
+
+    bool operator==(const GrainShape&) const = default;
+};
+
+/// The phase function of particles: that of Mie theory, or a smooth one.
+enum class PhaseForm { mie, henyey_greenstein, double_henyey_greenstein };
 
 /// Single scattering with polarisation at one wavelength: the coefficients of the scattering matrix
 /// in generalised spherical functions, entry l = degree l, all six of one length
@@ -73,18 +120,14 @@ struct Species {
     std::vector<std::complex<double>> index = {};   ///< table: n + ik at each wavelength, between
                                                     ///< them monotone cubic in photon energy
     ParticleSizes sizes = {};                       ///< of species that go through Mie theory
-    std::optional<double> density_g_cm3 = {};  ///< > 0; empty: that of the database, where needed
-    std::optional<Amount> amount = {};         ///< see Medium
+    std::vector<Coating> coatings = {};             ///< of these, from inside out
+    GrainShape shape = {};
+    std::optional<PhaseForm> phase = {};  ///< empty: mie, of grains that are no spheres smooth
+    /// Of the whole particle, > 0; empty: from the database, where needed.
+    std::optional<double> density_g_cm3 = {};
+    std::optional<Amount> amount = {};  ///< see Medium
 
     bool operator==(const Species&) const = default;
-};
-
-/// What lies between the particles of a layer: a material of the database, or a constant index.
-struct Host {
-    std::string name = {};  ///< NAME or source:KEY; empty: `index`
-    std::complex<double> index = 1.0;
-
-    bool operator==(const Host&) const = default;
 };
 
 /// What a layer is made of: species side by side in a host; medium() makes one from words.
