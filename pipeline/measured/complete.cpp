@@ -20,7 +20,7 @@ namespace {
 constexpr double kLargestShare = 2.0;
 /// Below this no instrument for materials measures: micrometres were taken for nanometres.
 constexpr double kLeastWavelengthNm = 30.0;
-/// A step is called a gap when it is this many times the median step.
+/// A step is called a gap when it is this many times both its neighbours.
 constexpr double kGap = 3.5;
 
 std::string place(const Measurements& list, const MeasuredValue& value) {
@@ -196,18 +196,16 @@ void doubt_gaps(Measurements& list) {
     const auto flush = [&](const MeasuredValue& last) {
         std::vector<double> steps;
         for (std::size_t i = 1; i < nm.size(); ++i) steps.push_back(nm[i] - nm[i - 1]);
-        if (steps.size() >= 4) {
-            std::vector<double> sorted = steps;
-            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2),
-                             sorted.end());
-            const double median = sorted[sorted.size() / 2];
-            const auto wide = std::max_element(steps.begin(), steps.end());
-            const auto at = static_cast<std::size_t>(wide - steps.begin());
-            if (*wide > kGap * median) {
-                list.doubts.push_back(fmt::format(
-                    "{}: '{}' has nothing between {:g} and {:g} nm (its median step is {:.4g} nm)",
-                    list.file, list.samples[last.sample], nm[at], nm[at + 1], median));
-            }
+        for (std::size_t i = 0; i < steps.size() && steps.size() >= 4; ++i) {
+            const double before = steps[i == 0 ? 1 : i - 1];
+            const double after = steps[i + 1 == steps.size() ? i - 1 : i + 1];
+            // Grids may become coarser: both neighbours of a gap are finer.
+            if (!(steps[i] > kGap * std::max(before, after))) continue;
+            list.doubts.push_back(fmt::format(
+                "{}: '{}' has nothing between {:g} and {:g} nm, "
+                "beside steps of {:.4g} nm",
+                list.file, list.samples[last.sample], nm[i], nm[i + 1], std::max(before, after)));
+            break;
         }
         nm.clear();
     };
@@ -284,6 +282,20 @@ void add_spectrum(Measurements& list, const std::string& sample, MeasuredKind ki
         value.value = values[i];
         value.sample = index;
         value.line = lines.empty() ? 0 : lines[i];
+        list.values.push_back(value);
+    }
+}
+
+void add_lab(Measurements& list, MeasuredGeometry geometry, const std::array<double, 3>& lab,
+             int line) {
+    using enum MeasuredQuantity;
+    for (std::size_t c = 0; c < lab.size(); ++c) {
+        MeasuredValue value;
+        value.quantity = std::array{lab_l, lab_a, lab_b}[c];
+        value.geometry = geometry;
+        value.value = lab[c];
+        value.sample = list.samples.size() - 1;
+        value.line = line;
         list.values.push_back(value);
     }
 }

@@ -353,6 +353,11 @@ bool is_nameless(const Sheet& sheet) {
 }
 
 bool looks_like_table(const MeasuredFile& file) {
+    // JSON and XML are not tables, nor is anything binary.
+    const std::size_t first = file.content.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos || file.content[first] == '{' ||
+        file.content[first] == '<' || file.content.find('\0') != std::string_view::npos)
+        return false;
     if (!sheet_names(file).empty()) return true;
     try {
         return is_nameless(read_sheet(file));

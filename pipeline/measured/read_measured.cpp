@@ -10,10 +10,11 @@
 namespace miebrdf {
 namespace measured {
 
-extern const Reader kCsv;
+extern const Reader kAsd, kCxf, kCgats, kJcamp, kRxt, kEcostress, kSplib, kCsv, kBrdfFile;
 
 std::span<const Reader* const> readers() {
-    static constexpr const Reader* kReaders[] = {&kCsv};
+    static constexpr const Reader* kReaders[] = {&kAsd,       &kCxf,   &kCgats, &kJcamp,   &kRxt,
+                                                 &kEcostress, &kSplib, &kCsv,   &kBrdfFile};
     return kReaders;
 }
 

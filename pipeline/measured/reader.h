@@ -4,6 +4,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/measured.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -55,6 +56,10 @@ NamedGeometry geometry_in(std::string_view words);
 void add_spectrum(Measurements& list, const std::string& sample, MeasuredKind kind, double mu_in,
                   std::span<const double> wavelength_nm, std::span<const double> values,
                   std::span<const int> lines = {});
+
+/// Adds L*, a*, b* to the last sample.
+void add_lab(Measurements& list, MeasuredGeometry geometry, const std::array<double, 3>& lab,
+             int line);
 
 /// Fills in what the options say, checks everything and sorts it.
 void complete(Measurements& list, const MeasuredOptions& options);

@@ -95,6 +95,9 @@ struct MeasuredOptions {
     /// What azimuth 0 means in the file: "mirror" or "back" (towards the source, as in graphics).
     /// Empty: as the file says, or as its values show beyond doubt.
     std::string azimuth_zero = {};
+    /// USGS splib: the file of wavelengths; empty: looked for beside the file and in the two
+    /// folders above.
+    std::filesystem::path wavelengths = {};
 };
 
 /// A format that is read.

@@ -1,0 +1,124 @@
+// ASD field spectrometers (FieldSpec): binary files "ASD", "as6", "as7", "as8". The spectrum of the
+// sample and that of the white panel follow each other; their ratio is the reflectance factor.
+// Layout: "ASD File Format version 8", ASD Inc., 2012.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/formats/common/byte_reader.h"
+#include "pipeline/measured/reader.h"
+
+namespace miebrdf::measured {
+namespace {
+
+// Places in the header, in bytes.
+constexpr std::size_t kDataType = 186, kFirstWavelength = 191, kStep = 195, kNumberFormat = 199,
+                      kChannels = 204, kSpectrum = 484;
+/// Between the two spectra: a flag, two times, and a text with its length before it.
+constexpr std::size_t kBeforeText = 18;
+constexpr int kMostChannels = 100000;
+
+enum DataType { kRaw = 0, kReflectance = 1, kTransmittance = 6 };
+
+std::string type_name(int type) {
+    static constexpr const char* kNames[] = {"raw",           "reflectance", "radiance",
+                                             "no units",      "irradiance",  "quality index",
+                                             "transmittance", "unknown",     "absorbance"};
+    return type >= 0 && type < 9 ? kNames[type] : fmt::format("{}", type);
+}
+
+template <typename Number>
+Number number_at(std::string_view bytes, std::size_t place) {
+    Number number;
+    std::memcpy(&number, bytes.data() + place, sizeof number);
+    return number;
+}
+
+std::vector<double> spectrum_of(ByteReader& bytes, int format, std::size_t channels) {
+    std::vector<double> values;
+    const std::string_view part = bytes.take(channels * (format == 2 ? 8 : 4));
+    for (std::size_t i = 0; i < channels; ++i) {
+        values.push_back(format == 2   ? number_at<double>(part, 8 * i)
+                         : format == 0 ? double(number_at<float>(part, 4 * i))
+                                       : double(number_at<std::int32_t>(part, 4 * i)));
+    }
+    return values;
+}
+
+bool looks_like_asd(const MeasuredFile& file) {
+    const std::string_view start = file.content.substr(0, 3);
+    return file.content.size() > kSpectrum &&
+           (start == "ASD" || start == "asd" || start == "as6" || start == "as7" ||
+            start == "as8") &&
+           file.content.find('\0') != std::string_view::npos;
+}
+
+Measurements read_asd(const MeasuredFile& file, const MeasuredOptions&) {
+    if (file.content.size() <= kSpectrum) refuse(file, 0, "ends within its header");
+    Measurements list;
+    const int type = static_cast<unsigned char>(file.content[kDataType]);
+    const int format = static_cast<unsigned char>(file.content[kNumberFormat]);
+    const int channels = number_at<std::int16_t>(file.content, kChannels);
+    const double first = double(number_at<float>(file.content, kFirstWavelength));
+    const double step = double(number_at<float>(file.content, kStep));
+    if (!(first > 0.0 && step > 0.0 && channels > 1 && channels < kMostChannels) || format > 2) {
+        refuse(file, 0,
+               fmt::format("damaged header: {} channels from {} nm in steps of {} nm, number "
+                           "format {}",
+                           channels, first, step, format));
+    }
+    const bool has_panel = file.content.substr(0, 3) != "ASD" && file.content.substr(0, 3) != "asd";
+    const bool ratio =
+        has_panel && (type == kRaw || type == kReflectance || type == kTransmittance);
+    if (!ratio && type != kReflectance && type != kTransmittance) {
+        refuse(file, 0,
+               fmt::format("holds {} without a white panel: no reflectance can be made of it; "
+                           "export reflectance from the instrument's program",
+                           type_name(type)));
+    }
+    std::vector<double> values, nm;
+    try {
+        ByteReader bytes(file.content);
+        bytes.seek(kSpectrum);
+        values = spectrum_of(bytes, format, static_cast<std::size_t>(channels));
+        if (ratio) {
+            const std::string_view between = bytes.take(kBeforeText + 2);
+            bytes.take(number_at<std::uint16_t>(between, kBeforeText));
+            const std::vector<double> panel =
+                spectrum_of(bytes, format, static_cast<std::size_t>(channels));
+            // Integration time and gains are the same for both, and leave the ratio.
+            for (std::size_t i = 0; i < values.size(); ++i) values[i] /= panel[i];
+        }
+    } catch (const InputError& error) {
+        refuse(file, 0, error.what());
+    }
+    std::vector<double> finite;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!std::isfinite(values[i])) continue;
+        finite.push_back(values[i]);
+        nm.push_back(first + step * double(i));
+    }
+    if (finite.size() < values.size()) {
+        list.doubts.push_back(
+            fmt::format("{}: {} channels without a number (a white panel of 0), "
+                        "left out",
+                        file.path, values.size() - finite.size()));
+    }
+    list.facts.emplace_back("data",
+                            type_name(type) + (ratio ? ", relative to the white panel" : ""));
+    const std::string_view words = file.content.substr(3, 157);
+    const std::string comment(words.substr(0, std::min(words.find('\0'), words.size())));
+    if (!comment.empty()) list.facts.emplace_back("comment", comment);
+    const auto quantity = type == kTransmittance ? MeasuredQuantity::transmittance
+                                                 : MeasuredQuantity::reflectance_factor;
+    add_spectrum(list, "spectrum", {quantity, MeasuredGeometry::unknown}, MeasuredValue::kNone, nm,
+                 finite);
+    return list;
+}
+
+}  // namespace
+
+extern const Reader kAsd;
+constinit const Reader kAsd{{"asd", "ASD field spectrometers (.asd)"}, looks_like_asd, read_asd};
+
+}  // namespace miebrdf::measured

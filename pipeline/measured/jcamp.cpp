@@ -1,0 +1,304 @@
+// JCAMP-DX: spectra of infrared and UV/VIS spectrometers, plain numbers or packed (ASDF).
+// McDonald & Wilks 1988, Applied Spectroscopy 42, 151; version 4.24.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "materials/index/units.h"
+#include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
+#include "pipeline/measured/sheet.h"
+
+namespace miebrdf::measured {
+namespace {
+
+/// Labels count without blanks, dashes, slashes and underscores, in capitals.
+std::string jcamp_label(std::string_view text) {
+    std::string label;
+    for (char c : text) {
+        if (c == ' ' || c == '-' || c == '/' || c == '_') continue;
+        label += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    }
+    return label;
+}
+
+struct JcampBlock {
+    std::map<std::string, std::string> records;
+    std::vector<std::pair<int, std::string>> data;  ///< lines below XYDATA or XYPOINTS
+    std::string data_form;                          ///< "(X++(Y..Y))"
+    int line = 0;
+
+    std::string text(const char* label) const {
+        const auto found = records.find(label);
+        return found == records.end() ? std::string() : found->second;
+    }
+};
+
+/// Ordinates of one line. Digits may carry the sign and the meaning: SQZ the value itself, DIF its
+/// difference from the one before, DUP how often the last is repeated.
+class JcampLine {
+  public:
+    JcampLine(const MeasuredFile& file, int line, std::string_view text)
+        : file_(file), line_(line), text_(text) {}
+
+    /// @param values  those of the lines before; the first of this line only checks the last of
+    ///                them where that was a difference
+    /// @return the abscissa
+    double read(std::vector<double>& values, bool& last_was_difference) {
+        const double x = plain_number();
+        bool first = true;
+        double difference = 0.0;
+        bool is_difference = false;
+        while (skip_blanks()) {
+            const char c = text_[at_];
+            double value = 0.0;
+            if (c == '?') {
+                ++at_;
+                value = MeasuredValue::kNone;
+                is_difference = false;
+            } else if (const int dup = place_in("STUVWXYZs", c); dup >= 0) {
+                const double count = packed(dup + 1);
+                if (values.empty()) fail();
+                // The value is there once already.
+                for (int i = 1; i < static_cast<int>(count); ++i)
+                    values.push_back(is_difference ? values.back() + difference : values.back());
+                continue;
+            } else if (const int plus = place_in("%JKLMNOPQR", c); plus >= 0) {
+                difference = packed(plus);
+                is_difference = true;
+            } else if (const int minus = place_in("jklmnopqr", c); minus >= 0) {
+                difference = -packed(minus + 1);
+                is_difference = true;
+            } else if (const int squeezed = place_in("@ABCDEFGHI", c); squeezed >= 0) {
+                value = packed(squeezed);
+                is_difference = false;
+            } else if (const int negative = place_in("abcdefghi", c); negative >= 0) {
+                value = -packed(negative + 1);
+                is_difference = false;
+            } else {
+                value = plain_number();
+                is_difference = false;
+            }
+            if (is_difference) {
+                if (values.empty()) fail();
+                values.push_back(values.back() + difference);
+            } else if (first && last_was_difference) {
+                if (values.empty() || values.back() != value) {
+                    refuse(file_, line_,
+                           fmt::format("its first value {} should repeat {}: the packed data are "
+                                       "damaged",
+                                       value, values.empty() ? 0.0 : values.back()));
+                }
+            } else {
+                values.push_back(value);
+            }
+            first = false;
+        }
+        last_was_difference = is_difference;
+        return x;
+    }
+
+  private:
+    static int place_in(std::string_view letters, char c) {
+        const std::size_t place = letters.find(c);
+        return place == std::string_view::npos ? -1 : static_cast<int>(place);
+    }
+    [[noreturn]] void fail() const {
+        refuse(file_, line_, fmt::format("'{}' is no packed number", text_.substr(at_, 20)));
+    }
+    bool skip_blanks() {
+        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == ','))
+            ++at_;
+        return at_ < text_.size();
+    }
+    bool is_digit(std::size_t place) const {
+        return place < text_.size() &&
+               ((text_[place] >= '0' && text_[place] <= '9') || text_[place] == '.');
+    }
+    /// A letter that is a digit, and the digits after it.
+    double packed(int digit) {
+        std::string digits = std::to_string(digit);
+        ++at_;
+        while (is_digit(at_)) digits += text_[at_++];
+        return materials::parse_number(digits).value_or(0.0);
+    }
+    /// Digits with a sign, and an exponent where digits follow it ("E" alone is a packed digit).
+    double plain_number() {
+        skip_blanks();
+        const std::size_t begin = at_;
+        if (at_ < text_.size() && (text_[at_] == '+' || text_[at_] == '-')) ++at_;
+        while (is_digit(at_)) ++at_;
+        const bool exponent = at_ + 1 < text_.size() && (text_[at_] == 'E' || text_[at_] == 'e') &&
+                              (text_[at_ + 1] == '+' || text_[at_ + 1] == '-') && is_digit(at_ + 2);
+        if (exponent) {
+            at_ += 2;
+            while (is_digit(at_)) ++at_;
+        }
+        std::string number(text_.substr(begin, at_ - begin));
+        if (number.starts_with('+')) number.erase(0, 1);
+        const auto value = materials::parse_number(number);
+        if (!value) fail();
+        return *value;
+    }
+
+    const MeasuredFile& file_;
+    int line_;
+    std::string_view text_;
+    std::size_t at_ = 0;
+};
+
+std::vector<JcampBlock> jcamp_blocks(const MeasuredFile& file) {
+    std::vector<JcampBlock> blocks;
+    int line = 0;
+    bool in_data = false;
+    for (std::string_view text : materials::split_lines(file.content)) {
+        ++line;
+        text = materials::without_blanks(text.substr(0, std::min(text.find("$$"), text.size())));
+        if (text.empty()) continue;
+        const std::size_t equals = text.find('=');
+        if (text.starts_with("##") && equals != std::string_view::npos) {
+            const std::string label = jcamp_label(text.substr(2, equals - 2));
+            const std::string value(materials::without_blanks(text.substr(equals + 1)));
+            if (label == "TITLE") {
+                blocks.push_back({});
+                blocks.back().line = line;
+            }
+            if (blocks.empty()) refuse(file, line, "does not begin with ##TITLE=");
+            in_data = (label == "XYDATA" || label == "XYPOINTS") && blocks.back().data_form.empty();
+            if (in_data) blocks.back().data_form = jcamp_label(value);
+            blocks.back().records.try_emplace(label, value);
+        } else if (in_data) {
+            blocks.back().data.emplace_back(line, std::string(text));
+        }
+    }
+    return blocks;
+}
+
+double jcamp_number(const MeasuredFile& file, const JcampBlock& block, const char* label,
+                    std::optional<double> otherwise = std::nullopt) {
+    const std::string text = block.text(label);
+    if (text.empty() && otherwise) return *otherwise;
+    const auto value = materials::parse_number(text);
+    if (!value) {
+        refuse(file, block.line,
+               text.empty() ? fmt::format("no ##{}=", label)
+                            : fmt::format("##{}= '{}' is not a number", label, text));
+    }
+    return *value;
+}
+
+void read_packed(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
+                 std::vector<double>& y) {
+    const double x_factor = jcamp_number(file, block, "XFACTOR", 1.0);
+    const double first = jcamp_number(file, block, "FIRSTX");
+    const double last = jcamp_number(file, block, "LASTX");
+    const double points = jcamp_number(file, block, "NPOINTS");
+    if (!(points >= 1.0 && points < 1e8)) {
+        refuse(file, block.line, fmt::format("##NPOINTS= {}; allowed: 1 to 1e8", points));
+    }
+    const double step = points > 1.0 ? (last - first) / (points - 1.0) : 0.0;
+    bool last_was_difference = false;
+    for (const auto& [line, text] : block.data) {
+        // A last line may hold a check alone, which some programs write as 0.
+        if (last_was_difference && double(y.size()) == points) break;
+        const double expected =
+            first + step * (double(y.size()) - (last_was_difference ? 1.0 : 0.0));
+        const double stated = JcampLine(file, line, text).read(y, last_was_difference) * x_factor;
+        // Abscissas are rounded, to a unit of XFACTOR or to some digits; a lost line is ten points.
+        if (!(std::abs(stated - expected) <= 3.0 * std::abs(step) + 0.5 * std::abs(x_factor))) {
+            refuse(
+                file, line,
+                fmt::format("begins at {:g}, expected {:g}: lines are missing", stated, expected));
+        }
+    }
+    if (double(y.size()) != points) {
+        refuse(file, block.data.empty() ? block.line : block.data.back().first,
+               fmt::format("{} values; ##NPOINTS= says {}: the file is cut off", y.size(), points));
+    }
+    for (std::size_t i = 0; i < y.size(); ++i) x.push_back(first + step * double(i));
+}
+
+void read_pairs(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
+                std::vector<double>& y) {
+    const double factor = jcamp_number(file, block, "XFACTOR", 1.0);
+    for (const auto& [line, text] : block.data) {
+        const auto words = materials::split_words(text, " \t,;");
+        if (words.size() % 2 != 0)
+            refuse(file, line, fmt::format("{} numbers are no pairs", words.size()));
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            const auto value = materials::parse_number(words[i]);
+            if (!value) refuse(file, line, fmt::format("'{}' is not a number", words[i]));
+            (i % 2 == 0 ? x : y).push_back(i % 2 == 0 ? *value * factor : *value);
+        }
+    }
+}
+
+void add_block(const MeasuredFile& file, const JcampBlock& block, const MeasuredOptions& options,
+               Measurements& list) {
+    const auto spectral = materials::spectral_name(block.text("XUNITS"));
+    const auto unit =
+        spectral && spectral->unit ? spectral->unit : materials::parse_unit(block.text("XUNITS"));
+    if (!unit) {
+        refuse(file, block.line,
+               fmt::format("##XUNITS= '{}'; allowed: 1/CM, NANOMETERS, MICROMETERS",
+                           block.text("XUNITS")));
+    }
+    const std::string y_units = materials::lower_case(block.text("YUNITS"));
+    const bool absorbance = y_units == "absorbance" || y_units == "a";
+    MeasuredKind kind;
+    if (absorbance || y_units.find("transm") != std::string::npos) {
+        kind.quantity = MeasuredQuantity::transmittance;
+    } else if (y_units.find("reflect") == std::string::npos) {
+        refuse(file, block.line,
+               fmt::format("##YUNITS= '{}'; allowed: REFLECTANCE, TRANSMITTANCE, ABSORBANCE",
+                           block.text("YUNITS")));
+    }
+    std::vector<double> x, y;
+    if (block.data_form.starts_with("(X++(Y..Y)"))
+        read_packed(file, block, x, y);
+    else if (block.data_form.starts_with("(XY"))
+        read_pairs(file, block, x, y);
+    else
+        refuse(file, block.line, fmt::format("data of the form '{}'", block.data_form));
+    const double factor =
+        jcamp_number(file, block, "YFACTOR", 1.0) *
+        (absorbance ? 1.0 : share_factor(list, options, says_percent(y_units), "##YUNITS="));
+    if (absorbance) list.facts.emplace_back("data", "absorbance A, read as transmittance 10^-A");
+    std::vector<double> nm, values;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (std::isnan(y[i])) continue;  // "?"
+        if (!(x[i] > 0.0)) refuse(file, block.line, fmt::format("abscissa {}", x[i]));
+        nm.push_back(materials::to_nm(x[i], *unit));
+        const double value = y[i] * factor;
+        values.push_back(absorbance ? std::pow(10.0, -value) : value);
+    }
+    add_spectrum(list, block.text("TITLE"), kind, MeasuredValue::kNone, nm, values,
+                 std::vector<int>(nm.size(), block.line));
+}
+
+bool looks_like_jcamp(const MeasuredFile& file) {
+    const std::string_view start = file.content.substr(0, 4000);
+    return start.find("##TITLE") != std::string_view::npos &&
+           (start.find("##JCAMP") != std::string_view::npos ||
+            start.find("##jcamp") != std::string_view::npos);
+}
+
+Measurements read_jcamp(const MeasuredFile& file, const MeasuredOptions& options) {
+    Measurements list;
+    bool any = false;
+    for (const JcampBlock& block : jcamp_blocks(file)) {
+        if (block.data_form.empty()) continue;  // links, notes
+        add_block(file, block, options, list);
+        any = true;
+    }
+    if (!any) refuse(file, 0, "no ##XYDATA= or ##XYPOINTS= of a spectrum");
+    return list;
+}
+
+}  // namespace
+
+extern const Reader kJcamp;
+constinit const Reader kJcamp{{"jcamp", "JCAMP-DX (.jdx, .dx)"}, looks_like_jcamp, read_jcamp};
+
+}  // namespace miebrdf::measured
