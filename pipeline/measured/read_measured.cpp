@@ -26,7 +26,9 @@ std::vector<MeasuredFormat> measured_formats() {
     return formats;
 }
 
-Measurements read_measured(const std::filesystem::path& path, const MeasuredOptions& options) {
+namespace {
+
+Measurements read_recognised(const std::filesystem::path& path, const MeasuredOptions& options) {
     const std::span<const measured::Reader* const> readers = measured::readers();
     const measured::Reader* chosen = nullptr;
     std::vector<std::string> names, titles;
@@ -56,6 +58,16 @@ Measurements read_measured(const std::filesystem::path& path, const MeasuredOpti
     list.format = chosen->format.name;
     measured::complete(list, options);
     return list;
+}
+
+}  // namespace
+
+Measurements read_measured(const std::filesystem::path& path, const MeasuredOptions& options) {
+    try {
+        return read_recognised(path, options);
+    } catch (const materials::ImportError& error) {
+        throw InputError(error.what());  // nothing is imported here
+    }
 }
 
 }  // namespace miebrdf

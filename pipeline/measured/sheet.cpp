@@ -59,7 +59,8 @@ bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
             // A blank that names the column of samples is lost where tabs separate.
             has_blank_name =
                 wavelengths_at_end(fields) == fields.size() && below == fields.size() + 1;
-            if (below == fields.size() || has_blank_name) {
+            const bool numbers = any && materials::table_number(ahead.fields().front());
+            if (below == fields.size() || has_blank_name || numbers) {
                 table.take_names();
                 return true;
             }

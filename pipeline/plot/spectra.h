@@ -15,6 +15,7 @@ struct Spectrum {
     std::vector<double> wavelength_nm, value;
     std::optional<LinearSrgb> swatch = {};  ///< the colour of it, shown in the legend
     std::optional<double> shade = {};       ///< of the members of a family (panel.h)
+    Mark mark = Mark::line;
 };
 
 /// Albedos, or a BRDF in a few directions.

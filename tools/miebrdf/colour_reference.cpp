@@ -5,19 +5,17 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
+#include <tuple>
 
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
-#include "materials/readers/text_table.h"
+#include <miebrdf/measured.h>
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/run_command.h"
 
 namespace miebrdf::program {
 namespace {
-
-/// Reflectance factors of glossy samples are a little above 1 in a mirror's direction; more than
-/// this is taken for percent.
-constexpr double kLargestReflectance = 2.0;
 
 bool is_scene_file(const std::string& path) { return path.ends_with(".toml"); }
 
@@ -27,26 +25,14 @@ Brdf scene_of_file(const std::string& path, Request request, const Control& cont
     return solved(request, control);
 }
 
-/// @throws InputError  for a table without wavelengths
-materials::NumberTable read_reference(const std::string& path) {
-    materials::NumberTable table(path);
-    if (table.find("wavelength_nm") == nullptr) {
-        throw InputError(
-            fmt::format("reference '{}': allowed: a scene file (.toml), a table of results, or a "
-                        "spectrum (CSV with the header wavelength_nm,reflectance)",
-                        path));
-    }
-    return table;
-}
-
-/// Values by ascending wavelength, those of rows that `wanted` chooses.
+/// Values by ascending wavelength, those that `wanted` chooses.
 template <typename Wanted>
-std::map<double, double> by_wavelength(const materials::NumberTable& table,
-                                       const std::vector<double>& values, Wanted wanted) {
+std::map<double, double> by_wavelength(const Measurements& list, Wanted wanted) {
     std::map<double, double> spectrum;
-    const std::vector<double>& nm = *table.find("wavelength_nm");
-    for (std::size_t r = 0; r < nm.size(); ++r) {
-        if (wanted(r)) spectrum[nm[r]] = values[r];
+    for (const MeasuredValue& v : list.values) {
+        const bool seen = v.quantity == MeasuredQuantity::reflectance ||
+                          v.quantity == MeasuredQuantity::reflectance_factor;
+        if (seen && !std::isnan(v.wavelength_nm) && wanted(v)) spectrum[v.wavelength_nm] = v.value;
     }
     return spectrum;
 }
@@ -61,33 +47,53 @@ void add(ReferenceSpectra& all, const std::map<double, double>& spectrum) {
     all.reflectance.push_back(values);
 }
 
-ReferenceSpectra repeated(const materials::NumberTable& table, std::size_t rows) {
+/// The file's only spectrum, for every row.
+ReferenceSpectra repeated(const Measurements& list, std::size_t rows) {
+    std::set<std::tuple<std::size_t, MeasuredQuantity, MeasuredGeometry>> spectra;
+    std::string names;
+    const auto is_new = [&](const MeasuredValue& v) {
+        if (spectra.insert({v.sample, v.quantity, v.geometry}).second)
+            names += (names.empty() ? "" : ", ") + list.samples[v.sample];
+        return true;
+    };
     ReferenceSpectra all;
-    add(all, by_wavelength(table, table.fractions(table.spectrum(), kLargestReflectance),
-                           [](std::size_t) { return true; }));
+    add(all, by_wavelength(list, is_new));
+    if (spectra.size() != 1) {
+        throw InputError(fmt::format(
+            "reference '{}': which column? It has {}; write one to a file of its own: miebrdf "
+            "measured {} --column NAME -o one.csv",
+            list.file, names.empty() ? "no spectrum of a reflectance" : names, list.file));
+    }
     all.reflectance.resize(rows, all.reflectance.front());
     return all;
 }
 
-/// The rows of a table that `albedo` has written.
-ReferenceSpectra rows_of_albedos(const materials::NumberTable& table,
-                                 const AlbedoQuestion& question) {
-    const std::vector<double>& plane = *table.find("plane_albedo");
-    const std::vector<double>* mu_in = table.find("mu_in");
-    const std::vector<double>* spherical = table.find("spherical_albedo");
-    if (mu_in == nullptr || spherical == nullptr) return repeated(table, 0);
+/// Whether `albedo` has written it: plane albedos by mu_in, and the spherical one.
+bool has_albedos(const Measurements& list) {
+    const auto any = [&](MeasuredGeometry geometry) {
+        return std::any_of(list.values.begin(), list.values.end(), [&](const auto& v) {
+            return v.quantity == MeasuredQuantity::reflectance && v.geometry == geometry &&
+                   (geometry != MeasuredGeometry::directional || !std::isnan(v.mu_in));
+        });
+    };
+    return any(MeasuredGeometry::directional) && any(MeasuredGeometry::hemispherical);
+}
+
+ReferenceSpectra rows_of_albedos(const Measurements& list, const AlbedoQuestion& question) {
     ReferenceSpectra all;
     constexpr double kSame = 1e-9;
     for (const double mu : question.mu_in) {
-        const auto spectrum = by_wavelength(
-            table, plane, [&](std::size_t r) { return std::abs((*mu_in)[r] - mu) <= kSame; });
+        const auto spectrum = by_wavelength(list, [&](const MeasuredValue& v) {
+            return v.geometry == MeasuredGeometry::directional && std::abs(v.mu_in - mu) <= kSame;
+        });
         if (spectrum.empty()) {
-            throw InputError(
-                fmt::format("reference '{}' has no rows of mu_in {}", table.path(), mu));
+            throw InputError(fmt::format("reference '{}' has no rows of mu_in {}", list.file, mu));
         }
         add(all, spectrum);
     }
-    add(all, by_wavelength(table, *spherical, [](std::size_t) { return true; }));
+    add(all, by_wavelength(list, [](const MeasuredValue& v) {
+            return v.geometry == MeasuredGeometry::hemispherical;
+        }));
     const std::vector<double> diffuse = all.reflectance.back();
     if (!question.diffuse_fraction) return all;
     const double d = *question.diffuse_fraction;
@@ -152,9 +158,8 @@ ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion
                         spectra_of(brdf.albedo(question.mu_in), question.diffuse_fraction)},
                        path);
     }
-    const materials::NumberTable table = read_reference(path);
-    return checked(table.find("plane_albedo") != nullptr ? rows_of_albedos(table, question)
-                                                         : repeated(table, rows),
+    const Measurements list = read_measured(path);
+    return checked(has_albedos(list) ? rows_of_albedos(list, question) : repeated(list, rows),
                    path);
 }
 
@@ -180,8 +185,8 @@ ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuest
     try {
         file = open_brdf_file(path);
     } catch (const InputError&) {
-        const materials::NumberTable table = read_reference(path);  // perhaps a spectrum
-        return checked(repeated(table, mu_in.size() * mu_out.size() * azimuth_deg.size()), path);
+        const Measurements list = read_measured(path);  // perhaps a spectrum
+        return checked(repeated(list, mu_in.size() * mu_out.size() * azimuth_deg.size()), path);
     }
     ReferenceSpectra all;
     all.wavelength_nm = file->wavelength_nm();

@@ -28,8 +28,8 @@ std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
 std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part);
 
 /// The albedos that a file has for these rows: a scene file (.toml), whose first result's scene is
-/// solved at the question's wavelengths; a table that `albedo` has written; or a spectrum, which
-/// stands for every row (CSV, wavelength_nm and a column of reflectances).
+/// solved at the question's wavelengths; a table that `albedo` has written; or a measured spectrum,
+/// which stands for every row (whatever read_measured() reads).
 /// @throws UsageError, InputError  for files that have none of that, or too few wavelengths
 ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion& question,
                                    const Control& control);

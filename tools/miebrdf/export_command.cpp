@@ -29,11 +29,8 @@ std::string describe(const ExportedFile& file) {
 }
 
 /// What `--json` tells of the files.
-Table table_of(const std::vector<ExportedFile>& files, const ResultReport& report, bool converged) {
+Table table_of(const std::vector<ExportedFile>& files) {
     Table table;
-    table.facts = {{"error_estimate", rounded(report.error_estimate(), 3)},
-                   {"tolerance", report.tolerance},
-                   {"converged", std::string(converged ? "yes" : "no")}};
     table.columns = {"file", "bytes"};
     const bool read_back = !files.empty() && files.front().deviation.has_value();
     if (read_back) {
@@ -181,27 +178,65 @@ void announce_size(const ExportArguments& arguments, std::size_t wavelengths, co
                            bytes / 1'000'000));
 }
 
+/// Writes the files of a BRDF; nothing where they would be too coarse, which is said.
+std::optional<std::vector<ExportedFile>> write_files(const BrdfSource& source,
+                                                     const ExportArguments& arguments,
+                                                     const Shell& shell) {
+    announce_size(arguments, source.channels().size(), shell);
+    try {
+        const auto files = export_brdf(source, arguments.format(), shell.common().output,
+                                       arguments.file(), shell.control());
+        for (const ExportedFile& file : files) shell.note(describe(file));
+        return files;
+    } catch (const TooCoarse& error) {
+        shell.note(fmt::format("error: {}; --accept-error writes it as it is", error.what()));
+        return std::nullopt;
+    }
+}
+
+/// Measured directions as a file.
+int write_measured(const Measurements& measured, const ExportArguments& arguments,
+                   const Shell& shell) {
+    Provenance provenance;
+    provenance.version = std::string("miebrdf ") + kVersion;
+    provenance.command_line = shell.command_line();
+    const InterpolatedBrdf brdf = interpolated_brdf(measured, provenance, shell.control());
+    for (const std::string& doubt : measured.doubts) shell.note("doubt: " + doubt);
+    for (const std::string& doubt : brdf.doubts) shell.note("doubt: " + doubt);
+    shell.note(
+        fmt::format("{}; worst of those left out {:+.2g} % at mu_in {:.3g}, mu_out {:.3g}, "
+                    "azimuth {:.4g}; largest directional albedo {:.3g}",
+                    brdf.source->provenance().accuracy, 100.0 * brdf.worst, brdf.where.mu_in,
+                    brdf.where.mu_out, brdf.where.azimuth_deg, brdf.largest_albedo));
+    const auto files = write_files(*brdf.source, arguments, shell);
+    if (!files) return kCheckFailed;
+    Table table = table_of(*files);
+    table.facts = {{"measured", measured.file},
+                   {"values", double(brdf.values)},
+                   {"residual_rms", rounded(brdf.residual_rms, 3)},
+                   {"leave_one_out_rms", rounded(brdf.leave_one_out_rms, 3)},
+                   {"largest_albedo", rounded(brdf.largest_albedo, 4)}};
+    shell.tell_written(std::move(table));
+    return kGood;
+}
+
 int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
-    const std::string& output = shell.common().output;
     const ExportOptions options = arguments.file();
-    announce_size(arguments, brdf.wavelength_nm().size(), shell);
     std::string command = shell.command_line();
     if (brdf.scene().surface && arguments.coupling_by_default())
         command += " --coupling reciprocal";  // files say what they hold
     const BrdfTable table = brdf.table({.part = parse_brdf_part(arguments.component()),
                                         .command_line = command,
                                         .whole_matrix = arguments.format().whole_matrix});
-    std::vector<ExportedFile> files;
-    try {
-        files = export_brdf(table, arguments.format(), output, options, shell.control());
-    } catch (const TooCoarse& error) {
-        shell.note(fmt::format("error: {}; --accept-error writes it as it is", error.what()));
-        return kCheckFailed;
-    }
-    for (const auto& file : files) shell.note(describe(file));
+    const auto files = write_files(table, arguments, shell);
+    if (!files) return kCheckFailed;
     const Requested requested = requested_of(brdf, table.report(), options, arguments);
     const bool converged = requested.report.converged();
-    shell.tell_written(table_of(files, requested.report, converged));
+    Table written = table_of(*files);
+    written.facts = {{"error_estimate", rounded(requested.report.error_estimate(), 3)},
+                     {"tolerance", requested.report.tolerance},
+                     {"converged", std::string(converged ? "yes" : "no")}};
+    shell.tell_written(std::move(written));
     shell.note(requested.report.summary() + (converged ? "" : "; all values are written"));
     if (!requested.warning.empty()) shell.note(requested.warning);
     return converged ? kGood : kNotConverged;
@@ -212,6 +247,12 @@ Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shel
     if (output.empty() || output == "-")
         throw UsageError("export needs -o FILE (in a scene file, an 'output')");
     arguments->check_format();
+    if (arguments->from_measurements()) {
+        arguments->file();  // refuses lists that are wrong
+        return [measured = arguments->measurements(), arguments, &shell] {
+            return write_measured(measured, *arguments, shell);
+        };
+    }
     const Request request = arguments->scene();
     const Brdf brdf = solved(request, shell.control());
     const std::string format = arguments->format().name;
@@ -232,7 +273,8 @@ void add_export(CLI::App& command, Shell& shell) {
     command.footer(
         "Example:\n  miebrdf export --format rgl --base TiO2 --coat AlGaAs7@0.1 --wavelengths "
         "400:700:10 "
-        "-o algaas7_on_tio2.bsdf");
+        "-o algaas7_on_tio2.bsdf\n  miebrdf export --format rgl --from goniometer.csv -o "
+        "sample.bsdf");
     shell.on_prepare(command, [arguments, &shell] { return prepare_export(arguments, shell); });
 }
 

@@ -85,6 +85,18 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
         ->required();
     scene_.add_to(command, shell);
     default_to_reciprocal(command);
+    auto* measured = command.add_option_group("Measured");
+    measured
+        ->add_option("--from", from_,
+                     "in place of a scene: measured directions (whatever `miebrdf measured` "
+                     "reads), interpolated so that light may go either way")
+        ->type_name("FILE");
+    measured->add_option("--column", column_, "of --from: one column or sample alone")
+        ->type_name("NAME");
+    measured
+        ->add_option("--azimuth-zero", azimuth_zero_,
+                     "of --from: what azimuth 0 means there, mirror or back")
+        ->type_name("SIDE");
     command.add_option("--component", component_, "total, subsurface or surface")
         ->capture_default_str();
     add_file_options(command);
@@ -164,7 +176,27 @@ void ExportArguments::check_format() const {
     parse_brdf_part(component_);
 }
 
+Measurements ExportArguments::measurements() const {
+    for (const SceneWord& word : scene_words()) {
+        if (!scene_.given(word.name)) continue;
+        throw UsageError(
+            fmt::format("--from takes measured values in place of a scene; leave --{} "
+                        "out, or --from",
+                        word.name));
+    }
+    if (format().content != FormatContent::table && format().content != FormatContent::sampled) {
+        throw UsageError(
+            fmt::format("format '{}' holds no BRDF, which is what --from gives", format_));
+    }
+    MeasuredOptions options;
+    options.column = column_;
+    options.azimuth_zero = azimuth_zero_;
+    return read_measured(from_, options);
+}
+
 Request ExportArguments::scene() const {
+    if (!column_.empty() || !azimuth_zero_.empty())
+        throw UsageError("--column and --azimuth-zero belong to --from FILE");
     Request request = scene_.parse();
     if (!scene_.given("coupling")) request.scene.coupling = rte::SurfaceCoupling::reciprocal;
     std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <miebrdf/formats.h>
+#include <miebrdf/measured.h>
 #include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -27,6 +28,10 @@ class ExportArguments {
     bool lists_all_directions() const {
         return mu_in_.given() && mu_out_.given() && !azimuth_.empty();
     }
+    /// Whether a file of measurements (--from) stands in place of a scene.
+    bool from_measurements() const { return !from_.empty(); }
+    /// @throws UsageError  for words of a scene beside it, and formats that hold no BRDF
+    Measurements measurements() const;
     /// Wavelengths ascending: the order of every format.
     /// @throws UsageError, InputError
     Request scene() const;
@@ -45,7 +50,7 @@ class ExportArguments {
     std::string component_ = "total";
     DirectionArgument mu_in_{DirectionArgument::Side::in};
     DirectionArgument mu_out_{DirectionArgument::Side::out};
-    std::string azimuth_;
+    std::string azimuth_, from_, column_, azimuth_zero_;
     ExportOptions options_;
 };
 

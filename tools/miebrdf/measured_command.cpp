@@ -12,6 +12,11 @@ struct MeasuredQuestion {
 
 Cell number(double value) { return std::isnan(value) ? Cell() : Cell(value); }
 
+std::string title_of(const Measurements& list) {
+    const std::string name = std::filesystem::path(list.file).stem().string();
+    return list.samples.size() == 1 && list.format != "csv" ? list.samples.front() : name;
+}
+
 int run_measured(const MeasuredQuestion& question, const Shell& shell) {
     if (!question.picture.empty()) plot::check_picture_path(question.picture);
     const Measurements list = question.arguments.read(question.file);
@@ -40,10 +45,8 @@ int run_measured(const MeasuredQuestion& question, const Shell& shell) {
     }
     if (!several) table.facts.emplace_back("sample", list.samples.front());
     if (!question.picture.empty()) {
-        plot::save_picture(
-            draw_measured(list, {list.samples.size() == 1 ? list.samples.front() : list.file,
-                                 shell.command_line()}),
-            question.picture);
+        plot::save_picture(draw_measured(list, {title_of(list), shell.command_line()}),
+                           question.picture);
     }
     shell.write(std::move(table));
     return kGood;

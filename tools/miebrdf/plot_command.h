@@ -54,6 +54,7 @@ struct ScenePlotArguments {
     bool logarithmic = false;
     bool cosine = false;
     int decades = 3;
+    std::vector<std::string> points;  ///< files of measurements
     PlotArguments plot;
 };
 

@@ -8,6 +8,7 @@
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/measured_options.h"
 #include "tools/miebrdf/plot_scenes.h"
 
 namespace miebrdf::program {
@@ -99,6 +100,30 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
     return converged ? kGood : kNotConverged;
 }
 
+/// Measured shares within the wavelengths shown, one set of points for each sample.
+std::vector<plot::Spectrum> measured_points(const std::string& path,
+                                            const std::vector<double>& shown_nm) {
+    Measurements list = read_measured(path);
+    std::erase_if(list.values, [&](const MeasuredValue& v) {
+        return !is_share(v.quantity) || !(v.wavelength_nm >= shown_nm.front()) ||
+               !(v.wavelength_nm <= shown_nm.back());
+    });
+    if (list.values.empty()) {
+        throw InputError(fmt::format("points '{}': no reflectance from {:g} to {:g} nm", path,
+                                     shown_nm.front(), shown_nm.back()));
+    }
+    std::vector<plot::Spectrum> spectra;
+    for (plot::Curve& curve : measured_curves(list, plot::Mark::points)) {
+        spectra.push_back({curve.label,
+                           std::move(curve.x),
+                           std::move(curve.y),
+                           {},
+                           curve.shade,
+                           plot::Mark::points});
+    }
+    return spectra;
+}
+
 int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     Request request = arguments.scene.parse();
@@ -133,6 +158,10 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
             add(shown, fmt::format("incidence {:.3g}\u00b0", incidence_deg[i]), std::move(plane));
         }
     }
+    for (const std::string& path : arguments.points) {
+        for (plot::Spectrum& points : measured_points(path, request.wavelength_nm))
+            spectra.push_back(std::move(points));
+    }
     arguments.plot.save(
         plot::draw_spectrum(spectra, arguments.vary.empty() ? "albedo" : "spherical albedo",
                             arguments.plot.caption(shell, title_of(all_scenes, arguments))),
@@ -166,6 +195,12 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
                                             spectrum);
     add_incidence_option(*spectrum_command, "0,60", spectrum);
     add_scene_choices(*spectrum_command, spectrum);
+    spectrum_command
+        ->add_option("--points", spectrum->points,
+                     "measured spectra to draw as points: whatever `miebrdf measured` reads; "
+                     "repeat it for more")
+        ->type_name("FILE")
+        ->allow_extra_args(false);
     spectrum_command->footer(
         "Example:\n  miebrdf plot spectrum --base AlGaAs7 --wavelengths 400:700:10 -o "
         "spectrum.svg");

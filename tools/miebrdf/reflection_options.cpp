@@ -110,7 +110,7 @@ void ColourArguments::add_to(CLI::App& command) {
     command
         .add_option("--reference", reference_,
                     "file whose colours these are compared with (de76, de2000): a scene file, a "
-                    "table of this command, or a spectrum (CSV wavelength_nm,reflectance)")
+                    "table of this command, or a measured spectrum (whatever `miebrdf measured` reads)")
         ->type_name("FILE");
 }
 

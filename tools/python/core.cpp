@@ -77,5 +77,6 @@ PYBIND11_MODULE(_core, module) {
     bind_brdf(module);
     bind_exports(module);
     bind_layers(module);
+    bind_measured(module);
     bind_tables(module);
 }

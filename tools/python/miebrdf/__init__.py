@@ -26,6 +26,7 @@ from ._directions import Report  # noqa: E402
 from ._files import FileCheck, check, formats  # noqa: E402
 from ._layers import LayerAlbedos, layer_albedos  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
+from ._measured import Measurements, read_measured  # noqa: E402
 from ._media import coat, lambertian, media_forms, medium  # noqa: E402
 from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
 from ._options import set_options  # noqa: E402
@@ -60,6 +61,7 @@ __all__ = [
     "Material",
     "MaterialFileError",
     "Materials",
+    "Measurements",
     "Medium",
     "MissingPackage",
     "NotConverged",
@@ -87,6 +89,7 @@ __all__ = [
     "medium",
     "phase",
     "processor_path",
+    "read_measured",
     "set_options",
     "sphere",
 ]

@@ -338,6 +338,16 @@ def export_table(
     options: CallOptions,
 ) -> list[dict[str, Any]]: ...
 def check(path: str) -> dict[str, Any]: ...
+def read_measured(
+    path: str,
+    format: str,
+    column: str,
+    quantity: str,
+    percent: bool | None,
+    numbers: dict[str, float],
+    azimuth_zero: str,
+    wavelengths: str,
+) -> dict[str, Any]: ...
 
 def colours(wavelength_nm: Sequence[float], reflectance: _Floats, viewed: str) -> _Floats: ...
 def delta_e_76(

@@ -6,10 +6,12 @@
 // docs/measured.md has the formats, and what each says of its quantity and geometry.
 #pragma once
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/error.h>
 
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -113,6 +115,30 @@ std::vector<MeasuredFormat> measured_formats();
 ///         percent where shares are meant, wavelengths that are there twice with two values, and
 ///         directions whose convention is not known
 Measurements read_measured(const std::filesystem::path& file, const MeasuredOptions& options = {});
+
+/// A BRDF made of measured directions, and how well it is known.
+struct InterpolatedBrdf {
+    std::shared_ptr<const BrdfSource> source;  ///< one channel for each wavelength
+    std::size_t values = 0;                    ///< measured ones that it is made of
+    /// Relative, root mean square: at the measured directions, and where each value is left out in
+    /// turn and found from the others.
+    double residual_rms = 0.0, leave_one_out_rms = 0.0;
+    double worst = 0.0;  ///< largest of the values left out, relative, with its sign
+    Direction where;     ///< of it
+    double least_mu_in = 1.0, least_mu_out = 1.0;  ///< measured: beyond, values are extrapolated
+    double largest_albedo = 0.0;  ///< directional, of all wavelengths, at the measured incidences
+    std::vector<std::string> doubts = {};
+};
+
+/// Interpolates between the measured directions of a BRDF or reflectance factor so that light may
+/// go either way (reciprocity) and either side of the plane of incidence is alike: kriging of the
+/// logarithm over invariants of both directions, its lengths and noise chosen by leaving values
+/// out. Beyond the measured directions it follows a smooth trend.
+/// @param provenance  of the file that it goes into; accuracy and sources are added
+/// @throws InputError  for lists without wavelengths or directions, with fewer than 12 directions
+///         of a wavelength or more than 6000, several samples, values that are not above 0
+InterpolatedBrdf interpolated_brdf(const Measurements& measured, Provenance provenance = {},
+                                   const Control& control = {});
 
 }  // namespace miebrdf
 #pragma GCC visibility pop
