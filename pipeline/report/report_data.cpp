@@ -120,8 +120,10 @@ std::string place_of(const Scene& scene, std::size_t medium) {
 json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const Control& control,
                 PageBytes& bytes, bool& converged) {
     const ResolvedScene& scene = brdf.state().resolved;
-    std::vector<std::size_t> media(scene.media.size() - scene.first_medium());
-    std::iota(media.begin(), media.end(), scene.first_medium());
+    std::vector<std::size_t> media;  // that scatter or absorb
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+        if (m == 0 || !scene.depths[m - 1].is_empty()) media.push_back(m);
+    }
     const auto optics = optics_of(
         scene, media, all_wavelengths(scene),
         {.highest_moment = 1, .angles_deg = angles_deg, .tolerance = kPhaseTolerance}, control);

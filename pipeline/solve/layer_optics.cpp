@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/rules.h"
 #include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf {
@@ -42,6 +43,9 @@ LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     return layer;
 }
 
+/// Of a layer without depth: what its particles would do is not asked.
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
 std::vector<std::size_t> counted_from(std::size_t first, std::size_t end) {
     std::vector<std::size_t> indices(end - first);
     std::iota(indices.begin(), indices.end(), first);
@@ -60,13 +64,24 @@ std::vector<LayerOptics> Brdf::layers() const {
     const auto depths = optical_depths_of(scene, wavelengths, demand.tolerance, state_->control);
     std::vector<LayerOptics> all;
     for (const std::size_t w : wavelengths) {
-        for (std::size_t i = 0; i < media.size(); ++i) {
-            const std::size_t m = media[i];
-            LayerOptics& layer = all.emplace_back(layer_of(scene.media[m], optics[w][i]));
+        const auto add = [&](std::size_t m, std::string place, double depth) {
+            LayerOptics layer = layer_of(scene.media[m], optics[w][m - scene.first_medium()]);
             layer.wavelength = w;
-            layer.layer = m == 0 ? "base" : fmt::format("coat {}", m);
-            layer.optical_depth =
-                m == 0 ? std::numeric_limits<double>::infinity() : depths[w][m - 1];
+            layer.layer = std::move(place);
+            layer.optical_depth = depth;
+            all.push_back(std::move(layer));
+        };
+        if (!scene.substrate) add(0, "base", std::numeric_limits<double>::infinity());
+        std::size_t m = 0;
+        for (std::size_t c = 0; c < state_->scene.layers.size(); ++c) {
+            const Layer& layer = state_->scene.layers[c];
+            if (!is_left_out(state_->scene, layer)) ++m;
+            const std::string place = fmt::format("coat {}", c + 1);
+            if (layer.depth.value > 0.0) {
+                add(m, place, depths[w][m - 1]);
+            } else {
+                all.push_back({w, place, 0.0, kNothing, kNothing, {}, {}, {}, {}, {}, {}});
+            }
         }
     }
     return all;

@@ -1,6 +1,4 @@
 // Media: their species, each different one computed once, and what they are together.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <string>
@@ -33,9 +31,8 @@ class JobList {
   public:
     /// The number of the job.
     std::size_t add(const ResolvedSpecies& species, std::size_t w) {
-        const std::string name = species.crowded
-                                     ? fmt::format("{} {}", species.key[w], species.crowd_fraction)
-                                     : species.key[w];
+        const std::string name =
+            species.crowded ? species.key[w] + crowd_key(species, w) : species.key[w];
         const auto [found, is_new] = known_.try_emplace(name, jobs_.size());
         if (is_new) jobs_.push_back({&species, w});
         return found->second;

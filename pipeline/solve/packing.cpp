@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
+#include "pipeline/cache/job_key.h"
 #include "rte/first_order/first_order.h"
 #include "rte/math/quadrature.h"
 
@@ -35,11 +37,10 @@ double kd_of(const ResolvedSpecies& species, std::size_t w) {
     return 2.0 * k_per_um * species.outer_radius_um;
 }
 
-/// A sphere of the effective radius.
-std::vector<mie::SphereLayer> layers_of(const ResolvedSpecies& species, std::size_t w) {
-    const Particles& at = species.particles[w];
+/// A sphere of this radius, or with such a core.
+std::vector<mie::SphereLayer> layers_of(const Particles& at, double radius_um) {
     const double k_per_um = 2.0e3 * kPi * at.host_index / at.wavelength_nm;
-    const double core = k_per_um * species.effective_radius_um;
+    const double core = k_per_um * radius_um;
     std::vector<mie::SphereLayer> layers = {{at.index / at.host_index, core}};
     for (const mie::ParticleCoating& coating : at.coatings) {
         layers.push_back({coating.refractive_index / at.host_index,
@@ -84,6 +85,46 @@ std::vector<double> moments_of(const math::Quadrature& angles, const std::vector
     return chi;
 }
 
+/// Between values at 0, 1, 2, ... through the four nearest.
+double cubic_at(const std::vector<double>& values, double x) {
+    const auto last = static_cast<double>(values.size()) - 4.0;
+    const double start = std::clamp(std::floor(x) - 1.0, 0.0, last);
+    const double t = x - start;
+    const double* const v = &values[static_cast<std::size_t>(start)];
+    return -v[0] * (t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0 +
+           v[1] * t * (t - 2.0) * (t - 3.0) / 2.0 - v[2] * t * (t - 1.0) * (t - 3.0) / 2.0 +
+           v[3] * t * (t - 1.0) * (t - 2.0) / 6.0;
+}
+
+/// |<F>|^2 / <|F|^2> at angles alike apart, of spheres of the effective radius.
+std::vector<double> coherent_shares(const ResolvedSpecies& species, std::size_t w, double kd) {
+    constexpr double kStep = 0.15;  // of kd times the angle: cubics then err by 1e-5
+    const int intervals = static_cast<int>(std::ceil(kPi * std::max(kd, 20.0) / kStep));
+    std::vector<double> degrees;
+    for (int i = 0; i <= intervals; ++i) degrees.push_back(180.0 * i / intervals);
+    const std::size_t count = degrees.size();
+    std::vector<std::complex<double>> mean_s1(count), mean_s2(count);
+    std::vector<double> intensity(count), shares(count);
+    for (const CrowdMember& member : species.crowd) {
+        const auto f = mie::scattering_amplitudes(
+            layers_of(member.particles[w], species.effective_radius_um), degrees);
+        for (std::size_t i = 0; i < count; ++i) {
+            mean_s1[i] += member.share * f.s1[i];
+            mean_s2[i] += member.share * f.s2[i];
+            intensity[i] += member.share * (std::norm(f.s1[i]) + std::norm(f.s2[i]));
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        shares[i] = (std::norm(mean_s1[i]) + std::norm(mean_s2[i])) / intensity[i];
+    return shares;
+}
+
+Structure structure_of(const ResolvedSpecies& species, std::size_t w) {
+    Structure structure{species.crowd_fraction, kd_of(species, w)};
+    if (!species.crowd.empty()) structure.coherent = coherent_shares(species, w, structure.kd);
+    return structure;
+}
+
 }  // namespace
 
 double percus_yevick(double volume_fraction, double qd) {
@@ -104,13 +145,26 @@ double percus_yevick(double volume_fraction, double qd) {
     return 1.0 / (1.0 + 24.0 * f * (a * first + b * second + c * third));
 }
 
-double CrowdedPhase::factor(double cos_theta) const {
+double Structure::operator()(double cos_theta) const {
     const double sine_of_half = std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_theta)));
-    return percus_yevick(volume_fraction, 2.0 * kd * sine_of_half) / mean;
+    const double s = percus_yevick(volume_fraction, 2.0 * kd * sine_of_half);
+    if (coherent.empty()) return s;
+    const auto intervals = static_cast<double>(coherent.size() - 1);
+    return 1.0 + (s - 1.0) * cubic_at(coherent, 2.0 * std::asin(sine_of_half) / kPi * intervals);
 }
+
+double CrowdedPhase::factor(double cos_theta) const { return structure(cos_theta) / mean; }
 
 double CrowdedPhase::operator()(double cos_theta) const {
     return alone.phase(cos_theta) * factor(cos_theta);
+}
+
+std::string crowd_key(const ResolvedSpecies& species, std::size_t w) {
+    JobKey key("crowd");
+    key.add(species.crowd_fraction);
+    for (const CrowdMember& member : species.crowd)
+        key.add(member.share).add(std::string_view(member.key[w]));
+    return key.hash();
 }
 
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
@@ -123,7 +177,7 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
             describe(species.species), 0.5 * kd, species.particles[w].wavelength_nm,
             kLargestSizeParameter));
     }
-    CrowdedPhase phase{alone.optics, species.crowd_fraction, kd, 1.0};
+    CrowdedPhase phase{alone.optics, structure_of(species, w), 1.0};
     const std::size_t count = alone.optics.chi.size();
     const math::Quadrature angles = angles_for(kd, static_cast<int>(count));
     std::vector<double> values;
@@ -139,9 +193,7 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     whole.optics.one_minus_albedo = alone.optics.one_minus_albedo / extinction;
     whole.q_ext = alone.q_ext.value_or(0.0) * extinction;
     for (std::size_t i = 0; i < whole.phase.size(); ++i) {
-        const double half = 0.5 * angles_deg[i] * kPi / 180.0;
-        const double factor =
-            percus_yevick(species.crowd_fraction, 2.0 * kd * std::sin(half)) / phase.mean;
+        const double factor = phase.factor(std::cos(angles_deg[i] * kPi / 180.0));
         whole.phase[i] *= factor;
         if (i < whole.phase_error.size()) whole.phase_error[i] *= factor;
     }
@@ -156,15 +208,16 @@ std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w) {
     const math::Quadrature angles = angles_for(kd, static_cast<int>(4.0 * kd) + 20);
     std::vector<double> degrees;
     for (const double theta : angles.nodes) degrees.push_back(theta * 180.0 / kPi);
-    const auto amplitudes = mie::scattering_amplitudes(layers_of(species, w), degrees);
+    const auto amplitudes = mie::scattering_amplitudes(
+        layers_of(species.particles[w], species.effective_radius_um), degrees);
+    const Structure structure = structure_of(species, w);
     double alone = 0.0, together = 0.0;  // of the scattering, weighted by 1 - cos
     for (std::size_t i = 0; i < degrees.size(); ++i) {
-        const double away = 1.0 - std::cos(angles.nodes[i]);
+        const double mu = std::cos(angles.nodes[i]), away = 1.0 - mu;
         const double intensity = std::norm(amplitudes.s1[i]) + std::norm(amplitudes.s2[i]);
         const double part = angles.weights[i] * away * intensity;
         alone += part;
-        together += part * percus_yevick(species.crowd_fraction,
-                                         2.0 * kd * std::sin(0.5 * angles.nodes[i]));
+        together += part * structure(mu);
     }
     return together / alone;
 }

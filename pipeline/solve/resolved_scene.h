@@ -24,6 +24,13 @@ struct Particles {
     std::vector<mie::ParticleCoating> coatings = {};  ///< from inside out
 };
 
+/// Spheres of some index among others of the same sizes, which crowd each other.
+struct CrowdMember {
+    double share = 1.0;  ///< of their number
+    std::vector<Particles> particles = {};
+    std::vector<std::string> key = {};  ///< as of ResolvedSpecies
+};
+
 /// A species at every wavelength of its scene.
 struct ResolvedSpecies {
     Species species;
@@ -38,9 +45,10 @@ struct ResolvedSpecies {
     double volume_fraction = 1.0;
     std::optional<double> density_g_cm3 = {};
     bool crowded = false;  ///< Packing::percus_yevick
-    /// The share of all spheres of this index and these sizes, under whatever names: they crowd
-    /// each other.
+    /// The share of the layer's volume that all spheres of these sizes fill, of whatever index:
+    /// they crowd each other.
     double crowd_fraction = 0.0;
+    std::vector<CrowdMember> crowd = {};  ///< empty where all are of one index
     /// Names what its optics depend on, at every wavelength: species of the same key are the same.
     std::vector<std::string> key = {};
 
@@ -72,6 +80,7 @@ struct ResolvedDepth {
     std::optional<ResolvedMedium> reference = {};  ///< the medium at the depth's wavelength alone
 
     bool is_grey() const { return !column_um && !reference; }
+    bool is_empty() const { return is_grey() && optical_depth == 0.0; }
 };
 
 struct ResolvedScene {

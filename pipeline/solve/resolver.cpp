@@ -96,6 +96,22 @@ constexpr double kWeakHost = 0.01;
 /// Beyond this share of the volume, what neighbours change is said.
 constexpr double kCrowded = 0.05;
 
+std::string key_of(const mie::SizeDistribution& sizes) { return JobKey("sizes").add(sizes).hash(); }
+
+void set_crowd(ResolvedSpecies& species, const ResolvedMedium& medium) {
+    bool differ = false;
+    for (const ResolvedSpecies& other : medium.species) {
+        if (key_of(other.sizes) != key_of(species.sizes) ||
+            other.outer_radius_um != species.outer_radius_um)
+            continue;
+        species.crowd_fraction += other.volume_fraction;
+        species.crowd.push_back({other.volume_fraction, other.particles, other.key});
+        differ = differ || other.key != species.key;
+    }
+    if (!differ) species.crowd.clear();
+    for (CrowdMember& member : species.crowd) member.share /= species.crowd_fraction;
+}
+
 /// Without amounts, a host is left out that takes less than this share of the light when particles
 /// fill as little as this share of the volume.
 constexpr double kNegligibleHost = 1e-3;
@@ -324,8 +340,7 @@ void Resolver::set_packing(ResolvedMedium& medium) {
     }
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
-        for (const ResolvedSpecies& other : medium.species)
-            species.crowd_fraction += other.key == species.key ? other.volume_fraction : 0.0;
+        set_crowd(species, medium);
         if (asked || !medium.has_amounts || species.crowd_fraction <= kCrowded) continue;
         if (const auto change = crowding(species, 0)) note_crowding(species, *change);
     }

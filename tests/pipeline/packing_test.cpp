@@ -81,3 +81,29 @@ TEST_CASE("spheres of one kind crowd each other under two names", "[pipeline][pa
     CHECK(extinction(half + " + index:2.7,0,radius=0.2,variance=0.01,volume=10% in index:1.5") >
           whole);
 }
+
+TEST_CASE("equal spheres of two indices crowd each other by their mean amplitude",
+          "[pipeline][packing]") {
+    // Where spheres are far below the wavelength, F goes like (m^2 - 1) / (m^2 + 2) and S is S(0).
+    const auto scattering = [](double n, Packing packing) {
+        Scene scene = scene_of(
+            "index:1.7,0,radius=0.0002,distribution=mono,volume=10% + index:" + std::to_string(n) +
+            ",0,radius=0.0002,distribution=mono,volume=20% in index:1.5");
+        scene.particles.packing = packing;
+        return *solve(scene, {550}, {.tolerance = 1e-6}).layers().at(0).scattering_per_um;
+    };
+    const double n = GENERATE(1.7, 1.6, 1.501, 1.45, 1.3);
+    const auto amplitude = [](double index) {
+        const double m2 = index * index / (1.5 * 1.5);
+        return (m2 - 1) / (m2 + 2);
+    };
+    const double a = amplitude(1.7), b = amplitude(n);
+    const double mean = (a + 2 * b) / 3, mean_square = (a * a + 2 * b * b) / 3;
+    const double s = std::pow(1 - 0.3, 4) / ((1 + 0.6) * (1 + 0.6));
+    const double truth = 1 + (s - 1) * mean * mean / mean_square;
+    CAPTURE(n);
+    // (k d)^2 = 5e-5 changes S and the amplitudes.
+    CHECK(relative_error(
+              scattering(n, Packing::percus_yevick) / scattering(n, Packing::independent), truth) <=
+          1e-4);
+}

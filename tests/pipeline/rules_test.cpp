@@ -71,6 +71,24 @@ TEST_CASE("no depth: below a boundary or on a mirror the host's surfaces stay",
     CHECK(resolved(on_mirror).layers() == 1);
 }
 
+TEST_CASE("no depth: layers are listed under their own number, with nothing in them",
+          "[pipeline][rules]") {
+    Scene scene = scene_of("hg:0.8,0", {"hg:0.5,0.3@0", "hg:0.6,0.2@1"});
+    const bool bounded = GENERATE(false, true);
+    if (bounded) scene.boundary = rte::Boundary{};
+    scene.particles.host = {"", 1.5};
+    const auto layers = solve(scene, {550}).layers();
+    REQUIRE(layers.size() == 3);
+    CHECK(layers[0].layer == "base");
+    CHECK(layers[1].layer == "coat 1");
+    CHECK(layers[1].optical_depth == 0);
+    CHECK(std::isnan(layers[1].single_scattering_albedo));
+    CHECK(std::isnan(layers[1].asymmetry));
+    CHECK(layers[2].layer == "coat 2");
+    CHECK(layers[2].optical_depth == 1);
+    CHECK(layers[2].single_scattering_albedo == 0.6);
+}
+
 TEST_CASE("hidden layers: their Mie theory is not computed, and the result is the same",
           "[pipeline][rules]") {
     const std::string coat = GENERATE("hg:0.3,0.1", "isotropic:0.9", "isotropic:1");

@@ -24,7 +24,9 @@ struct BoundaryScene {
 /// The same scene for the same number, on every machine.
 class BoundarySceneMaker {
   public:
-    explicit BoundarySceneMaker(std::uint32_t number) : random_(number) {}
+    /// @param rough  below a rough boundary always, in place of 15 of 100 times
+    explicit BoundarySceneMaker(std::uint32_t number, bool rough = false)
+        : rough_(rough), random_(number) {}
 
     BoundaryScene make() {
         BoundaryScene scene;
@@ -49,9 +51,13 @@ class BoundarySceneMaker {
             if (uniform() < 0.6) index = any_index();
             stack.coats.push_back({any_optics(), log_between(1e-4, 30.0), index});
         }
-        const bool may_be_rough = index >= 1.05;
         stack.boundary = rte::Boundary{};
-        if (may_be_rough && uniform() < 0.15) {
+        constexpr double kLeastRoughIndex = 1.05;
+        if (rough_ && index < kLeastRoughIndex) {
+            index = between(kLeastRoughIndex, 2.6);
+            (stack.coats.empty() ? stack.base_index : stack.coats.back().index) = index;
+        }
+        if (index >= kLeastRoughIndex && (uniform() < 0.15 || rough_)) {
             stack.boundary->roughness = log_between(0.03, 0.6);
             stack.boundary->distribution = uniform() < 0.5 ? rte::MicrofacetDistribution::ggx
                                                            : rte::MicrofacetDistribution::beckmann;
@@ -83,6 +89,7 @@ class BoundarySceneMaker {
         return rte::henyey_greenstein_optics(albedo, between(-0.5, 0.85));
     }
 
+    bool rough_;
     std::mt19937 random_;
 };
 

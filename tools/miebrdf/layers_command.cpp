@@ -11,7 +11,7 @@ int write_layers(const Brdf& brdf, const Shell& shell) {
         "units",
         "wavelength_nm: nm in vacuum; optical_depth, albedo, asymmetry: dimensionless; per_um: "
         "1/um; k_km, s_km: Kubelka-Munk's for diffuse light, 1/um; mass_extinction: m2 per kg of "
-        "particles; empty: needs amounts or densities");
+        "particles; empty: needs amounts or densities, or the layer has no depth");
     for (const std::string& source : brdf.sources()) table.facts.emplace_back("source", source);
     const std::string particles = describe_particles(brdf.scene());
     if (!particles.empty()) table.facts.emplace_back("particles", particles);

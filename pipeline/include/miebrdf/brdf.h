@@ -201,6 +201,7 @@ struct LayerOptics {
     std::size_t wavelength = 0;  ///< index
     std::string layer;           ///< "base", "coat 1", ...
     double optical_depth = 0.0;  ///< infinite for a base
+    /// Not a number, as the asymmetry, of a layer without depth: nothing is there.
     double single_scattering_albedo = 0.0;
     double asymmetry = 0.0;
     std::optional<double> scattering_per_um;          ///< mu_s

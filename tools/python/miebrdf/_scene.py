@@ -322,7 +322,7 @@ class Scene:
             wavelength_nm, layer, optical_depth, single_scattering_albedo, asymmetry,
             scattering_per_um, absorption_per_um, reduced_scattering_per_um, k_km and s_km
             (Kubelka-Munk's, 1/um), mass_extinction_m2_per_kg; None where amounts or densities are
-            not known.
+            not known. Albedo and asymmetry of a layer without depth are NaN: nothing is there.
         """
         return self._without_table(wavelengths_nm, options).layers()
 
