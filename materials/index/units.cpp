@@ -14,7 +14,7 @@
 namespace miebrdf::materials {
 namespace {
 
-constexpr std::array<std::pair<const char*, Unit>, 30> kSpellings{{
+constexpr std::array<std::pair<const char*, Unit>, 31> kSpellings{{
     {"nm", Unit::nanometre},
     {"nanometre", Unit::nanometre},
     {"nanometer", Unit::nanometre},
@@ -22,6 +22,7 @@ constexpr std::array<std::pair<const char*, Unit>, 30> kSpellings{{
     {"nanometres", Unit::nanometre},
     {"um", Unit::micrometre},
     {"\xc2\xb5m", Unit::micrometre},
+    {"\xb5m", Unit::micrometre},  // Latin-1
     {"\xce\xbcm", Unit::micrometre},
     {"micron", Unit::micrometre},
     {"microns", Unit::micrometre},

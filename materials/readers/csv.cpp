@@ -22,6 +22,7 @@ struct CsvHeader {
     bool is_permittivity = false;  ///< n and k are the columns of eps' and eps''
     SpectralName spectral;
     std::string x_name;
+    std::string second_of_a_kind;  ///< column that means what another means already
     std::vector<std::string> unused;
 };
 
@@ -32,30 +33,33 @@ bool is_one_of(std::string_view name, std::initializer_list<std::string_view> na
 std::optional<CsvHeader> read_csv_header(const std::vector<std::string>& fields) {
     CsvHeader header;
     int real = -1, imaginary = -1;  // of the permittivity
+    const auto take = [&](int& place, int i) {
+        if (place >= 0) header.second_of_a_kind = fields[static_cast<std::size_t>(i)];
+        place = i;
+    };
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
         const std::string& field = fields[static_cast<std::size_t>(i)];
         std::string name = lower_case(field);
         const auto spectral = spectral_name(name);
         std::replace(name.begin(), name.end(), ' ', '_');
-        if (header.n < 0 && is_one_of(name, {"n", "eta", "ior", "refractive_index", "index",
-                                             "n_real", "real_index", "re(n)"})) {
-            header.n = i;
-        } else if (header.k < 0 && is_one_of(name, {"k", "kappa", "extinction_coefficient",
-                                                    "extinction", "n_imag", "im(n)"})) {
-            header.k = i;
-        } else if (real < 0 && is_one_of(name, {"eps1", "e1", "eps_1", "epsilon1", "epsilon_1",
-                                                "eps'", "eps_real", "eps_re", "eps_r", "re(eps)",
-                                                "permittivity_real", "\xce\xb5'",
-                                                "\xce\xb5"
-                                                "1"})) {
-            real = i;
-        } else if (imaginary < 0 &&
-                   is_one_of(name, {"eps2", "e2", "eps_2", "epsilon2", "epsilon_2", "eps''",
+        if (is_one_of(name, {"n", "eta", "ior", "refractive_index", "index", "n_real", "real_index",
+                             "re(n)"})) {
+            take(header.n, i);
+        } else if (is_one_of(name, {"k", "kappa", "extinction_coefficient", "extinction", "n_imag",
+                                    "im(n)"})) {
+            take(header.k, i);
+        } else if (is_one_of(name,
+                             {"eps1", "e1", "eps_1", "epsilon1", "epsilon_1", "eps'", "eps_real",
+                              "eps_re", "eps_r", "re(eps)", "permittivity_real", "\xce\xb5'",
+                              "\xce\xb5"
+                              "1"})) {
+            take(real, i);
+        } else if (is_one_of(name, {"eps2", "e2", "eps_2", "epsilon2", "epsilon_2", "eps''",
                                     "eps\"", "eps_imag", "eps_im", "eps_i", "im(eps)",
                                     "permittivity_imag", "\xce\xb5''",
                                     "\xce\xb5"
                                     "2"})) {
-            imaginary = i;
+            take(imaginary, i);
         } else if (spectral && header.x < 0) {
             header.x = i;
             header.x_name = field;
@@ -175,6 +179,10 @@ Dataset read_csv(const SourceFile& source, const ReadOptions& options) {
                             header->x_name));
         }
         const Unit unit = settle_unit(dataset, named, options, Unit::nanometre);
+        if (!header->second_of_a_kind.empty()) {
+            lines.refuse(fmt::format("a second column of the kind of '{}'; give one of n and of k",
+                                     header->second_of_a_kind));
+        }
         if (header->n >= 0) parts.n.unit = unit;
         if (header->k >= 0) parts.k.unit = unit;
         for (const std::string& name : header->unused)

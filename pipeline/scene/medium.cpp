@@ -241,9 +241,11 @@ Host host(const std::string& text) {
 
 void validate(const Host& host) {
     const double n = host.index.real(), k = host.index.imag();
-    if (!(n > 0.0 && n <= kLargestIndex)) throw UsageError("host_index", n, "> 0, up to 1e6");
+    // Of a host, or of a mirror.
+    if (!(n > 0.0 && n <= kLargestIndex))
+        throw UsageError(fmt::format("'{}', its n", describe(host)), n, "> 0, up to 1e6");
     if (!(k >= 0.0 && k <= kLargestIndex))
-        throw UsageError("host_index, its k", k, ">= 0, up to 1e6");
+        throw UsageError(fmt::format("'{}', its k", describe(host)), k, ">= 0, up to 1e6");
 }
 
 void validate(const Species& species) {

@@ -152,6 +152,7 @@ double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std
     slice.transmittance = std::move(table.transmittance);
     // Nothing comes through a half-space.
     slice.transmittance.resize(slice.values.size(), 0.0);
+    remove_rounding(slice.transmittance);
     slice.mirror_reflectance = std::move(table.mirror_reflectance);
     slice.report.solver = table.report;
     return table.report.error_estimate;

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include <miebrdf/control.h>
+#include "pipeline/formats/check/check.h"
 #include "tests/support/catch.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
 #include "tests/support/written_file.h"
@@ -151,6 +153,20 @@ TEST_CASE("values that are wrong at grazing directions alone are refused, too",
     CHECK(worst->kind == RegionKind::grazing);
     CHECK(worst->worst > 10.0);
     CHECK(std::min(worst->where.mu_in, worst->where.mu_out) <= 0.2);
+}
+
+TEST_CASE("a rough surface is exported reciprocal where nothing says its coupling",
+          "[formats][brdf_export]") {
+    const support::TemporaryFolder folder;
+    Scene scene = support::under_surface(support::scene_of("hg:0.8,0.3"), 0.2, 1.5);
+    const auto reciprocity_of = [&](const std::string& name) {
+        const BrdfTable table = solve(scene, {450, 550, 650}).table();
+        export_brdf(table, "json", folder / name, {});
+        return *check_file(*open_brdf_file(folder / name)).reciprocity_rms;
+    };
+    CHECK(reciprocity_of("default.json") <= 1e-12);
+    scene.coupling = rte::SurfaceCoupling::paper;
+    CHECK(reciprocity_of("paper.json") >= 1e-3);  // equation (5) is not
 }
 
 TEST_CASE("regions are looked at where they say", "[formats][brdf_export]") {

@@ -244,6 +244,11 @@ TEST_CASE("CSV as people and spreadsheets write it", "[materials][import][csv]")
     CHECK_THROWS_WITH(refused("nm;n\n400.5;1,5\n"), Catch::Contains("decimal points and"));
     CHECK_THROWS_WITH(refused("nm,eps1\n400,2\n"), Catch::Contains("no header"));
     CHECK_THROWS_WITH(refused("nm,n\n0.4,1.5\n"), Catch::Contains("X-rays"));
+    // Row numbers are no indices.
+    CHECK_THROWS_WITH(refused("index,nm,n,k\n1,400,1.5,0.01\n2,500,1.49,0.02\n"),
+                      Catch::Contains("a second column of the kind of 'n'"));
+    CHECK_THROWS_WITH(refused("nm,n,k,kappa\n400,1.5,0.01,0.02\n"), Catch::Contains("'kappa'"));
+    CHECK(read("csv", "wavelength (\xb5m),n\n0.4,1.5\n", "latin1.csv").n->shortest_nm == 400);
 }
 
 TEST_CASE("a byte-order mark changes nothing", "[materials][import]") {

@@ -20,7 +20,7 @@ struct TruthOptions {
 };
 TruthOptions truth_options(const support::BoundaryScene& scene) {
     if (scene.stack.boundary->is_rough())
-        return {{.tolerance = 1e-5, .streams = 40}, {.tolerance = 1e-5, .streams = 28}};
+        return {{.tolerance = 1e-5, .streams = 64}, {.tolerance = 1e-5, .streams = 48}};
     return {{.tolerance = 1e-7, .streams = 96}, {.tolerance = 1e-7, .streams = 64}};
 }
 

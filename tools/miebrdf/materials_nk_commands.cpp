@@ -36,8 +36,6 @@ void add_facts(Table& table, const materials::DatasetInfo& dataset, const NkArgu
     for (const std::string& correction : dataset.corrections)
         facts.emplace_back("correction", correction);
     if (!dataset.k_known) facts.emplace_back("k", "unknown (not measured); taken as 0");
-    if (dataset.k_known && arguments.index.options().missing_k_is_zero)
-        facts.emplace_back("k", "taken as 0 where it is unknown");
     if (arguments.k_floor > 0) facts.emplace_back("k floor", arguments.k_floor);
 }
 
@@ -65,6 +63,7 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
         table.columns.insert(table.columns.end(), {"permittivity_real", "permittivity_imaginary"});
     if (arguments.group_index) table.columns.emplace_back("group_index");
     const auto index = database.refractive_index(full_name, arguments.index.options());
+    std::size_t without_k = 0;
     for (const double wavelength_nm : wavelengths_nm) {
         const auto m = index.at(wavelength_nm);
         if (!index.covers(wavelength_nm)) {
@@ -82,7 +81,12 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
         }
         if (arguments.group_index) row.emplace_back(group_index(index, wavelength_nm));
         table.rows.push_back(std::move(row));
+        without_k += index.k_known_at(wavelength_nm) ? 0 : 1;
     }
+    if (dataset.k_known && without_k > 0)
+        table.facts.emplace_back("k", fmt::format("unknown at {} of {} wavelengths, taken as 0 "
+                                                  "there",
+                                                  without_k, wavelengths_nm.size()));
     shell.write(std::move(table));
     return kGood;
 }
