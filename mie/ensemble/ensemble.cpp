@@ -115,13 +115,11 @@ double half_space_albedo(const EnsembleOptics& optics) {
     return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
 }
 
-// The change of the albedo of a half-space by that of the absorption; 0 without absorption. A
-// half-space of similar spheres has an albedo A with 1 - A about
-// sqrt(6 (1 - omega) / (1 - omega g)): d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
-double change_by_absorption(const EnsembleOptics& a, const EnsembleOptics& b) {
-    if (!(a.one_minus_albedo > 0 && b.one_minus_albedo > 0)) return 0;
-    const double sensitivity = std::min(0.15, 0.5 * std::sqrt(6 * similar_absorption(b)));
-    return sensitivity * std::abs(std::log(a.one_minus_albedo / b.one_minus_albedo));
+// The change of the albedo of a half-space by a relative one of the absorption. A half-space of
+// similar spheres has an albedo A with 1 - A about sqrt(6 (1 - omega) / (1 - omega g)):
+// d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
+double change_by_absorption(const EnsembleOptics& optics, double relative) {
+    return relative * std::min(0.15, 0.5 * std::sqrt(6 * similar_absorption(optics)));
 }
 
 // The average over sizes: passes of more sizes until the error estimate is met. Computes everything
@@ -155,6 +153,8 @@ class EnsembleAverage {
     bool moments_from_table_ = false;
     std::optional<GaussMoments> at_angles_;     // where moments come from angles, and no table
     std::optional<MomentTransform> transform_;  // the same for all passes
+    std::optional<RayAbsorption> absorption_;   // where sizes may miss resonances
+    bool by_rays_ = false;                      // whether they do: absorption_ is better
     EnsembleOptics optics_;
 };
 
@@ -180,6 +180,7 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
       passes_(ensemble_) {
     choose_moments();
     if (!take_rays()) {
+        if (passes_.rule() == Rule::even) absorption_ = absorption_by_rays(ensemble_, run_);
         do {
             add_pass();
         } while (!is_enough() && is_worth_more_sizes() && passes_.refine());
@@ -282,7 +283,12 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const bool single = passes_.rule() == Rule::single;
     optics_.error_estimate = single ? AverageRule::kRounding : 1.0;
     if (single || passes_.is_first()) return;
-    const double absorption = change_by_absorption(before, optics_);
+    double of_absorption = 0;
+    if (before.one_minus_albedo > 0 && optics_.one_minus_albedo > 0)
+        of_absorption = std::abs(std::log(before.one_minus_albedo / optics_.one_minus_albedo));
+    by_rays_ = absorption_ && absorption_->error < of_absorption;
+    if (by_rays_) of_absorption = absorption_->error;
+    const double absorption = change_by_absorption(optics_, of_absorption);
     const double change = std::max(largest_change(before, optics_), absorption);
     // Sampled against exact extinction tells which resonances the sizes have missed or hit too
     // hard, but not what these absorb. Over 336 transparent ensembles the error of the moments was
@@ -296,7 +302,8 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
 // Extinction, and with it the albedo, need not carry the error of the nodes.
 void EnsembleAverage::put_exact_extinction() {
     optics_.q_ext = passes_.exact_q_ext();
-    optics_.q_abs = std::min(optics_.q_abs, optics_.q_ext);
+    const double absorbed = by_rays_ ? absorption_->q_abs : optics_.q_abs;
+    optics_.q_abs = std::min(absorbed, optics_.q_ext);
     optics_.q_sca = optics_.q_ext - optics_.q_abs;
     optics_.one_minus_albedo = optics_.q_abs / optics_.q_ext;
     optics_.single_scattering_albedo = optics_.q_sca / optics_.q_ext;

@@ -31,6 +31,10 @@ struct RayRule {
     /// high orders of small spheres; it falls with the number of sizes.
     static constexpr int kSizes = 16, kMostSizes = 128;
     static constexpr double kError = 2.5e-5, kErrorOfHighMoments = 8e-4;
+    /// Sizes for what is absorbed, which is smooth in size; bounds of rays beyond this are no
+    /// description.
+    static constexpr int kSizesOfAbsorption = 64;
+    static constexpr double kLargestBoundOfAbsorption = 1e-3;
 };
 
 struct PhaseRayRule {
@@ -169,6 +173,20 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
     optics.chi.resize(std::max(highest_moment + 1, 0));
     optics.converged = true;
     return optics;
+}
+
+std::optional<RayAbsorption> absorption_by_rays(const Ensemble& ensemble, const Executor& run) {
+    const RayBound bound = ray_bound(ensemble);
+    if (!ensemble.scatterer.absorbs() || !(bound.total() <= RayRule::kLargestBoundOfAbsorption))
+        return std::nullopt;
+    const double k = ensemble.wave_number_per_um;
+    const MomentTransform transform(number_of_terms(k * ensemble.range.largest_um), 1);
+    const WeightedSizes sizes(
+        smooth_size_nodes(ensemble.sizes, ensemble.range, RayRule::kSizesOfAbsorption), k);
+    const RaySums sums = sum_over_rays(ensemble.scatterer.relative_index, sizes, transform, run);
+    const double x = k * effective_radius_of(ensemble.sizes);
+    return RayAbsorption{2 * sums.absorbed / ensemble.share,
+                         bound.total() + rule_error(x, 1, RayRule::kSizesOfAbsorption)};
 }
 
 }  // namespace miebrdf::mie
