@@ -132,16 +132,17 @@ void Planner::leave_out_orders() {
 }
 
 void Planner::leave_out_solutions() {
+    if (scene_.substrate) return;
     if (coats() > 1) {
         leave_out("one half-space",
                   fmt::format("{} coats on one base: its half-space is solved once", coats()),
                   jobs() * orders() * static_cast<double>(coats() - 1) *
                       order_seconds(size_, 1, cosines()));
     }
-    if (scatters_nothing(scene_.media[lowest_].medium)) {
+    if (scatters_nothing(scene_.media.front().medium)) {
         leave_out("nothing scatters",
                   fmt::format("{} scatters nothing: a black ground",
-                              describe(scene_.media[lowest_].medium)),
+                              describe(scene_.media.front().medium)),
                   jobs() * orders() * order_seconds(size_, 1, cosines()));
     }
 }

@@ -61,7 +61,8 @@ LayerSlice lossless(std::size_t incidences) {
     return slice;
 }
 
-/// The slice of layers of which none scatters.
+/// The slice of layers of which none scatters: a black ground takes all light, what only absorbs
+/// passes none on.
 LayerSlice black(const LayerRequest& request) {
     const Directions& d = request.directions;
     LayerSlice slice = without_work("closed form of layers that scatter nothing");
@@ -70,7 +71,8 @@ LayerSlice black(const LayerRequest& request) {
         slice.plane_albedo.assign(d.mu_in.size(), 0.0);
     } else {
         slice.values.assign(d.mu_in.size() + 1, 0.0);
-        slice.transmittance.assign(d.mu_in.size() + 1, 0.0);
+        slice.transmittance.assign(d.mu_in.size() + 1, request.scene.substrate ? 1.0 : 0.0);
+        slice.polarised_plane_albedo.assign(d.mu_in.size(), 0.0);
     }
     return slice;
 }

@@ -76,6 +76,23 @@ TEST_CASE("a bare ground reflects what it is said to", "[pipeline][ground]") {
           1e-12);
 }
 
+TEST_CASE("a black ground takes all light, bare or below layers without depth",
+          "[pipeline][ground]") {
+    Scene scene;
+    scene.substrate = substrate(GENERATE("black", "lambert:0", "none"));
+    if (scene.substrate->kind == Substrate::Kind::none || GENERATE(false, true))
+        scene.layers = {layer("hg:0.5,0.2@0")};
+    const int stokes = GENERATE(0, 1, 3);
+    const AlbedoValues values = solve(scene, {550}, {.stokes = stokes}).albedo({0.3, 1.0});
+    for (const std::size_t i : {0U, 1U}) {
+        CHECK(values.plane_albedo[0][i] == 0.0);
+        CHECK(values.plane_transmittance[0][i] == 1.0);
+    }
+    CHECK(values.spherical_transmittance[0] == 1.0);
+    CHECK(solve(scene, {550}, {.stokes = stokes}).evaluate({{0.3}, {0.6}, {40}}).at(0, 0, 0, 0) ==
+          0.0);
+}
+
 TEST_CASE("white films in diffuse light are Kubelka and Munk's", "[pipeline][mixture][ground]") {
     // Thick films that absorb nothing: R = ((1 - G) S h + G) / ((1 - G) S h + 1) over a ground G.
     const double ground = GENERATE(0.0, 0.8);

@@ -159,3 +159,16 @@ TEST_CASE("a plan tells about the time of a run", "[pipeline][plan]") {
     CHECK(planned_s <= 9 * taken_s);
     CHECK(taken_s <= 9 * planned_s);
 }
+
+TEST_CASE("a ground without layers, or with none that has depth, is planned and is no half-space",
+          "[pipeline][plan]") {
+    // The first medium of such a scene is none: a plan of it asked what it is.
+    Scene scene = support::scene_of("isotropic:0", {"hg:0.5,0.2@0"});
+    scene.substrate = substrate(GENERATE("black", "none", "lambert:0.5", "mirror:index:0.5,5"));
+    if (GENERATE(false, true)) scene.boundary = rte::Boundary{};
+    const Plan plan = plan_evaluate(solve(scene, {550}), kDirections);
+    CHECK_FALSE(plan.leaves_out("nothing scatters"));
+    CHECK_FALSE(plan.leaves_out("one half-space"));
+    scene.layers = {layer("isotropic:0@1"), layer("isotropic:0@1")};
+    CHECK_FALSE(plan_evaluate(solve(scene, {550}), kDirections).leaves_out("nothing scatters"));
+}
