@@ -147,13 +147,15 @@ Measurements read_cgats(const MeasuredFile& file, const MeasuredOptions& options
         factor = share_factor(list, options, norm == 100.0, "spectra relative to 100");
         if (norm != 100.0 && !options.percent) factor = 1.0 / norm;
     }
-    for (const auto& [line, row] : table.rows) {
+    for (const auto& numbered : table.rows) {
+        const int line = numbered.first;
+        const std::vector<std::string>& row = numbered.second;
         std::string name;
         for (const std::size_t f : names) name += (name.empty() ? "" : " ") + row[f];
         if (name.empty()) name = fmt::format("row {}", list.samples.size() + 1);
-        const auto number = [&, at = line](const std::string& text) {
+        const auto number = [&](const std::string& text) {
             const auto value = materials::parse_number(text);
-            if (!value) refuse(file, at, fmt::format("'{}' is not a number", text));
+            if (!value) refuse(file, line, fmt::format("'{}' is not a number", text));
             return *value;
         };
         std::vector<double> nm, values;

@@ -229,7 +229,7 @@ void describe(Measurements& list) {
     std::map<std::pair<MeasuredQuantity, MeasuredGeometry>, std::vector<const MeasuredValue*>> all;
     for (const MeasuredValue& v : list.values) all[{v.quantity, v.geometry}].push_back(&v);
     for (const auto& [kind, values] : all) {
-        const auto range = [&](double MeasuredValue::*member) -> std::string {
+        const auto range = [&values = values](double MeasuredValue::*member) -> std::string {
             double low = INFINITY, high = -INFINITY;
             for (const MeasuredValue* v : values) {
                 if (std::isnan(v->*member)) continue;

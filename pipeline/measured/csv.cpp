@@ -51,6 +51,7 @@ class LongTable {
         drop_repeated_facts();
         for (const SheetRow& row : sheet_.rows) read_row(row);
         if (!raw_.empty()) set_directions(list_, raw_, options_, file_);
+        if (list_.values.empty()) refuse(file_, first_missing_, "no number");
         if (missing_ > 0) {
             list_.doubts.push_back(
                 fmt::format("{}:{}: no number; left out{}", file_.path, first_missing_,
@@ -66,11 +67,9 @@ class LongTable {
         }
         return std::nullopt;
     }
-    /// Numbers; or any text where numbers must be, which is refused with its line.
-    bool has_values(std::size_t column) const {
+    bool has_numbers(std::size_t column) const {
         return std::any_of(sheet_.rows.begin(), sheet_.rows.end(), [&](const SheetRow& row) {
-            const SheetCell& cell = row.cells[column];
-            return cell.number || (roles_[column].role == Role::value && !cell.is_missing);
+            return row.cells[column].number.has_value();
         });
     }
     /// A remark about percent is believed where values are too large for shares.
@@ -87,7 +86,9 @@ class LongTable {
         for (std::size_t c = 0; c < roles_.size(); ++c) {
             const Role role = roles_[c].role;
             const bool free = role == Role::value || role == Role::other;
-            if (!free || !has_values(c)) continue;
+            // What stands in a column of a known name must be numbers: text is refused with its
+            // line.
+            if (!free || (role == Role::other && !has_numbers(c))) continue;
             if (lower_case(sheet_.names[c]) == lower_case(options_.column)) asked.push_back(c);
             (role == Role::value ? known : unknown).push_back(c);
         }

@@ -105,7 +105,14 @@ class CxfReader {
             s.start_nm = number(range, range.attribute("StartWL").value());
             s.increment_nm = number(range, range.attribute("Increment").value());
         }
-        specifications_[node.attribute("Id").value()] = s;
+        const std::string id = node.attribute("Id").value();
+        const pugi::xml_node light = below(node, "TristimulusSpec");
+        if (light) {
+            list_.facts.emplace_back("light of " + id,
+                                     fmt::format("{}, {}", child(light, "Illuminant").child_value(),
+                                                 child(light, "Observer").child_value()));
+        }
+        specifications_[id] = s;
     }
 
     void read_object(const pugi::xml_node& object) {

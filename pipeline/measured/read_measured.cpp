@@ -42,6 +42,7 @@ Measurements read_recognised(const std::filesystem::path& path, const MeasuredOp
 
     const std::string bytes = materials::without_mark(materials::read_bytes(path), path.string());
     const measured::MeasuredFile file{path.string(), bytes};
+    if (bytes.empty()) measured::refuse(file, 0, "is empty");
     const auto knows = [&](const measured::Reader* reader) { return reader->looks_like(file); };
     if (chosen == nullptr) {
         const auto found = std::find_if(readers.begin(), readers.end(), knows);

@@ -158,10 +158,10 @@ TEST_CASE("bad tables are refused with the line and what would help", "[measured
     refused("nm,R\n", "no rows");
     refused("nm,R\n400,0.5\n500,0.5,7\n", "file.csv:3: 3 fields");
     refused("nm;R\n400;0,5\n500;0.5\n", "decimal points and decimal commas");
-    refused("nm,R\n400,NaN\n", "no column of values");
+    refused("nm,R\n400,NaN\n", "file.csv:2: no number");
     refused("nm,R,sigma\n400,0.5,-1\n", "sigma -1");
     refused("nothing of interest\n", "no measurements recognised");
-    refused("", "no measurements recognised");
+    refused("", "is empty");
     refused("quantity,nm,value\nspeed,400,0.5\n", "file.csv:2: quantity: speed");
     refused("geometry,nm,R\naskew,400,0.5\n", "geometry 'askew'");
     MeasuredOptions options;

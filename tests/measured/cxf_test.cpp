@@ -20,7 +20,9 @@ std::string cxf_file(
 )" + values +
            R"(
 </cc:ColorValues></cc:Object></cc:ObjectCollection>
-<cc:ColorSpecificationCollection><cc:ColorSpecification Id="CS1"><cc:MeasurementSpec>
+<cc:ColorSpecificationCollection><cc:ColorSpecification Id="CS1"><cc:TristimulusSpec>
+<cc:Illuminant>D50</cc:Illuminant><cc:Observer>2_Degree</cc:Observer></cc:TristimulusSpec>
+<cc:MeasurementSpec>
 <cc:GeometryChoice>)" +
            geometry + "</cc:GeometryChoice>" + range + R"(
 </cc:MeasurementSpec></cc:ColorSpecification></cc:ColorSpecificationCollection>
@@ -44,6 +46,7 @@ TEST_CASE("a spectrum of a CxF3 file has its wavelengths and the geometry of its
     CHECK(support::wavelengths_of(sci) == Doubles{380, 400, 420});
     CHECK(sci.values[0].geometry == MeasuredGeometry::d8_sci);
     CHECK(sci.values[0].line == 5);
+    CHECK(support::fact_of(sci, "light of CS1") == "D50, 2_Degree");
 
     const Measurements sce =
         read_text(cxf_file(kSpectrum, "<cc:SphereGeometry>Specular_Excluded</cc:SphereGeometry>"));

@@ -126,8 +126,8 @@ TEST_CASE("a profile draws the points that belong to it", "[program][plot]") {
 TEST_CASE("damaged points are refused with file and line", "[program][plot][errors]") {
     const TemporaryFolder folder;
     const auto [content, wanted] = GENERATE(table<std::string, std::string>({
-        {"", "has no rows"},
-        {"mu_in,mu_out\n1,1\n", "no column 'brdf'"},
+        {"", "is empty"},
+        {"mu_in,mu_out\n1,1\n", "no column of values"},
         {"wavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180\n", "points.csv:2: 4 fields"},
         {"# x\nwavelength_nm,mu_in,mu_out,azimuth_deg,brdf\n550,1,1,180,nan\n", "points.csv:3: "},
     }));

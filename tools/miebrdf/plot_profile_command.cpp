@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <miebrdf/error.h>
-#include "materials/readers/text_table.h"
+#include <miebrdf/measured.h>
 #include "pipeline/plot/chart.h"
 #include "pipeline/scene/labels.h"
 #include "pipeline/scene/number_list.h"
@@ -23,18 +23,15 @@ struct ProfilePoint {
     double brdf;  ///< 1/sr
 };
 
-/// Reads a CSV table with the columns of `miebrdf brdf`, in any order and with others between them:
-/// wavelength_nm, mu_in, mu_out, azimuth_deg, and brdf or reflection (divided by pi).
+/// BRDFs and reflectance factors (divided by pi) of a file of measurements or of `miebrdf brdf`.
 /// @throws InputError  with file and line
 std::vector<ProfilePoint> read_profile_points(const std::string& path) {
-    const materials::NumberTable table(path);
-    const bool is_reflection = table.find("brdf") == nullptr && table.find("reflection") != nullptr;
-    const std::vector<double>& value = table.column(is_reflection ? "reflection" : "brdf");
     std::vector<ProfilePoint> points;
-    for (std::size_t row = 0; row < table.rows(); ++row) {
-        points.push_back({table.column("wavelength_nm")[row], table.column("mu_in")[row],
-                          table.column("mu_out")[row], table.column("azimuth_deg")[row],
-                          is_reflection ? value[row] / std::numbers::pi : value[row]});
+    for (const MeasuredValue& v : read_measured(path).values) {
+        const bool is_brdf = v.quantity == MeasuredQuantity::brdf;
+        if (!is_brdf && v.quantity != MeasuredQuantity::reflectance_factor) continue;
+        points.push_back({v.wavelength_nm, v.mu_in, v.mu_out, v.azimuth_deg,
+                          is_brdf ? v.value : v.value / std::numbers::pi});
     }
     return points;
 }
@@ -188,8 +185,9 @@ void add_profile_plot(CLI::App& plot, Shell& shell) {
     command->add_option("--range", profile->range, "ends of the value axis")->type_name("LOW,HIGH");
     command
         ->add_option("--points", profile->points,
-                     "values to draw as points: a CSV table like that of `miebrdf brdf`")
-        ->type_name("FILE.csv");
+                     "values to draw as points: a table like that of `miebrdf brdf`, or whatever "
+                     "`miebrdf measured` reads")
+        ->type_name("FILE");
     command
         ->add_option("--points-label", profile->points_label, "name of these points in the legend")
         ->type_name("TEXT")
