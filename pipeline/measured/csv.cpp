@@ -321,7 +321,13 @@ Measurements read_rows(const MeasuredFile& file, const Sheet& sheet,
             nm.push_back(*wavelength_in_name(sheet.names[c]));
             values.push_back(*cell.number * (cell.is_percent ? 1.0 : factor));
         }
-        const NamedGeometry geometry = geometry_in(name);
+        NamedGeometry geometry = geometry_in(name);
+        // A cell of its own may say it: "SCI".
+        for (std::size_t c = 0; c < first; ++c) {
+            const ColumnRole role = column_role(row.cells[c].text);
+            if (role.kind && role.kind->geometry != MeasuredGeometry::unknown)
+                geometry.geometry = role.kind->geometry;
+        }
         add_spectrum(list, name, {MeasuredQuantity::reflectance, geometry.geometry}, geometry.mu_in,
                      nm, values, std::vector<int>(nm.size(), row.line));
     }

@@ -50,17 +50,19 @@ bool names_columns(const std::vector<std::string>& fields) {
 /// Lines above it are remarks.
 bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
     while (table.next()) {
-        const std::vector<std::string> fields = table.fields();
+        std::vector<std::string> fields = table.fields();
+        const std::size_t count = fields.size();
+        while (!fields.empty() && fields.back().empty()) fields.pop_back();
         if (names_columns(fields)) {
             TextTable ahead = table;
             ahead.take_names();
             const bool any = ahead.next();
-            const std::size_t below = any ? ahead.fields().size() : fields.size();
+            const std::size_t below = any ? ahead.fields().size() : count;
             // A blank that names the column of samples is lost where tabs separate.
             has_blank_name =
                 wavelengths_at_end(fields) == fields.size() && below == fields.size() + 1;
             const bool numbers = any && materials::table_number(ahead.fields().front());
-            if (below == fields.size() || has_blank_name || numbers) {
+            if (below == count || has_blank_name || numbers) {
                 table.take_names();
                 return true;
             }
@@ -141,6 +143,8 @@ Sheet read_sheet(const MeasuredFile& file) {
     bool has_blank_name = false;
     if (find_names(table, sheet, has_blank_name)) {
         sheet.names = table.fields();
+        // Spreadsheets end lines with separators.
+        while (sheet.names.back().empty()) sheet.names.pop_back();
         sheet.names_line = table.line();
         sheet.names_are_wavelengths = wavelengths_at_end(sheet.names) >= kFewestWavelengths;
         if (has_blank_name) sheet.names.insert(sheet.names.begin(), "");

@@ -86,6 +86,19 @@ TEST_CASE("rows of samples have the names that stand before the spectra", "[meas
     CHECK_FALSE(fact_of(list, "unit").empty());
 }
 
+TEST_CASE("spreadsheets end lines with separators and have columns for the mode",
+          "[measured][csv]") {
+    const Measurements columns = read_text("nm;R;;\n400;0,5;;\n500;0,6;;\n");
+    CHECK(values_of(columns) == Doubles{0.5, 0.6});
+    const Measurements rows =
+        read_text("Name,Mode,400nm,410nm,420nm,\nred,SCI,50%,51%,52%,\nred,SCE,46%,47%,48%,\n");
+    CHECK(rows.samples == std::vector<std::string>{"red SCI", "red SCE"});
+    REQUIRE(rows.values.size() == 6);
+    CHECK(rows.values[0].geometry == MeasuredGeometry::d8_sci);
+    CHECK(rows.values[3].geometry == MeasuredGeometry::d8_sce);
+    CHECK(rows.values[3].value == Approx(0.46).epsilon(1e-14));
+}
+
 TEST_CASE("albedos and measurements that the program writes are read back", "[measured][csv]") {
     const Measurements albedos = read_text(
         "# version: 0\nwavelength_nm,mu_in,plane_albedo,spherical_albedo\n"
