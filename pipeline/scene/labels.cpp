@@ -23,6 +23,9 @@ std::string kind_text(const Species& species) {
                            : fmt::format("n = {:g}, k = {:g}", p[0], p[1]);
     if (species.kind == Species::Kind::henyey_greenstein)
         return fmt::format("Henyey-Greenstein, albedo {:g}, g {:g}", p[0], p[1]);
+    if (species.kind == Species::Kind::double_henyey_greenstein)
+        return fmt::format("Henyey-Greenstein, albedo {:g}, {:.3g} % g {:g}, the rest g {:g}", p[0],
+                           100.0 * p[3], p[1], p[2]);
     if (species.kind == Species::Kind::isotropic)
         return fmt::format("isotropic, albedo {:g}", p[0]);
     if (species.kind == Species::Kind::rayleigh) return fmt::format("Rayleigh, albedo {:g}", p[0]);

@@ -82,16 +82,39 @@ MediumKind rayleigh() {
             .most_fourier_orders = [](const Species&) { return 3; }};
 }
 
+const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
+                                    [](double g) { return g > -1.0 && g < 1.0; }};
+
 MediumKind henyey_greenstein() {
     return {.kind = Species::Kind::henyey_greenstein,
             .name = "hg",
             .form = "hg:ALBEDO,G",
             .example = "hg:0.9,0.7",
             .help = "the phase function of Henyey and Greenstein (1941) with asymmetry G",
-            .parameters = {kAlbedo,
-                           {"asymmetry", "(-1, 1)", [](double g) { return g > -1.0 && g < 1.0; }}},
+            .parameters = {kAlbedo, kAsymmetry},
             .optics = [](const Species& m, double) {
                 return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
+            }};
+}
+
+/// The two lobes are two media side by side that extinguish by their shares: moments and phase
+/// function are exact.
+MediumKind double_henyey_greenstein() {
+    return {.kind = Species::Kind::double_henyey_greenstein,
+            .name = "dhg",
+            .form = "dhg:ALBEDO,G1,G2,SHARE",
+            .example = "dhg:0.99,0.8,-0.3,0.9",
+            .help = "two lobes of Henyey and Greenstein, SHARE of the first",
+            .parameters = {kAlbedo,
+                           kAsymmetry,
+                           kAsymmetry,
+                           {"share of the first lobe", "[0, 1]",
+                            [](double share) { return share >= 0.0 && share <= 1.0; }}},
+            .optics = [](const Species& m, double) {
+                const double albedo = m.parameters[0], share = m.parameters[3];
+                return rte::mix(
+                    {{rte::henyey_greenstein_optics(albedo, m.parameters[1]), share},
+                     {rte::henyey_greenstein_optics(albedo, m.parameters[2]), 1.0 - share}});
             }};
 }
 
@@ -151,8 +174,9 @@ MediumKind matrix() {
 
 const std::vector<MediumKind>& medium_kinds() {
     static const std::vector<MediumKind> kinds = {
-        material(),          index(),   table(),  isotropic(), rayleigh(),
-        henyey_greenstein(), moments(), matrix(),
+        material(),  index(),    table(),
+        isotropic(), rayleigh(), henyey_greenstein(),
+        moments(),   matrix(),   double_henyey_greenstein(),
     };
     return kinds;
 }

@@ -28,39 +28,15 @@ std::vector<double> cosines_of(const Axis& axis) {
     return cosines;
 }
 
-std::string filled(const std::string& text, const Sweep& sweep,
-                   const std::vector<std::size_t>& place) {
-    std::string out = text;
+/// The text of an axis at this place.
+std::string word_at(const Sweep& sweep, const std::vector<std::size_t>& place,
+                    const std::string& name) {
     for (std::size_t d = 0; d < sweep.dimensions.size(); ++d) {
         for (const Axis& axis : sweep.dimensions[d].axes) {
-            const std::string gap = "{" + axis.name + "}";
-            for (std::size_t at = out.find(gap); at != std::string::npos; at = out.find(gap, at)) {
-                out.replace(at, gap.size(), axis.words[place[d]]);
-                at += axis.words[place[d]].size();
-            }
+            if (axis.name == name) return axis.words[place[d]];
         }
     }
-    return out;
-}
-
-std::vector<WordValue> filled(const TemplateWord& word, const Sweep& sweep,
-                              const std::vector<std::size_t>& place) {
-    const bool is_flag = find_scene_word(word.name)->kind == WordKind::flag;
-    std::vector<WordValue> values;
-    for (const WordValue& value : word.values) {
-        const auto* text = std::get_if<std::string>(&value);
-        if (text == nullptr) {
-            values.push_back(value);
-            continue;
-        }
-        const std::string whole = filled(*text, sweep, place);
-        if (is_flag && (whole == "true" || whole == "false")) {
-            values.emplace_back(whole == "true");
-        } else if (!whole.empty()) {
-            values.emplace_back(whole);  // an empty text says nothing: no coat, for example
-        }
-    }
-    return values;
+    throw UsageError(fmt::format("there is no axis '{0}' for {{{0}}}", name));
 }
 
 std::size_t scene_at(const Sweep& sweep, const std::vector<std::size_t>& place) {
@@ -176,27 +152,9 @@ std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene) {
 Request request_of(const Sweep& sweep, std::size_t scene) {
     const std::vector<std::size_t> place = place_of(sweep, scene);
     Request request;
-    for (const TemplateWord& word : sweep.words) {
-        const std::vector<WordValue> values = filled(word, sweep, place);
-        if (values.empty()) continue;
-        apply(*find_scene_word(word.name), values, request);
-    }
+    const auto word_of = [&](const std::string& axis) { return word_at(sweep, place, axis); };
+    for (const TemplateWord& word : sweep.words) apply(word, word_of, request);
     return request;
-}
-
-std::vector<std::string> gaps_in(const std::string& text) {
-    std::vector<std::string> names;
-    for (std::size_t at = text.find_first_of("{}"); at != std::string::npos;
-         at = text.find_first_of("{}", at)) {
-        const std::size_t end = text[at] == '{' ? text.find_first_of("{}", at + 1) : at;
-        if (end == std::string::npos || text[at] == '}' || text[end] == '{' || end == at + 1) {
-            throw UsageError(
-                fmt::format("'{}': braces hold the name of an axis, {{radius_um}}", text));
-        }
-        names.push_back(text.substr(at + 1, end - at - 1));
-        at = end + 1;
-    }
-    return names;
 }
 
 void order_for_sharing(Sweep& sweep) {

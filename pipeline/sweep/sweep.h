@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/scene/request.h"
-#include "pipeline/scene/scene_words.h"
+#include "pipeline/scene/scene_template.h"
 
 namespace miebrdf::sweep {
 
@@ -47,13 +46,6 @@ enum class Output {
     mueller,  ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
 };
 
-/// A word of the scene; texts in its values may have {NAME} for the value of an axis.
-struct TemplateWord {
-    std::string name;
-    std::vector<WordValue> values;
-    std::string where;  ///< "sweep file 'x.toml', line 3, column 8", for messages
-};
-
 struct Sweep {
     std::string title = {};
     std::vector<TemplateWord> words = {};
@@ -87,9 +79,6 @@ std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene);
 /// The scene of this number.
 /// @throws UsageError, InputError  for values that no scene can have
 Request request_of(const Sweep& sweep, std::size_t scene);
-
-/// The names in braces of a text: "base {a} {b}" has a and b. @throws UsageError  for a lone brace
-std::vector<std::string> gaps_in(const std::string& text);
 
 /// Moves the dimensions that change single scattering to the front, so that scenes that share it
 /// follow each other. Which these are is found by looking up the first scene and its neighbours

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <miebrdf/error.h>
-#define TOML_HEADER_ONLY 0  // it is in pipeline/scene/scene_file.cpp
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
-#include "materials/database/names.h"
+#include "pipeline/scene/toml_file.h"
 #include "pipeline/sweep/axis_values.h"
 #include "pipeline/sweep/samples.h"
 #include "pipeline/sweep/sweep_checks.h"
@@ -20,15 +16,9 @@
 namespace miebrdf::sweep {
 namespace {
 
+constexpr char kKind[] = "sweep file";
 const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
                                         "combine", "viewing", "chunk", "layout"};
-
-std::string read_text(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!std::filesystem::is_regular_file(path) || !stream)
-        throw InputError(fmt::format("sweep file '{}' does not exist or cannot be read", path));
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::vector<std::string> names_of_words() {
     std::vector<std::string> names;
@@ -38,117 +28,45 @@ std::vector<std::string> names_of_words() {
     return names;
 }
 
-class SweepFile {
+class SweepFile : TomlFile {
   public:
-    explicit SweepFile(const std::string& path) : path_(path) {
-        sweep_.text = read_text(path);
-        try {
-            root_ = toml::parse(sweep_.text, path);
-        } catch (const toml::parse_error& error) {
-            throw InputError(located(error.source(), std::string(error.description())));
-        }
-    }
+    explicit SweepFile(const std::string& path) : SweepFile(path, read_toml_text(kKind, path)) {}
 
     Sweep read() {
-        check_keys(root_, kKeys, "key");
-        sweep_.title = text_of_key("title");
+        check_keys(root(), kKeys, "key");
+        sweep_.title = text_of(root(), "title");
         read_layout();
         read_axes();
         read_units();
         read_words();
         read_outputs();
-        if (const std::string eye = text_of_key("viewing"); !eye.empty())
-            at(*root_.get("viewing"), [&] { sweep_.viewing = viewing(eye); });
-        if (const toml::node* chunk = root_.get("chunk")) {
+        if (const std::string eye = text_of(root(), "viewing"); !eye.empty())
+            at(*root().get("viewing"), [&] { sweep_.viewing = viewing(eye); });
+        if (const toml::node* chunk = root().get("chunk")) {
             const auto count = chunk->value_exact<std::int64_t>();
             if (!count || *count < 1 || *count > 1'000'000)
                 refuse(*chunk, "'chunk' is a number of scenes, 1 to 1000000");
             sweep_.scenes_per_chunk = std::size_t(*count);
         }
-        at(root_, [&] { check_sweep(sweep_); });
+        at(root(), [&] { check_sweep(sweep_); });
         return std::move(sweep_);
     }
 
   private:
-    std::string located(const toml::source_region& where, const std::string& reason) const {
-        return fmt::format("sweep file '{}', line {}, column {}: {}", path_, where.begin.line,
-                           where.begin.column, reason);
-    }
-    [[noreturn]] void refuse(const toml::node& node, const std::string& reason) const {
-        throw InputError(located(node.source(), reason));
-    }
-    [[noreturn]] void refuse_word(const toml::source_region& where, const std::string& reason,
-                                  std::string_view word,
-                                  const std::vector<std::string>& known) const {
-        const auto nearest = materials::nearest_names(word, known, 3);
-        throw UsageError(located(
-            where, reason + (nearest.empty()
-                                 ? fmt::format("; allowed: {}", fmt::join(known, ", "))
-                                 : fmt::format("; did you mean {}?", fmt::join(nearest, " or ")))));
-    }
-
-    /// Does something; what is wrong is said with the place of this value.
-    template <typename Action>
-    void at(const toml::node& node, const Action& action) const {
-        try {
-            action();
-        } catch (const UsageError& error) {
-            throw UsageError(located(node.source(), error.what()));
-        } catch (const InputError& error) {
-            throw InputError(located(node.source(), error.what()));
-        }
-    }
-
-    void check_keys(const toml::table& table, const std::vector<std::string>& known,
-                    const std::string& what) const {
-        for (const auto& [key, value] : table) {
-            const std::string name(key.str());
-            if (std::find(known.begin(), known.end(), name) == known.end())
-                refuse_word(key.source(), fmt::format("unknown {} '{}'", what, name), name, known);
-        }
+    SweepFile(const std::string& path, const std::string& text) : TomlFile(kKind, path, text) {
+        sweep_.text = text;
     }
 
     void read_layout() {
-        const std::string layout = text_of_key("layout");
+        const std::string layout = text_of(root(), "layout");
         sweep_.for_eradiate = layout == "eradiate";
         if (!sweep_.for_eradiate && !layout.empty() && layout != "cf")
-            refuse(*root_.get("layout"),
+            refuse(*root().get("layout"),
                    fmt::format("unknown layout '{}'; allowed: cf, eradiate", layout));
     }
 
-    /// Empty if there is no such key at the top.
-    std::string text_of_key(const std::string& key) const {
-        const toml::node* node = root_.get(key);
-        if (node == nullptr) return {};
-        const auto text = node->value_exact<std::string>();
-        if (!text) refuse(*node, fmt::format("'{}' is a text", key));
-        return *text;
-    }
-
-    const toml::table& table_of_key(const std::string& key, const std::string& example) const {
-        const toml::node* node = root_.get(key);
-        if (node == nullptr || !node->is_table())
-            throw InputError(
-                fmt::format("sweep file '{}' needs a table [{}], {}", path_, key, example));
-        return *node->as_table();
-    }
-
-    /// Keys of a table in the order of the file; toml++ sorts them.
-    static std::vector<std::pair<std::string, const toml::node*>> in_order(
-        const toml::table& table) {
-        std::vector<std::pair<std::string, const toml::node*>> keys;
-        for (const auto& [key, value] : table) keys.emplace_back(key.str(), &value);
-        const auto place = [](const auto& entry) {
-            const toml::source_position where = entry.second->source().begin;
-            return std::pair(where.line, where.column);
-        };
-        std::sort(keys.begin(), keys.end(),
-                  [&](const auto& a, const auto& b) { return place(a) < place(b); });
-        return keys;
-    }
-
     void read_axes() {
-        for (const auto& [name, node] : in_order(table_of_key("axes", "one line for each axis"))) {
+        for (const auto& [name, node] : in_order(table_of("axes", "one line for each axis"))) {
             at(*node, [&, &axis_name = name, &value = *node] {
                 if (const toml::table* columns = value.as_table()) {
                     sweep_.dimensions.push_back({axis_name, columns_of(axis_name, *columns)});
@@ -157,11 +75,11 @@ class SweepFile {
                 }
             });
         }
-        const std::string combine = text_of_key("combine");
+        const std::string combine = text_of(root(), "combine");
         if (combine == "zip") {
-            at(*root_.get("combine"), [&] { zip_dimensions(sweep_); });
+            at(*root().get("combine"), [&] { zip_dimensions(sweep_); });
         } else if (!combine.empty() && combine != "product") {
-            refuse(*root_.get("combine"),
+            refuse(*root().get("combine"),
                    fmt::format("unknown way to combine axes '{}'; allowed: product, zip", combine));
         }
     }
@@ -241,14 +159,14 @@ class SweepFile {
             for (const toml::node& item : *list->as_array())
                 columns.push_back(item.value_or(std::string()));
         }
-        const auto path = std::filesystem::path(path_).parent_path() / file->as_string()->get();
-        return read_columns(path.string(), columns);
+        const auto samples = std::filesystem::path(path()).parent_path() / file->as_string()->get();
+        return read_columns(samples.string(), columns);
     }
 
     void read_units() {
-        const toml::node* node = root_.get("units");
+        const toml::node* node = root().get("units");
         if (node == nullptr) return;
-        const toml::table& units = table_of_key("units", "name = \"unit\"");
+        const toml::table& units = table_of("units", "name = \"unit\"");
         for (const auto& [key, value] : units) {
             const std::string name(key.str());
             Axis* axis = find_axis(sweep_, name);
@@ -282,7 +200,7 @@ class SweepFile {
 
     void read_words() {
         for (const auto& [name, node] :
-             in_order(table_of_key("scene", "whose keys are the words of a scene file"))) {
+             in_order(table_of("scene", "whose keys are the words of a scene file"))) {
             if (name == "wavelengths") {
                 throw UsageError(located(node->source(),
                                          "wavelengths are an axis: write wavelength_nm = "
@@ -304,13 +222,13 @@ class SweepFile {
     }
 
     void read_outputs() {
-        const toml::node* node = root_.get("outputs");
+        const toml::node* node = root().get("outputs");
         const toml::array* list = node == nullptr ? nullptr : node->as_array();
         if (list == nullptr || list->empty()) {
             throw InputError(fmt::format(
                 "sweep file '{}' asks for nothing; write outputs = [\"plane_albedo\"] above its "
                 "tables; allowed: {}",
-                path_, fmt::join(output_names(), ", ")));
+                path(), fmt::join(output_names(), ", ")));
         }
         for (const toml::node& item : *list) {
             const std::string name = item.value_or(std::string());
@@ -321,8 +239,6 @@ class SweepFile {
         }
     }
 
-    std::string path_;
-    toml::table root_;
     Sweep sweep_;
 };
 

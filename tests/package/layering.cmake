@@ -35,6 +35,7 @@ set(allowed_pipeline/measured rte/math pipeline/formats materials/index material
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
 set(allowed_pipeline/report pipeline/scene pipeline/solve pipeline/io)
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io)
+set(allowed_pipeline/fit pipeline/scene pipeline/solve pipeline/io)
 set(allowed_pipeline/sweep pipeline/scene pipeline/solve pipeline/cache pipeline/io materials/database materials/readers)
 
 set(areas_seen_by_materials materials)

@@ -6,6 +6,7 @@
 #include <complex>
 #include <limits>
 
+#include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/moments_file.h"
 #include "pipeline/solve/named_index.h"
 #include "pipeline/solve/resolved_scene.h"
@@ -65,6 +66,8 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
         {{.kind = Species::Kind::henyey_greenstein, .parameters = {0.9, -0.5}}, "hg:0.9,-0.5"},
         {{.kind = Species::Kind::moments, .name = file, .parameters = {0.9}, .chi = {1, 0.5, 0.25}},
          "moments:" + file},
+        {{.kind = Species::Kind::double_henyey_greenstein, .parameters = {0.9, 0.8, -0.3, 0.75}},
+         "dhg:0.9,0.8,-0.3,0.75"},
     };
     for (const Case& c : cases) {
         CAPTURE(c.words);
@@ -87,6 +90,29 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
         };
         CHECK(total(by_hand) == total(other));
     }
+}
+
+TEST_CASE("two Henyey-Greenstein lobes have the moments and the phase function of their sum",
+          "[pipeline][medium]") {
+    const Species lobes = species("dhg:0.9,0.8,-0.3,0.75");
+    const rte::Optics optics = kind_of(lobes).optics(lobes, 550);
+    CHECK(std::abs(optics.single_scattering_albedo - 0.9) <= 1e-15);
+    for (int l = 0; l < 20; ++l) {
+        const double exact = 0.75 * std::pow(0.8, l) + 0.25 * std::pow(-0.3, l);
+        CHECK(std::abs(optics.chi[std::size_t(l)] - exact) <= 1e-15);
+    }
+    const auto lobe = [](double g, double x) {
+        return (1 - g * g) / std::pow(1 + g * g - 2 * g * x, 1.5);
+    };
+    for (const double x : {-1.0, -0.2, 0.5, 1.0})
+        CHECK(std::abs(optics.phase(x) / (0.75 * lobe(0.8, x) + 0.25 * lobe(-0.3, x)) - 1) <=
+              1e-13);
+    // One lobe alone is that of hg.
+    const auto albedo = [](const std::string& base) {
+        return solve(support::scene_of(base), {550}).albedo({0.5}).plane_albedo[0][0];
+    };
+    CHECK(std::abs(albedo("dhg:0.9,0.6,0.1,1") - albedo("hg:0.9,0.6")) <= 1e-12);
+    CHECK_THROWS_WITH(species("dhg:0.9,0.8,-0.3,1.5"), Catch::Contains("[0, 1]"));
 }
 
 TEST_CASE("a table of n + ik of one's own is followed between its wavelengths",

@@ -27,7 +27,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "miebrdf-extras")
 
 set(CPACK_DEBIAN_EXTRAS_PACKAGE_NAME miebrdf-extras)
 set(CPACK_COMPONENT_EXTRAS_DESCRIPTION
-    "Plug-ins of miebrdf: charts as PNG (librsvg), tables of sweeps as NetCDF, rendering of meshes (Embree).")
+    "Plug-ins of miebrdf: charts as PNG (librsvg), tables of sweeps as NetCDF, fits (Ceres), rendering of meshes (Embree).")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libmiebrdf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)

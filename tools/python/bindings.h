@@ -21,6 +21,7 @@ void bind_brdf(py::module_& module);
 void bind_exports(py::module_& module);
 void bind_layers(py::module_& module);
 void bind_measured(py::module_& module);
+void bind_fits(py::module_& module);
 void bind_tables(py::module_& module);
 
 /// A NumPy array on the memory of a vector, which lives as long as the array: nothing is copied.

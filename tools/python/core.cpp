@@ -78,5 +78,6 @@ PYBIND11_MODULE(_core, module) {
     bind_exports(module);
     bind_layers(module);
     bind_measured(module);
+    bind_fits(module);
     bind_tables(module);
 }

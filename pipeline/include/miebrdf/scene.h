@@ -105,7 +105,8 @@ struct Species {
         rayleigh,
         henyey_greenstein,
         moments,
-        matrix
+        matrix,
+        double_henyey_greenstein
     };
     Kind kind = Kind::material;
     /// material: NAME or source:KEY; moments, matrix: the file's path; table: any
@@ -147,7 +148,7 @@ struct Medium {
 };
 
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
-/// `hg:ALBEDO,G`, `moments:FILE` or `matrix:FILE` (the file is read here; names are looked up by
+/// `hg:ALBEDO,G`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE` or `matrix:FILE` (the file is read here; names are looked up by
 /// solve()), then sizes and amounts of its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong

@@ -198,8 +198,10 @@ def build_wheel(
             for path in sorted(package.rglob("*"))
             if path.is_file()
         }
-    for plugin in sorted((Path(folder) / "plugins").glob("miebrdf-netcdf.so")):
-        contents[f"miebrdf/{plugin.name}"] = plugin.read_bytes()  # the only one that Python uses
+    for module in ("miebrdf-ceres.so", "miebrdf-netcdf.so"):  # those that Python uses
+        plugin = Path(folder) / "plugins" / module
+        if plugin.is_file():
+            contents[f"miebrdf/{module}"] = plugin.read_bytes()
     contents[f"{info}/METADATA"] = _metadata().encode()
     contents[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     contents[f"{info}/WHEEL"] = (

@@ -24,6 +24,7 @@ from ._brdf import Brdf  # noqa: E402
 from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import FileCheck, check, formats  # noqa: E402
+from ._fit import Fit, fit  # noqa: E402
 from ._layers import LayerAlbedos, layer_albedos  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
 from ._measured import Measurements, read_measured  # noqa: E402
@@ -54,6 +55,7 @@ __all__ = [
     "Ensemble",
     "Error",
     "FileCheck",
+    "Fit",
     "InputError",
     "Layer",
     "LayerAlbedos",
@@ -80,6 +82,7 @@ __all__ = [
     "colour",
     "ensemble",
     "errors",
+    "fit",
     "formats",
     "lambertian",
     "layer_albedos",

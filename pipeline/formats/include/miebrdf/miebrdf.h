@@ -8,6 +8,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
+#include <miebrdf/fit.h>
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
 #include <miebrdf/layer_albedos.h>

@@ -1,0 +1,246 @@
+// From a problem to a result: the search, wavelength by wavelength where it can
+// be, then what is certain about it.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <miebrdf/error.h>
+#include <miebrdf/fit.h>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <memory>
+
+#include "pipeline/fit/certainty.h"
+#include "pipeline/fit/fitted_scene.h"
+#include "pipeline/fit/minima.h"
+#include "pipeline/fit/model.h"
+#include "pipeline/fit/problem.h"
+#include "pipeline/solve/parallel.h"
+
+namespace miebrdf {
+namespace {
+
+using namespace fitting;
+
+/// A problem that is searched on its own: all of it, or one wavelength.
+struct Part {
+    Part(FitProblem all, const Control& control)
+        : problem(std::move(all)), model(problem, control), target(target_of(problem)) {}
+
+    FitProblem problem;
+    Model model;
+    Target target;
+    Search found = {};
+    std::vector<double> values = {}, derivatives = {};  ///< of the model at the best minimum
+
+    const std::vector<double>& numbers() const { return found.minima.front().values; }
+    double sum_of_squares() const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            sum += std::pow((values[i] - target.values[i]) * target.weights[i], 2);
+        return sum;
+    }
+};
+
+void run(Part& part, const Control& control) {
+    part.found = search(part.problem, part.model, part.target, control);
+    part.problem.loss_width = part.found.loss_width;
+    part.values.resize(part.target.values.size());
+    part.derivatives.resize(part.values.size() * part.numbers().size());
+    part.model.finish();  // one more solution after an interruption, for what is said of the best
+    part.model.evaluate(part.numbers(), part.values, part.derivatives);
+}
+
+std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Control& control) {
+    std::vector<std::unique_ptr<Part>> parts;
+    if (!is_separable(problem)) {
+        parts.push_back(std::make_unique<Part>(problem, control));
+        run(*parts.front(), control);
+        return parts;
+    }
+    Control inner = control;
+    inner.threads = 1;
+    inner.progress = {};
+    for (const double nm : wavelengths_of(problem))
+        parts.push_back(std::make_unique<Part>(at_wavelength(problem, nm), inner));
+    // Interrupted parts say so themselves: what the others have found is kept.
+    Control outer = control;
+    outer.is_cancelled = {};
+    run_parallel("fit", parts.size(), outer, [&](std::size_t i) { run(*parts[i], inner); });
+    return parts;
+}
+
+/// In standard errors: the normal distribution's, or Student's where sigma
+/// comes from residuals.
+double quantile_of(bool sigma_known, int degrees_of_freedom) {
+    if (sigma_known) return boost::math::quantile(boost::math::normal(), 0.975);
+    return boost::math::quantile(boost::math::students_t(std::max(degrees_of_freedom, 1)), 0.975);
+}
+
+/// What is said about one value: its bound, or its interval.
+std::string note_of(const FittedValue& value) {
+    if (value.at_bound)
+        return fmt::format("at its {} bound",
+                           value.value - value.low < value.high - value.value ? "lower" : "upper");
+    if (std::isnan(value.standard_error)) return "not determined";
+    return fmt::format("95 %: {:.4g} to {:.4g}", value.interval_low, value.interval_high);
+}
+
+/// Lines that differ in their wavelength alone are too many to read.
+void add_lines(std::vector<std::string>& all, const std::vector<std::string>& lines,
+               const std::string& what) {
+    constexpr std::size_t kMost = 6;
+    for (std::size_t i = 0; i < lines.size() && i < kMost; ++i) all.push_back(lines[i]);
+    if (lines.size() > kMost) all.push_back(fmt::format("{} more {}", lines.size() - kMost, what));
+}
+
+/// Where a number at its bound leaves a residual of many sigma, the measurement
+/// is out of reach.
+void add_unreachable(const Part& part, const std::vector<bool>& at_bound, double sigma,
+                     std::vector<std::string>& lines) {
+    constexpr double kFar = 5.0;
+    const auto bound = std::find(at_bound.begin(), at_bound.end(), true);
+    if (bound == at_bound.end() || !(sigma > 0.0)) return;
+    std::size_t i = 0;
+    double worst = kFar;
+    std::string line;
+    for (const FitData& data : part.problem.data) {
+        for (const MeasuredValue& value : data.values) {
+            const double z =
+                std::abs(part.values[i] - value.value) * part.target.weights[i] / sigma;
+            if (z > worst && std::isfinite(z)) {
+                worst = z;
+                line = fmt::format(
+                    "{}: {} was measured, and with {} at its bound the scene gives "
+                    "{:.4g}, {:.0f} "
+                    "sigma away; widen the bounds, or the scene lacks something",
+                    describe(data, value), value.value,
+                    name_of(part.problem, part.model, std::size_t(bound - at_bound.begin())),
+                    part.values[i], z);
+            }
+            ++i;
+        }
+    }
+    if (!line.empty()) lines.push_back(line);
+}
+
+void add_misfit(FitResult& result, double largest_noise) {
+    if (!result.sigma_known || result.degrees_of_freedom < 1) return;
+    const double per_degree = result.chi_squared / result.degrees_of_freedom;
+    const boost::math::chi_squared law(result.degrees_of_freedom);
+    if (!std::isfinite(per_degree) || per_degree < 1.5 ||
+        boost::math::cdf(boost::math::complement(law, result.chi_squared)) > 1e-3)
+        return;
+    result.notes.push_back(
+        fmt::format("chi_squared per degree of freedom is {:.3g}: the scene "
+                    "misses the data by {:.2g} times "
+                    "their sigmas (largest {:.2g} sigma); either are too small, "
+                    "or the scene is too simple. "
+                    "Standard errors count the sigmas alone",
+                    per_degree, std::sqrt(per_degree), largest_noise));
+}
+
+}  // namespace
+
+FitResult fit(const FitProblem& given, const Control& control) {
+    const FitProblem problem = checked(given);
+    const auto parts = parts_of(problem, control);
+    FitResult result;
+    result.sigma_known = has_sigmas(problem);
+    result.converged = true;
+    int values = 0, numbers = 0;
+    std::size_t failed = 0;
+    for (const auto& part : parts) {
+        result.chi_squared += part->sum_of_squares();
+        values += int(part->values.size());
+        result.iterations += part->found.iterations;
+        result.solved_scenes += part->model.solved_scenes();
+        result.interrupted = result.interrupted || part->found.interrupted;
+        if (part->found.converged) continue;
+        result.converged = false;
+        ++failed;
+        if (result.reason.empty()) result.reason = part->found.reason;
+        if (parts.size() > 1 && failed == 1)
+            result.reason =
+                fmt::format("{} nm: {}", part->model.wavelength_nm().front(), part->found.reason);
+    }
+    if (failed > 1) result.reason += fmt::format(" (and {} more wavelengths)", failed - 1);
+    for (const auto& part : parts) numbers += int(part->numbers().size());
+    result.degrees_of_freedom = values - numbers;
+    const double spread = result.degrees_of_freedom > 0
+                              ? std::sqrt(result.chi_squared / result.degrees_of_freedom)
+                              : 0.0;
+    const double sigma = result.sigma_known ? 1.0 : spread;
+    const double quantile = quantile_of(result.sigma_known, result.degrees_of_freedom);
+    if (!(sigma > 0.0))
+        result.notes.push_back(
+            "no standard errors: there are as many unknowns as "
+            "values, or no residuals; give sigma "
+            "or relative_sigma");
+    std::vector<std::string> undetermined, unreachable;
+    const std::size_t all = std::size_t(numbers);
+    result.correlation.assign(all * all, std::nan(""));
+    result.values.resize(all);
+    // Parts hold a wavelength each: its place in the list of an unknown's values.
+    std::vector<std::vector<std::size_t>> places(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        for (std::size_t s = 0; s < parts[p]->numbers().size(); ++s)
+            places[p].push_back(parts.size() == 1 ? s : s * parts.size() + p);
+    }
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const Part& part = *parts[p];
+        const Certainty certainty =
+            certainty_of(part.problem, part.model, part.target, part.numbers(), part.values,
+                         part.derivatives, sigma, quantile);
+        const std::size_t slots = part.numbers().size();
+        for (std::size_t s = 0; s < slots; ++s) {
+            const Slot& slot = part.model.slots()[s];
+            const Unknown& unknown = part.problem.unknowns[slot.unknown];
+            FittedValue& value = result.values[places[p][s]];
+            value.unknown = unknown.name;
+            if (unknown.per_wavelength)
+                value.wavelength_nm = part.model.wavelength_nm()[slot.wavelength];
+            value.value = part.numbers()[s];
+            value.standard_error = certainty.standard_error[s];
+            value.interval_low = certainty.interval_low[s];
+            value.interval_high = certainty.interval_high[s];
+            value.start = unknown.start;
+            value.low = unknown.low;
+            value.high = unknown.high;
+            value.at_bound = certainty.at_bound[s];
+            value.note = sigma > 0.0 || value.at_bound ? note_of(value) : "";
+            for (std::size_t o = 0; o < slots; ++o)
+                result.correlation[places[p][s] * all + places[p][o]] =
+                    certainty.correlation[s * slots + o];
+        }
+        undetermined.insert(undetermined.end(), certainty.undetermined.begin(),
+                            certainty.undetermined.end());
+        add_unreachable(part, certainty.at_bound, sigma, unreachable);
+    }
+    add_lines(result.undetermined, undetermined, "directions are not determined");
+    add_lines(result.notes, unreachable, "values are out of reach");
+    if (parts.size() == 1) result.minima = parts.front()->found.minima;
+    double largest = 0.0;
+    for (std::size_t d = 0; d < problem.data.size(); ++d) {
+        for (const auto& part : parts) {
+            std::size_t i = 0;
+            for (std::size_t before = 0; before < d; ++before)
+                i += part->problem.data[before].values.size();
+            for (const MeasuredValue& value : part->problem.data[d].values) {
+                FitResidual residual{d, value, part->values[i++]};
+                double& own = residual.measured.sigma;
+                if (!(own > 0.0)) own = spread;
+                if (own > 0.0)
+                    largest = std::max(largest, std::abs(residual.model - value.value) / own);
+                result.residuals.push_back(residual);
+            }
+        }
+    }
+    add_misfit(result, largest);
+    result.scene_file = fitted_scene(problem, result);
+    return result;
+}
+
+}  // namespace miebrdf

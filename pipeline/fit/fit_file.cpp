@@ -1,0 +1,200 @@
+// Fit files: [scene], [unknowns], [fit] and a [[measured]] for each data set.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "pipeline/fit/measured_values.h"
+#include "pipeline/fit/problem.h"
+#include "pipeline/scene/number_list.h"
+#include "pipeline/scene/toml_file.h"
+
+namespace miebrdf {
+namespace {
+
+constexpr char kKind[] = "fit file";
+const std::vector<std::string> kMeasuredKeys = {
+    "file",    "column", "quantity", "name",           "wavelengths",      "wavelength_nm",
+    "values",  "sigma",  "scale",    "relative_sigma", "diffuse_fraction", "light",
+    "mu_in",   "mu_out", "azimuth",  "theta_in",       "theta_out",        "azimuth_zero",
+    "percent", "scene"};
+
+class FitFile : TomlFile {
+  public:
+    FitFile(const std::string& text, std::string folder, const std::string& name)
+        : TomlFile(kKind, name, text), folder_(std::move(folder)) {}
+
+    FitProblem read() {
+        check_keys(root(), {"title", "scene", "unknowns", "measured", "fit"}, "key");
+        problem_.scene = scene_of(table_of("scene", "whose keys are the words of a scene file"));
+        for (const auto& [name, node] :
+             in_order(table_of("unknowns", "radius = \"100 in 20:1000 log\" for {radius}"))) {
+            const auto text = node->value_exact<std::string>();
+            if (!text) refuse(*node, "an unknown is a text, \"START in LOW:HIGH\"");
+            at(*node, [&, &key = name] { problem_.unknowns.push_back(unknown(key, *text)); });
+        }
+        read_how();
+        const toml::node* sets = root().get("measured");
+        if (sets == nullptr || !sets->is_array_of_tables())
+            throw InputError(
+                fmt::format("{} '{}' has no [[measured]]; add one with file = \"measured.csv\"",
+                            kKind, path()));
+        for (const toml::node& set : *sets->as_array()) read_measured(*set.as_table());
+        at(root(), [&] { fitting::checked(problem_); });
+        return std::move(problem_);
+    }
+
+  private:
+    std::string text_of_value(const toml::node& node) const {
+        if (const auto flag = node.value_exact<bool>()) return *flag ? "true" : "false";
+        if (const auto text = node.value_exact<std::string>()) {
+            at(node, [&] { gaps_in(*text); });
+            return *text;
+        }
+        const auto number = node.value<double>();
+        if (!number) refuse(node, "a number, a text or a list of them");
+        return fmt::format("{}", *number);
+    }
+
+    std::vector<SceneText> scene_of(const toml::table& table) const {
+        std::vector<std::string> known;
+        for (const SceneWord& word : scene_words()) {
+            if (word.name != "wavelengths") known.push_back(word.name);
+        }
+        check_keys(table, known, "word");
+        std::vector<SceneText> words;
+        for (const auto& [name, node] : in_order(table)) {
+            SceneText word{name, {}};
+            if (const toml::array* list = node->as_array()) {
+                for (const toml::node& item : *list) word.values.push_back(text_of_value(item));
+            } else {
+                word.values.push_back(text_of_value(*node));
+            }
+            words.push_back(std::move(word));
+        }
+        return words;
+    }
+
+    double number_of(const toml::node& node, const std::string& key) const {
+        const auto number = node.value<double>();
+        if (!number || node.is_boolean()) refuse(node, fmt::format("'{}' is a number", key));
+        return *number;
+    }
+
+    std::optional<double> number_of_key(const toml::table& table, const std::string& key) const {
+        const toml::node* node = table.get(key);
+        return node == nullptr ? std::optional<double>() : number_of(*node, key);
+    }
+
+    std::vector<double> numbers_of_key(const toml::table& table, const std::string& key) const {
+        const toml::node* node = table.get(key);
+        if (node == nullptr) return {};
+        if (const auto text = node->value_exact<std::string>()) {
+            std::vector<double> list;
+            at(*node, [&] { list = parse_number_list(*text, key); });
+            return list;
+        }
+        const toml::array* list = node->as_array();
+        if (list == nullptr) return {number_of(*node, key)};
+        std::vector<double> numbers;
+        for (const toml::node& item : *list) numbers.push_back(number_of(item, key));
+        return numbers;
+    }
+
+    void read_how() {
+        const toml::node* node = root().get("fit");
+        if (node == nullptr) return;
+        const toml::table& how = table_of("fit", "starts, loss, iterations");
+        check_keys(how, {"starts", "loss", "iterations"}, "key");
+        if (const auto starts = number_of_key(how, "starts")) problem_.starts = int(*starts);
+        if (const auto most = number_of_key(how, "iterations"))
+            problem_.most_iterations = int(*most);
+        if (const toml::node* loss = how.get("loss"))
+            at(*loss, [&] { fitting::set_loss(problem_, text_of(how, "loss")); });
+    }
+
+    /// The cosine that either of two keys says.
+    std::optional<double> cosine_of(const toml::table& set, const std::string& side) const {
+        const auto mu = number_of_key(set, "mu_" + side),
+                   theta = number_of_key(set, "theta_" + side);
+        if (mu && theta)
+            refuse(*set.get("theta_" + side),
+                   fmt::format("mu_{0} and theta_{0} say the same; give one of them", side));
+        if (theta && !(*theta >= 0.0 && *theta < 90.0))
+            refuse(*set.get("theta_" + side), "an angle from the normal, [0, 90) degrees");
+        if (mu && !(*mu > 0.0 && *mu <= 1.0))
+            refuse(*set.get("mu_" + side), "a cosine from the normal, in (0, 1]");
+        return theta ? std::cos(*theta * std::numbers::pi / 180.0) : mu;
+    }
+
+    void read_measured(const toml::table& set) {
+        check_keys(set, kMeasuredKeys, "key");
+        fitting::MeasuredWords words;
+        MeasuredOptions& options = words.options;
+        options.quantity = text_of(set, "quantity");
+        options.column = text_of(set, "column");
+        options.azimuth_zero = text_of(set, "azimuth_zero");
+        options.mu_in = cosine_of(set, "in");
+        options.mu_out = cosine_of(set, "out");
+        options.azimuth_deg = number_of_key(set, "azimuth");
+        options.sigma = number_of_key(set, "sigma");
+        options.relative_sigma = number_of_key(set, "relative_sigma");
+        if (const toml::node* percent = set.get("percent")) {
+            options.percent = percent->value_exact<bool>();
+            if (!options.percent) refuse(*percent, "'percent' is true or false");
+        }
+        words.wavelength_nm = numbers_of_key(set, "wavelength_nm");
+        words.values = numbers_of_key(set, "values");
+        if (words.values.empty() && words.wavelength_nm.size() == 1)
+            options.wavelength_nm = words.wavelength_nm[0];
+        if (const std::string range = text_of(set, "wavelengths"); !range.empty())
+            at(*set.get("wavelengths"), [&] { words.range = fitting::wavelength_range(range); });
+        const std::string file = text_of(set, "file");
+        if (file.empty() == words.values.empty())
+            refuse(set,
+                   "a [[measured]] has file = \"measured.csv\" or values = "
+                   "[...], one of them");
+        if (!file.empty()) words.file = (std::filesystem::path(folder_) / file).string();
+        FitData data;
+        data.name = text_of(set, "name");
+        if (data.name.empty()) data.name = file.empty() ? "values" : file;
+        if (!options.column.empty()) data.name += " " + options.column;
+        const auto same = [&](const FitData& other) { return other.name == data.name; };
+        if (std::any_of(problem_.data.begin(), problem_.data.end(), same))
+            data.name += fmt::format(" #{}", problem_.data.size() + 1);
+        if (const auto share = number_of_key(set, "diffuse_fraction"))
+            data.diffuse_fraction = *share;
+        if (const std::string light = text_of(set, "light"); !light.empty())
+            at(*set.get("light"), [&] { data.viewing = viewing(light); });
+        const std::string scale = text_of(set, "scale");
+        if (!scale.empty() && scale != "free")
+            refuse(*set.get("scale"), "'scale' is \"free\" where values are known up to a factor");
+        data.free_scale = scale == "free";
+        if (const toml::node* own = set.get("scene")) {
+            if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
+            data.scene = scene_of(*own->as_table());
+        }
+        at(set, [&] { data.values = fitting::values_of(words); });
+        problem_.data.push_back(std::move(data));
+    }
+
+    std::string folder_;
+    FitProblem problem_;
+};
+
+}  // namespace
+
+FitProblem read_fit_text(const std::string& text, const std::string& folder,
+                         const std::string& name) {
+    return FitFile(text, folder, name).read();
+}
+
+FitProblem read_fit_file(const std::string& path) {
+    return read_fit_text(read_toml_text(kKind, path),
+                         std::filesystem::path(path).parent_path().string(), path);
+}
+
+}  // namespace miebrdf

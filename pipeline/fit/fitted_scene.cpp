@@ -1,0 +1,97 @@
+#include "pipeline/fit/fitted_scene.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "pipeline/fit/model.h"
+#include "pipeline/fit/problem.h"
+
+namespace miebrdf::fitting {
+namespace {
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return out + '"';
+}
+
+/// With the fitted values in its gaps. @param nm  of those that differ between
+/// wavelengths
+std::string filled(const std::string& text, const FitResult& result, double nm) {
+    std::string out = text;
+    for (const FittedValue& value : result.values) {
+        if (value.wavelength_nm && *value.wavelength_nm != nm) continue;
+        const std::string gap = "{" + value.unknown + "}", number = fmt::format("{}", value.value);
+        for (std::size_t at = out.find(gap); at != std::string::npos; at = out.find(gap, at))
+            out.replace(at, gap.size(), number);
+    }
+    return out;
+}
+
+std::string word_line(const TemplateWord& word, const FitResult& result, double nm) {
+    const SceneWord& known = *find_scene_word(word.name);
+    if (known.kind == WordKind::flag) return fmt::format("{} = true\n", word.name);
+    std::vector<std::string> values;
+    for (const WordValue& value : word.values)
+        values.push_back(quoted(filled(text_of(value), result, nm)));
+    if (values.size() == 1 && known.kind == WordKind::single)
+        return fmt::format("{} = {}\n", word.name, values[0]);
+    return fmt::format("{} = [{}]\n", word.name, fmt::join(values, ", "));
+}
+
+std::string list_line(const char* name, const std::set<double>& numbers) {
+    return numbers.empty() ? "" : fmt::format("{} = [{}]\n", name, fmt::join(numbers, ", "));
+}
+
+/// The [[result]] of these values.
+std::string result_text(const std::vector<TemplateWord>& words, const FitData& data,
+                        const FitResult& result, std::optional<double> only_nm) {
+    std::set<double> nm, mu_in, mu_out, azimuth;
+    bool has_view = false;
+    for (const MeasuredValue& value : data.values) {
+        if (only_nm && value.wavelength_nm != *only_nm) continue;
+        if (value.wavelength_nm > 0.0) nm.insert(value.wavelength_nm);
+        if (value.mu_in > 0.0) mu_in.insert(value.mu_in);
+        if (!(value.mu_out > 0.0)) continue;
+        has_view = true;
+        mu_out.insert(value.mu_out);
+        azimuth.insert(std::isnan(value.azimuth_deg) ? 0.0 : value.azimuth_deg);
+    }
+    if (nm.empty() && only_nm) return "";
+    std::string text = fmt::format("\n[[result]]  # {}\ncommand = \"{}\"\n", data.name,
+                                   has_view ? "brdf" : "albedo");
+    for (const TemplateWord& word : words) text += word_line(word, result, only_nm.value_or(0.0));
+    text += nm.empty() ? "wavelengths = \"400:700:10\"\n" : list_line("wavelengths", nm);
+    text += list_line("mu-in", mu_in);
+    if (has_view) text += list_line("mu-out", mu_out) + list_line("azimuth", azimuth);
+    return text;
+}
+
+}  // namespace
+
+std::string fitted_scene(const FitProblem& problem, const FitResult& result) {
+    std::string text = "# A fitted scene: miebrdf run THIS-FILE\n";
+    for (const FittedValue& value : result.values) {
+        if (!value.wavelength_nm)
+            text += fmt::format("# {} = {:.6g}, standard error {:.2g}\n", value.unknown,
+                                value.value, value.standard_error);
+    }
+    for (const FitData& data : problem.data) {
+        const std::vector<TemplateWord> words = words_of(problem, data);
+        const auto names = names_in(words);
+        std::set<double> apart;
+        for (const FittedValue& value : result.values) {
+            if (value.wavelength_nm && names.contains(value.unknown))
+                apart.insert(*value.wavelength_nm);
+        }
+        if (apart.empty()) text += result_text(words, data, result, {});
+        for (const double nm : apart) text += result_text(words, data, result, nm);
+    }
+    return text;
+}
+
+}  // namespace miebrdf::fitting

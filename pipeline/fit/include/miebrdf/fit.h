@@ -1,0 +1,149 @@
+// From measurements to a scene: unknown numbers of a scene found by least
+// squares, with what the data tell of them and what they cannot
+// (docs/fitting.md).
+//
+//     const auto problem = miebrdf::read_fit_file("snow.toml");
+//     const auto found = miebrdf::fit(problem);
+//     for (const auto& v : found.values) std::cout << v.unknown << ' ' <<
+//     v.value << '\n';
+#pragma once
+
+#include <miebrdf/colour.h>
+#include <miebrdf/control.h>
+#include <miebrdf/measured.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#pragma GCC visibility push(default)
+namespace miebrdf {
+
+/// A number of the scene that is looked for; `{name}` stands for it in the
+/// scene's words.
+struct Unknown {
+    /// What is fitted in place of it, so that its errors are even: positive
+    /// numbers over decades in the logarithm, albedos near 1 as log(1 - x).
+    enum class Scale { linear, logarithm, log_of_one_minus };
+
+    std::string name = {};
+    double start = 0.0, low = 0.0, high = 0.0;  ///< low < high, start within
+    Scale scale = Scale::linear;
+    bool per_wavelength = false;  ///< one value at each wavelength of the data
+};
+
+/// Reads `START in LOW:HIGH`, perhaps followed by `log` or `log1m`, perhaps
+/// after `per wavelength,`. @throws UsageError  with what is allowed
+Unknown unknown(const std::string& name, const std::string& text);
+
+/// A word of a scene with its values as somebody would type them.
+struct SceneText {
+    std::string word = {};
+    std::vector<std::string> values = {};
+};
+
+/// Values that were measured of one scene.
+struct FitData {
+    std::string name = {};
+    /// Those of unknown geometry are of light from mu_in, or from all sides where
+    /// it is not known.
+    std::vector<MeasuredValue> values = {};
+    std::vector<SceneText> scene = {};  ///< words that differ from the problem's; no values: none
+    bool free_scale = false;            ///< the values are known up to one common factor
+    double diffuse_fraction = 0.0;      ///< of hdrf
+    Viewing viewing = {};               ///< of Lab, of the plane albedo over 400 to 700 nm
+};
+
+/// How residuals beyond a few sigma count: as their square, linearly (Huber),
+/// or hardly (Cauchy).
+enum class FitLoss { squares, huber, cauchy };
+
+struct FitProblem {
+    std::vector<SceneText> scene = {};  ///< words of a scene file; values may hold {name}
+    std::vector<Unknown> unknowns = {};
+    std::vector<FitData> data = {};
+    int starts = 1;  ///< the given start, then points that fill the bounds evenly,
+                     ///< 1 to 1000
+    FitLoss loss = FitLoss::squares;
+    double loss_width = 2.0;   ///< sigmas from where a robust loss differs from squares, > 0
+    int most_iterations = 50;  ///< from each start, 1 to 10000
+};
+
+/// Reads a fit file (docs/fitting.md); names of measured files are relative to
+/// its folder.
+/// @throws UsageError, InputError  with file, line and column
+FitProblem read_fit_file(const std::string& path);
+/// The same from a text; `name` stands for the file in messages.
+FitProblem read_fit_text(const std::string& text, const std::string& folder,
+                         const std::string& name);
+
+/// What was found of an unknown.
+struct FittedValue {
+    std::string unknown = {};
+    std::optional<double> wavelength_nm = {};  ///< of unknowns at each wavelength
+    double value = 0.0;
+    double standard_error = 0.0;  ///< NaN: the data do not tell, or the value is at a bound
+    double interval_low = 0.0,
+           interval_high = 0.0;  ///< 95 % (Student's t), within the bounds
+    double start = 0.0, low = 0.0, high = 0.0;
+    bool at_bound = false;
+    std::string note = {};
+};
+
+/// A minimum that one or more starts led to.
+struct FitMinimum {
+    double chi_squared = 0.0;
+    int starts = 0;
+    std::vector<double> values = {};  ///< as FitResult::values
+};
+
+/// A measured value beside that of the fitted scene.
+struct FitResidual {
+    std::size_t data = 0;  ///< index in FitProblem::data
+    /// Its sigma, where it has none, is that of all values, estimated from the
+    /// residuals.
+    MeasuredValue measured = {};
+    double model = 0.0;
+};
+
+struct FitResult {
+    std::vector<FittedValue> values = {};  ///< unknowns in their order, wavelengths ascending
+    /// Of the given sigmas; where there are none, the sum of squared residuals.
+    double chi_squared = 0.0;
+    int degrees_of_freedom = 0;
+    bool sigma_known = false;  ///< else standard errors come from the residuals themselves
+    /// [i * n + j] of n = values.size(); NaN where one of them is at a bound.
+    std::vector<double> correlation = {};
+    std::vector<std::string> undetermined = {};  ///< directions that the data leave open, in words
+    std::vector<std::string> notes = {};
+    std::vector<FitMinimum> minima = {};  ///< best first
+    std::vector<FitResidual> residuals = {};
+    bool converged = false;
+    bool interrupted = false;  ///< by Control::is_cancelled: values are the best so far
+    std::string reason = {};   ///< why it is not converged
+    int iterations = 0;
+    int solved_scenes = 0;
+    std::string scene_file = {};  ///< the fitted scene, a scene file for `miebrdf run`
+};
+
+/// Whether this build can fit: it needs Ceres (docs/dependencies.md).
+bool has_fit();
+
+/// Finds the unknowns by bounded least squares: Levenberg-Marquardt from each
+/// start, standard errors from the curvature at the best minimum. Where no
+/// unknown is shared between wavelengths, each wavelength is a problem of its
+/// own. The discretisation of each scene is chosen at the start and checked at
+/// the minimum, so that the sum of squares is smooth in between.
+///
+/// Not converging, and being stopped, are outcomes: read `converged`.
+/// @throws UsageError  for a problem that cannot be solved as it stands (an
+/// unknown that no word
+///         uses, fewer values than unknowns, a start outside its bounds), with
+///         what would help
+/// @throws InputError  for measured values that cannot be (not a number, a
+/// reflectance above 1)
+FitResult fit(const FitProblem& problem, const Control& control = {});
+
+}  // namespace miebrdf
+#pragma GCC visibility pop

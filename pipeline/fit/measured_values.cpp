@@ -1,0 +1,117 @@
+#include "pipeline/fit/measured_values.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <miebrdf/error.h>
+#include "pipeline/scene/number_list.h"
+
+namespace miebrdf::fitting {
+namespace {
+
+constexpr double kSphereDegrees = 8.0;
+
+double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
+
+/// The values that stand in the fit file itself, as a file's would be.
+std::vector<MeasuredValue> written_values(const MeasuredWords& words) {
+    const MeasuredOptions& options = words.options;
+    if (options.quantity.empty())
+        throw UsageError("what are these values? Give quantity = \"plane_albedo\" or another");
+    const MeasuredKind kind = measured_kind(options.quantity);
+    const bool is_lab = kind.quantity == MeasuredQuantity::lab_l;
+    const std::size_t wavelengths = words.wavelength_nm.size();
+    if (!is_lab && wavelengths != 1 && wavelengths != words.values.size())
+        throw UsageError(fmt::format("{} values and {} wavelengths; allowed: as many, or one",
+                                     words.values.size(), wavelengths));
+    if (is_lab && words.values.size() != 3)
+        throw UsageError(
+            fmt::format("{} values; a colour has three: L, a, b", words.values.size()));
+    std::vector<MeasuredValue> values;
+    for (std::size_t i = 0; i < words.values.size(); ++i) {
+        MeasuredValue value{
+            .quantity = kind.quantity, .geometry = kind.geometry, .value = words.values[i]};
+        if (is_lab) {
+            value.quantity = MeasuredQuantity(int(MeasuredQuantity::lab_l) + int(i));
+        } else {
+            value.wavelength_nm = words.wavelength_nm[wavelengths == 1 ? 0 : i];
+        }
+        if (options.sigma || options.relative_sigma)
+            value.sigma = std::hypot(options.sigma.value_or(0.0),
+                                     options.relative_sigma.value_or(0.0) * value.value);
+        values.push_back(value);
+    }
+    return values;
+}
+
+/// What a geometry fixes, and what is said where it does not.
+void complete(MeasuredValue& value, const MeasuredOptions& options) {
+    const auto fill = [](double& number, const std::optional<double>& said) {
+        if (std::isnan(number) && said) number = *said;
+    };
+    const bool is_sphere = value.geometry == MeasuredGeometry::d8_sci ||
+                           value.geometry == MeasuredGeometry::d8_sce ||
+                           value.quantity >= MeasuredQuantity::lab_l;
+    fill(value.mu_in, options.mu_in);
+    fill(value.mu_out, options.mu_out);
+    fill(value.azimuth_deg, options.azimuth_deg);
+    if (is_sphere) fill(value.mu_in, cosine(kSphereDegrees));
+    if (value.geometry == MeasuredGeometry::d45_0) {
+        fill(value.mu_in, cosine(45.0));
+        fill(value.mu_out, 1.0);
+    }
+}
+
+}  // namespace
+
+std::vector<MeasuredValue> values_of(const MeasuredWords& words) {
+    std::vector<MeasuredValue> values;
+    if (words.file.empty()) {
+        values = written_values(words);
+    } else {
+        const Measurements measured = read_measured(words.file, words.options);
+        if (measured.samples.size() > 1 && words.options.column.empty())
+            throw UsageError(fmt::format("{} has {} samples; name one: column = \"{}\"", words.file,
+                                         measured.samples.size(),
+                                         fmt::join(measured.samples, "\" or \"")));
+        values = measured.values;
+    }
+    if (words.range) {
+        std::erase_if(values, [&](const MeasuredValue& value) {
+            return !(value.wavelength_nm >= words.range->first &&
+                     value.wavelength_nm <= words.range->second);
+        });
+    }
+    for (MeasuredValue& value : values) complete(value, words.options);
+    return values;
+}
+
+std::pair<double, double> wavelength_range(const std::string& text) {
+    const auto parts = split_list(text, ':');
+    if (parts.size() == 2) {
+        const double first = parse_wavelength_nm(parts[0]), last = parse_wavelength_nm(parts[1]);
+        if (first <= last) return {first, last};
+    }
+    throw UsageError(fmt::format("wavelengths '{}'; write FIRST:LAST, \"900:1250\"", text));
+}
+
+void set_loss(FitProblem& problem, const std::string& text) {
+    const auto parts = split_list(text, ':');
+    if (parts.front() == "squares") {
+        problem.loss = FitLoss::squares;
+    } else if (parts.front() == "huber") {
+        problem.loss = FitLoss::huber;
+    } else if (parts.front() == "cauchy") {
+        problem.loss = FitLoss::cauchy;
+    } else {
+        throw UsageError(
+            fmt::format("unknown loss '{}'; allowed: squares, huber:WIDTH, cauchy:WIDTH", text));
+    }
+    if (parts.size() > 1) problem.loss_width = parse_number(parts[1], "loss width");
+}
+
+}  // namespace miebrdf::fitting

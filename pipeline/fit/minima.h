@@ -1,0 +1,35 @@
+// The search itself: one problem, from one or several starts to its minima.
+#pragma once
+
+#include <miebrdf/control.h>
+#include <miebrdf/fit.h>
+
+#include <string>
+#include <vector>
+
+#include "pipeline/fit/model.h"
+
+namespace miebrdf::fitting {
+
+/// Values of the data beside the model's, with the weight 1 / sigma of each (1:
+/// not known).
+struct Target {
+    std::vector<double> values, weights;
+};
+Target target_of(const FitProblem& problem);
+
+struct Search {
+    std::vector<FitMinimum> minima = {};  ///< best first; numbers of the slots
+    bool converged = false;               ///< the best one
+    bool interrupted = false;
+    std::string reason = {};
+    int iterations = 0;
+    double loss_width = 0.0;  ///< in units of the weighted residuals
+};
+
+/// @throws UsageError, InputError  where the scene of the start cannot be
+/// solved
+Search search(const FitProblem& problem, Model& model, const Target& target,
+              const Control& control);
+
+}  // namespace miebrdf::fitting

@@ -1,0 +1,105 @@
+// What fit files say, and what is refused before anything is solved.
+#include <miebrdf/error.h>
+#include <miebrdf/fit.h>
+
+#include <cmath>
+
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace miebrdf;
+using Catch::Contains;
+
+namespace {
+
+constexpr char kGood[] = R"(
+[scene]
+base = "H2O_ice,radius={radius}"
+[unknowns]
+radius = "100 in 20:1000 log"
+[[measured]]
+file = "snow.csv"
+quantity = "plane_albedo"
+mu_in = 0.5
+sigma = 0.01
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), with);
+}
+
+}  // namespace
+
+TEST_CASE("an unknown has a start, bounds, and perhaps a logarithm", "[fit]") {
+    const Unknown radius = unknown("radius", "100 in 20:1000 log");
+    CHECK(radius.start == 100);
+    CHECK(radius.low == 20);
+    CHECK(radius.high == 1000);
+    CHECK(radius.scale == Unknown::Scale::logarithm);
+    CHECK_FALSE(radius.per_wavelength);
+    const Unknown k = unknown("k", "per wavelength, 0.99 in 0:0.999 log1m");
+    CHECK(k.per_wavelength);
+    CHECK(k.scale == Unknown::Scale::log_of_one_minus);
+    CHECK_THROWS_WITH(unknown("r", "100"), Contains("START in LOW:HIGH"));
+    CHECK_THROWS_WITH(unknown("r", "5 in 20:1000"), Contains("outside its bounds 20:1000"));
+    CHECK_THROWS_WITH(unknown("r", "5 in 0:10 log"), Contains("no logarithm"));
+    CHECK_THROWS_WITH(unknown("r", "0.5 in 0:1 log1m"), Contains("below 1"));
+    CHECK_THROWS_WITH(unknown("r", "5 in 10:1"), Contains("the lower one first"));
+}
+
+TEST_CASE("a fit file names scene, unknowns and measured values", "[fit]") {
+    const support::TemporaryFolder folder;
+    folder.write("snow.csv", "wavelength_nm,albedo\n900,0.8\n1000,0.7\n1100,\n1200,0.5\n");
+    const FitProblem problem = read_fit_file(folder.write("fit.toml", kGood));
+    REQUIRE(problem.data.size() == 1);
+    const FitData& data = problem.data[0];
+    CHECK(data.name == "snow.csv");
+    REQUIRE(data.values.size() == 3);  // the empty field is a gap
+    CHECK(data.values[2].wavelength_nm == 1200);
+    CHECK(data.values[2].sigma == 0.01);
+    CHECK(data.values[2].mu_in == 0.5);
+    const FitProblem narrow =
+        read_fit_text(replaced(kGood, "mu_in = 0.5", "theta_in = 60\nwavelengths = \"950:1050\""),
+                      folder.path().string(), "narrow");
+    REQUIRE(narrow.data[0].values.size() == 1);
+    CHECK(std::abs(narrow.data[0].values[0].mu_in - 0.5) <= 1e-15);
+}
+
+TEST_CASE("what is wrong with a fit file is said with its place and what would help",
+          "[fit][errors]") {
+    const support::TemporaryFolder folder;
+    folder.write("snow.csv", "wavelength_nm,albedo\n900,0.8\n1000,0.7\n");
+    folder.write("percent.csv", "wavelength_nm,albedo\n900,80\n1000,70\n");
+    folder.write("twice.csv", "wavelength_nm,albedo\n900,0.8\n900,0.7\n");
+    folder.write("white.csv", "wavelength_nm,albedo\n900,1.2\n1000,0.7\n");
+    struct Case {
+        std::string what, with, reason;
+    };
+    const Case cases[] = {
+        {"radius = \"100", "radios = \"100", "[unknowns] has no 'radius'"},
+        {"[unknowns]", "[unknowns]\nsoot = \"1 in 0:2\"", "stands in no word of a scene"},
+        {"base = ", "bass = ", "did you mean base"},
+        {"\"plane_albedo\"", "\"plain_albedo\"", "plain_albedo"},
+        {"100 in 20:1000", "10 in 20:1000", "outside its bounds"},
+        {"mu_in = 0.5", "", "where did the light come from"},
+        {"mu_in = 0.5", "mu_in = 0.5\ntheta_in = 60", "say the same"},
+        {"mu_in = 0.5", "theta_in = 90", "[0, 90)"},
+        {"snow.csv", "percent.csv", "percent"},
+        {"snow.csv", "white.csv", "more light than came in"},
+        {"snow.csv", "none.csv", "none.csv"},
+        {"sigma = 0.01", "sigma = -1", "sigma"},
+        {"sigma = 0.01", "wavelengths = \"2000:2100\"", "no values"},
+        {"100 in 20:1000 log\"", "100 in 20:1000 log\"\nb = 3", "an unknown is a text"},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.what, c.with);
+        CHECK_THROWS_WITH(
+            read_fit_text(replaced(kGood, c.what, c.with), folder.path().string(), "fit.toml"),
+            Contains(c.reason) && Contains("fit.toml"));
+    }
+    CHECK_THROWS_WITH(
+        read_fit_text(replaced(kGood, "snow.csv", "twice.csv"), folder.path().string(), "fit.toml"),
+        Contains("twice"));
+}

@@ -1,0 +1,286 @@
+// Fits of values whose scene is known.
+#include <miebrdf/error.h>
+#include <miebrdf/fit.h>
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "pipeline/fit/least_squares.h"
+#include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+
+using namespace miebrdf;
+using Catch::Contains;
+
+namespace {
+
+/// Grey albedos of `scene` with noise of `sigma`, at these cosines and 550 nm.
+FitData albedos_of(const Scene& scene, const std::vector<double>& mu_in, double sigma,
+                   unsigned seed = 1) {
+    const AlbedoValues truth = solve(scene, {550}, {.tolerance = 1e-5}).albedo(mu_in);
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> noise(0.0, sigma);
+    FitData data{.name = "albedos"};
+    for (std::size_t i = 0; i < mu_in.size(); ++i)
+        data.values.push_back({.wavelength_nm = 550,
+                               .mu_in = mu_in[i],
+                               .value = truth.plane_albedo[0][i] + (sigma > 0 ? noise(engine) : 0),
+                               .sigma = sigma > 0 ? sigma : 1e-3});
+    return data;
+}
+
+const std::vector<double> kCosines = {0.1, 0.2, 0.4, 0.6, 0.8, 1.0};
+
+const FittedValue& value_of(const FitResult& result, const std::string& name) {
+    for (const FittedValue& value : result.values) {
+        if (value.unknown == name) return value;
+    }
+    throw std::runtime_error("no unknown " + name);
+}
+
+bool has_line(const std::vector<std::string>& lines, const std::string& part) {
+    for (const std::string& line : lines) {
+        if (line.find(part) != std::string::npos) return true;
+    }
+    return false;
+}
+
+void require_fit() {
+    if (!has_fit()) {
+        std::puts("skipped: no Ceres");
+        std::exit(0);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the minimiser keeps to bounds", "[fit]") {
+    require_fit();
+    // Rosenbrock's valley has its minimum at (1, 1); below x = 0.5 the best is
+    // (0.5, 0.25).
+    fitting::LeastSquares valley;
+    valley.start = {-1.2, 1.0};
+    valley.low = {-2.0, -2.0};
+    valley.high = {2.0, 2.0};
+    valley.residuals = 2;
+    valley.evaluate = [](std::span<const double> x, std::span<double> r, std::span<double> j) {
+        r[0] = 10.0 * (x[1] - x[0] * x[0]);
+        r[1] = 1.0 - x[0];
+        if (!j.empty()) {
+            const double values[] = {-20.0 * x[0], 10.0, -1.0, 0.0};
+            std::copy(std::begin(values), std::end(values), j.begin());
+        }
+        return true;
+    };
+    const auto free = fitting::minimise(valley);
+    CHECK(free.converged);
+    CHECK(std::abs(free.x[0] - 1.0) <= 1e-4);
+    CHECK(std::abs(free.x[1] - 1.0) <= 1e-4);
+    valley.high[0] = 0.5;
+    const auto bounded = fitting::minimise(valley);
+    CHECK(std::abs(bounded.x[0] - 0.5) <= 1e-6);
+    CHECK(std::abs(bounded.x[1] - 0.25) <= 1e-4);
+}
+
+TEST_CASE("albedos at several cosines give back the medium they were computed of", "[fit]") {
+    require_fit();
+    const FitProblem problem{
+        .scene = {{"base", {"hg:{w},{g}"}}},
+        .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m"), unknown("g", "0.1 in -0.5:0.9")},
+        .data = {albedos_of(support::scene_of("hg:0.97,0.6"), kCosines, 0.0)}};
+    const FitResult result = fit(problem);
+    CAPTURE(result.reason);
+    CHECK(result.converged);
+    // Both scenes are solved to a tolerance of 1e-4 and 1e-5; the shape tells g
+    // ten times less.
+    CHECK(std::abs(value_of(result, "w").value - 0.97) <= 1e-3);
+    CHECK(std::abs(value_of(result, "g").value - 0.6) <= 1e-2);
+    CHECK(result.degrees_of_freedom == 4);
+    CHECK(result.chi_squared <= 1e-2);
+    CHECK(value_of(result, "w").standard_error > 0.0);
+    CHECK(result.correlation[1] == result.correlation[2]);
+    CHECK(std::abs(result.correlation[0] - 1.0) <= 1e-12);
+}
+
+TEST_CASE("what a single albedo cannot tell is said as the combination that it does", "[fit]") {
+    require_fit();
+    // Similar media have one (1 - albedo) / (1 - albedo g): from the spherical
+    // albedo alone, both numbers are open along a line.
+    FitProblem problem{
+        .scene = {{"base", {"hg:{w},{g}"}}},
+        .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m"), unknown("g", "0.1 in -0.5:0.9")},
+        .data = {{.name = "sky",
+                  .values = {{.geometry = MeasuredGeometry::hemispherical,
+                              .wavelength_nm = 500,
+                              .value = 0.6,
+                              .sigma = 0.01},
+                             {.geometry = MeasuredGeometry::hemispherical,
+                              .wavelength_nm = 600,
+                              .value = 0.6,
+                              .sigma = 0.01}}}}};
+    const FitResult result = fit(problem);
+    REQUIRE(result.undetermined.size() == 1);
+    CHECK_THAT(result.undetermined[0], Contains("determined only as") && Contains("(1 - w)"));
+    problem.data[0].values.pop_back();
+    CHECK_THROWS_WITH(fit(problem), Contains("1 values cannot tell 2 unknown numbers"));
+}
+
+TEST_CASE("a value at its bound, and a measurement out of reach, are said", "[fit]") {
+    require_fit();
+    const FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},
+                             .unknowns = {unknown("w", "0.5 in 0.1:0.9")},
+                             .data = {albedos_of(support::scene_of("hg:0.99,0"), kCosines, 1e-3)}};
+    const FitResult result = fit(problem);
+    CHECK(value_of(result, "w").at_bound);
+    CHECK(value_of(result, "w").value == 0.9);
+    CHECK_THAT(value_of(result, "w").note, Contains("upper bound"));
+    CHECK(std::isnan(value_of(result, "w").standard_error));
+    CHECK(has_line(result.notes, "widen the bounds"));
+    CHECK(has_line(result.notes, "chi_squared per degree of freedom"));
+}
+
+TEST_CASE("unknowns of each wavelength are found there", "[fit]") {
+    require_fit();
+    // Reflectance and transmittance of a free film tell scattering and
+    // absorption.
+    const std::vector<double> nm = {500, 600}, albedo = {0.9, 0.99}, depth = {2.0, 4.0};
+    FitData data{.name = "film"};
+    for (std::size_t w = 0; w < nm.size(); ++w) {
+        Scene film;
+        film.substrate = substrate("none");
+        film.layers = {
+            Layer{Species{.kind = Species::Kind::henyey_greenstein, .parameters = {albedo[w], 0.7}},
+                  grey(depth[w])}};
+        const AlbedoValues values = solve(film, {nm[w]}, {.tolerance = 1e-5}).albedo({0.99});
+        data.values.push_back({.wavelength_nm = nm[w],
+                               .mu_in = 0.99,
+                               .value = values.plane_albedo[0][0],
+                               .sigma = 1e-3});
+        data.values.push_back({.quantity = MeasuredQuantity::transmittance,
+                               .wavelength_nm = nm[w],
+                               .mu_in = 0.99,
+                               .value = values.plane_transmittance[0][0],
+                               .sigma = 1e-3});
+    }
+    const FitProblem problem{
+        .scene = {{"substrate", {"none"}}, {"coat", {"hg:{w},0.7@{tau}[grey]"}}},
+        .unknowns = {unknown("w", "per wavelength, 0.8 in 0.1:0.9999 log1m"),
+                     unknown("tau", "per wavelength, 1 in 0.1:50 log")},
+        .data = {data}};
+    const FitResult result = fit(problem);
+    CHECK(result.converged);
+    REQUIRE(result.values.size() == 4);
+    for (std::size_t w = 0; w < nm.size(); ++w) {
+        CHECK(result.values[w].wavelength_nm == nm[w]);
+        CHECK(std::abs(result.values[w].value - albedo[w]) <= 2e-3);
+        CHECK(std::abs(result.values[2 + w].value / depth[w] - 1.0) <= 2e-3);
+    }
+    // With a number that they share, all of them are one problem.
+    FitProblem shared = problem;
+    shared.scene[1].values = {"hg:{w},{g}@{tau}[grey]"};
+    shared.unknowns.push_back(unknown("g", "0.7 in 0.5:0.8"));
+    shared.data[0].values.push_back(shared.data[0].values[0]);
+    shared.data[0].values.back().geometry = MeasuredGeometry::hemispherical;
+    shared.data[0].values.back().value = 0.35;
+    const FitResult together = fit(shared);
+    CHECK(together.values.size() == 5);
+}
+
+TEST_CASE("values known up to a factor give the factor, too", "[fit]") {
+    require_fit();
+    FitData data = albedos_of(support::scene_of("hg:0.9,0"), kCosines, 0.0);
+    for (MeasuredValue& point : data.values) point.value *= 0.8;
+    data.free_scale = true;
+    const FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},
+                             .unknowns = {unknown("w", "0.5 in 0.1:0.99")},
+                             .data = {data}};
+    const FitResult result = fit(problem);
+    CHECK(std::abs(value_of(result, "w").value - 0.9) <= 2e-3);
+    CHECK(std::abs(value_of(result, "scale of albedos").value - 0.8) <= 2e-3);
+}
+
+TEST_CASE("data sets share unknowns and differ in the words of their scene", "[fit]") {
+    require_fit();
+    std::vector<FitData> sets;
+    for (const std::string ground : {"black", "lambert:0.8"}) {
+        Scene paint;
+        paint.substrate = substrate(ground);
+        paint.layers = {layer("hg:0.95,0.5@1.5[grey]")};
+        FitData data = albedos_of(paint, {0.5, 1.0}, 0.0);
+        data.name = ground;
+        data.scene = {{"substrate", {ground}}};
+        sets.push_back(data);
+    }
+    const FitProblem problem{
+        .scene = {{"substrate", {"none"}}, {"coat", {"hg:{w},0.5@{tau}[grey]"}}},
+        .unknowns = {unknown("w", "0.8 in 0.1:0.9999 log1m"), unknown("tau", "1 in 0.1:50 log")},
+        .data = sets};
+    const FitResult result = fit(problem);
+    CHECK(result.converged);
+    CHECK(std::abs(value_of(result, "w").value - 0.95) <= 1e-3);
+    CHECK(std::abs(value_of(result, "tau").value / 1.5 - 1.0) <= 2e-3);
+    CHECK_THAT(result.scene_file, Contains("lambert:0.8") && Contains("[[result]]"));
+}
+
+TEST_CASE("95 % intervals cover the truth as often as they say", "[fit]") {
+    require_fit();
+    // Of 60 draws 50 or fewer are covered once in 10,000 times where 95 % should
+    // be.
+    const Scene scene = support::scene_of("hg:0.95,0.5");
+    int covered = 0;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+        const FitProblem problem{.scene = {{"base", {"hg:{w},0.5"}}},
+                                 .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m")},
+                                 .data = {albedos_of(scene, kCosines, 0.005, seed)}};
+        const FitResult result = fit(problem);
+        const FittedValue& w = value_of(result, "w");
+        covered += w.interval_low <= 0.95 && 0.95 <= w.interval_high;
+    }
+    CHECK(covered > 50);
+}
+
+TEST_CASE("an interrupted fit keeps the best so far", "[fit]") {
+    require_fit();
+    const FitProblem problem{
+        .scene = {{"base", {"hg:{w},{g}"}}},
+        .unknowns = {unknown("w", "0.5 in 0.1:0.9999 log1m"), unknown("g", "0.1 in -0.5:0.9")},
+        .data = {albedos_of(support::scene_of("hg:0.97,0.6"), kCosines, 0.0)}};
+    std::atomic<int> asked = 0;
+    Control control;
+    control.threads = 1;
+    control.is_cancelled = [&] { return ++asked > 30; };
+    const FitResult result = fit(problem, control);
+    CHECK(result.interrupted);
+    CHECK_FALSE(result.converged);
+    CHECK_THAT(result.reason, Contains("interrupted"));
+    // It is better than the start, and its residuals are there.
+    CHECK(value_of(result, "w").value != 0.5);
+    CHECK(std::isfinite(result.chi_squared));
+}
+
+TEST_CASE("several starts list their minima", "[fit]") {
+    require_fit();
+    FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},
+                       .unknowns = {unknown("w", "0.5 in 0.1:0.99")},
+                       .data = {albedos_of(support::scene_of("hg:0.9,0"), kCosines, 0.0)},
+                       .starts = 4};
+    const FitResult result = fit(problem);
+    REQUIRE(result.minima.size() == 1);  // there is but one
+    CHECK(result.minima[0].starts == 4);
+}
+
+TEST_CASE("robust losses hold where a value is wrong", "[fit]") {
+    require_fit();
+    FitData data = albedos_of(support::scene_of("hg:0.9,0"), kCosines, 0.0);
+    data.values[2].value += 0.2;
+    FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},
+                       .unknowns = {unknown("w", "0.5 in 0.1:0.99")},
+                       .data = {data}};
+    const double plain = value_of(fit(problem), "w").value;
+    problem.loss = FitLoss::cauchy;
+    const double robust = value_of(fit(problem), "w").value;
+    CHECK(std::abs(plain - 0.9) >= 0.01);
+    CHECK(std::abs(robust - 0.9) <= 1e-3);
+}

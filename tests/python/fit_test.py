@@ -1,0 +1,81 @@
+"""Fits: the same as the program's, as an object."""
+
+import json
+import math
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import PROGRAM
+
+import miebrdf
+from miebrdf import _core
+
+pytestmark = pytest.mark.skipif(not _core.has_fit(), reason="this build has no Ceres")
+
+MU = [0.2, 0.5, 0.8, 1.0]
+
+
+def problem(**more):
+    truth = np.asarray(miebrdf.Scene("hg:0.95,0.3").albedo(550, MU, tolerance=1e-5))
+    data = [{"values": [value], "wavelength_nm": 550, "mu_in": mu, "quantity": "plane_albedo",
+             "sigma": 1e-3, "name": f"mu {mu}"}
+            for mu, value in zip(MU, truth.ravel(), strict=True)]  # fmt: skip
+    return {
+        "scene": {"base": "hg:{w},{g}"},
+        "unknowns": {"w": "0.9 in 0.1:0.9999 log1m", "g": "0 in -0.5:0.9"},
+        "measured": data,
+        **more,
+    }
+
+
+def test_a_dict_gives_back_the_medium():
+    found = miebrdf.fit(problem())
+    assert found.converged and found.degrees_of_freedom == 2
+    assert found["w"] == pytest.approx(0.95, abs=2e-3)
+    assert found["g"] == pytest.approx(0.3, abs=5e-2)
+    low, high = found.interval("w")
+    assert low < 0.95 < high and found.standard_error("w") > 0
+    assert found.correlation.shape == (2, 2)
+    assert len(found.residuals["model"]) == 4
+    with pytest.raises(miebrdf.UsageError, match="the fit has: w, g"):
+        found["v"]
+
+
+def test_reprs_have_values_and_what_is_not_determined():
+    found = miebrdf.fit(problem())
+    assert "w = 0.9" in repr(found)
+    assert "<table>" in found._repr_html_() and "degrees of freedom" in found._repr_html_()
+
+
+def test_wrong_problems_say_what_would_help():
+    with pytest.raises(miebrdf.UsageError, match="outside its bounds"):
+        miebrdf.fit(problem(unknowns={"w": "2 in 0:1", "g": "0 in -0.5:0.9"}))
+    with pytest.raises(miebrdf.UsageError, match="cannot be read"):
+        miebrdf.fit("no such file.toml")
+
+
+def test_the_program_says_the_same(tmp_path):
+    if not PROGRAM:
+        pytest.skip("MIEBRDF_PROGRAM does not name the program")
+    file = tmp_path / "fit.toml"
+    file.write_text("""
+[scene]
+base = "hg:{w},0.3"
+[unknowns]
+w = "0.9 in 0.1:0.9999 log1m"
+[[measured]]
+values = [0.6, 0.61]
+wavelength_nm = [500, 600]
+quantity = "hemispherical"
+sigma = 0.01
+""")
+    run = subprocess.run(
+        [PROGRAM, "fit", file, "--json", "-q"], check=True, capture_output=True, text=True
+    )
+    told = json.loads(run.stdout)
+    row = dict(zip(told["columns"], told["rows"][0], strict=True))
+    found = miebrdf.fit(file)
+    assert found["w"] == row["value"]
+    assert found.standard_error("w") == row["standard_error"]
+    assert math.isnan(found.values["wavelength_nm"][0])

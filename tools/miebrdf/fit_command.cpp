@@ -1,0 +1,204 @@
+// miebrdf fit: from measurements to the numbers of a scene.
+#include <fmt/format.h>
+#include <miebrdf/fit.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include <miebrdf/error.h>
+#include "pipeline/io/atomic_file.h"
+#include "tools/miebrdf/command.h"
+#include "tools/miebrdf/fit_chart.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct FitArguments {
+    std::string file, scene_file, residuals_file, chart_file;
+    int starts = 0;
+};
+
+Cell cell(double value) { return std::isfinite(value) ? Cell(value) : Cell(); }
+
+std::string label(const FittedValue& value) {
+    return value.wavelength_nm ? fmt::format("{} at {} nm", value.unknown, *value.wavelength_nm)
+                               : value.unknown;
+}
+
+/// Pairs that move together; weak ones say little, and there are many.
+void add_correlations(Table& table, const FitResult& result) {
+    constexpr double kTold = 0.3;
+    const std::size_t n = result.values.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = i + 1; j < n; ++j) {
+            const double r = result.correlation[i * n + j];
+            const bool few = !result.values[i].wavelength_nm && !result.values[j].wavelength_nm;
+            if (!few || !(std::abs(r) >= kTold)) continue;
+            table.facts.emplace_back(
+                "correlation",
+                fmt::format("{}, {}: {:.3f}", label(result.values[i]), label(result.values[j]), r));
+        }
+    }
+}
+
+/// Root mean squares of each data set.
+void add_misfits(Table& table, const FitProblem& problem, const FitResult& result) {
+    for (std::size_t d = 0; d < problem.data.size(); ++d) {
+        double squares = 0.0, mean = 0.0;
+        int count = 0;
+        for (const FitResidual& residual : result.residuals) {
+            if (residual.data != d) continue;
+            squares += std::pow(residual.model - residual.measured.value, 2);
+            mean += std::abs(residual.measured.value);
+            ++count;
+        }
+        const double rms = std::sqrt(squares / count);
+        table.facts.emplace_back(
+            "residual_rms",
+            fmt::format("{}: {:.4g} ({:.3g} % of the mean) of {} values", problem.data[d].name, rms,
+                        100.0 * rms / (mean / count), count));
+    }
+}
+
+Table residual_table(const FitProblem& problem, const FitResult& result) {
+    Table table;
+    table.columns = {"data",  "wavelength_nm", "mu_in", "mu_out",  "azimuth_deg",
+                     "value", "sigma",         "model", "residual"};
+    const auto of = [](double number) { return number > 0.0 ? Cell(number) : Cell(); };
+    for (const FitResidual& residual : result.residuals) {
+        const MeasuredValue& value = residual.measured;
+        table.rows.push_back({problem.data[residual.data].name, of(value.wavelength_nm),
+                              of(value.mu_in), of(value.mu_out), cell(value.azimuth_deg),
+                              value.value, of(value.sigma), cell(residual.model),
+                              cell(residual.model - value.value)});
+    }
+    return table;
+}
+
+Table fit_table(const FitProblem& problem, const FitResult& result, bool with_residuals) {
+    Table table;
+    auto& facts = table.facts;
+    facts.emplace_back("units", "value, standard_error: as the number stands in the scene's words");
+    facts.emplace_back(result.sigma_known ? "chi_squared" : "sum_of_squares",
+                       rounded(result.chi_squared, 6));
+    facts.emplace_back("degrees_of_freedom", double(result.degrees_of_freedom));
+    facts.emplace_back("standard_errors", result.sigma_known
+                                              ? "from the sigmas of the data"
+                                              : "from the residuals (the data have no sigmas)");
+    add_misfits(table, problem, result);
+    add_correlations(table, result);
+    for (const std::string& line : result.undetermined) facts.emplace_back("undetermined", line);
+    for (const std::string& line : result.notes) facts.emplace_back("note", line);
+    for (const FitMinimum& minimum : result.minima) {
+        if (result.minima.size() < 2) break;
+        std::string text =
+            fmt::format("{:.6g} from {} starts:", minimum.chi_squared, minimum.starts);
+        for (std::size_t i = 0; i < minimum.values.size() && i < 8; ++i)
+            text += fmt::format(" {} {:.5g}", label(result.values[i]), minimum.values[i]);
+        facts.emplace_back("minimum", text);
+    }
+    facts.emplace_back("iterations", double(result.iterations));
+    facts.emplace_back("solved_scenes", double(result.solved_scenes));
+    if (!result.converged) facts.emplace_back("not converged", result.reason);
+    table.columns = {"unknown", "wavelength_nm", "value", "standard_error",
+                     "start",   "low",           "high",  "note"};
+    for (const FittedValue& value : result.values)
+        table.rows.push_back({value.unknown, cell_of(value.wavelength_nm), cell(value.value),
+                              cell(value.standard_error), value.start, value.low, value.high,
+                              value.note});
+    if (with_residuals) {
+        Table residuals = residual_table(problem, result);
+        table.report_columns = std::move(residuals.columns);
+        table.report = std::move(residuals.rows);
+    }
+    return table;
+}
+
+/// A database that no word names is that of MIEBRDF_DATABASE, as for other
+/// commands.
+void complete(FitProblem& problem) {
+    const char* const database = std::getenv("MIEBRDF_DATABASE");
+    if (database == nullptr || *database == '\0') return;
+    for (const SceneText& text : problem.scene) {
+        if (text.word == "database") return;
+    }
+    problem.scene.push_back({"database", {database}});
+}
+
+void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
+    AtomicFile file(path);
+    write(file.stream());
+    file.commit();
+}
+
+/// "radius 90.6, soot 12": the numbers that wavelengths share.
+std::string title_of(const FitResult& result) {
+    std::string title;
+    for (const FittedValue& value : result.values) {
+        if (!value.wavelength_nm)
+            title +=
+                fmt::format("{}{} {:.4g}", title.empty() ? "" : ", ", value.unknown, value.value);
+    }
+    return title;
+}
+
+int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shell& shell) {
+    const FitResult result = fit(problem, shell.control());
+    if (!arguments.scene_file.empty())
+        write_file(arguments.scene_file, [&](std::ostream& out) { out << result.scene_file; });
+    if (!arguments.residuals_file.empty())
+        write_file(arguments.residuals_file,
+                   [&](std::ostream& out) { write_csv(residual_table(problem, result), out); });
+    if (!arguments.chart_file.empty())
+        plot::save_picture(draw_fit(problem, result, {title_of(result), shell.command_line()}),
+                           arguments.chart_file);
+    shell.write(fit_table(problem, result, shell.common().json));
+    for (const std::string& line : result.undetermined) shell.note(line);
+    for (const std::string& line : result.notes) shell.note(line);
+    if (result.converged) return kGood;
+    shell.set_advice(result.reason);
+    return kNotConverged;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<FitArguments>();
+    command
+        .add_option("fit", arguments->file,
+                    "fit file (TOML): [scene] with {name}, [unknowns], [[measured]]")
+        ->type_name("FIT.toml")
+        ->required();
+    command.add_option("--scene", arguments->scene_file, "also write the fitted scene (TOML)")
+        ->type_name("FILE");
+    command
+        .add_option("--residuals", arguments->residuals_file,
+                    "also write every measured value beside the model's, as CSV")
+        ->type_name("FILE");
+    command
+        .add_option("--plot", arguments->chart_file,
+                    "also draw measured points, fitted curve and residuals (.svg, .png)")
+        ->type_name("FILE");
+    command
+        .add_option("--starts", arguments->starts,
+                    "search from N starts within the bounds; 0: as the file says, else 1")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000));
+    shell.add_common_options(command);
+    command.footer(
+        "Example:\n  miebrdf fit docs/examples/fits/snow.toml --scene "
+        "fitted.toml");
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        if (!has_fit())
+            throw UsageError(
+                "this build cannot fit; install libceres-dev, then "
+                "configure and build again");
+        if (!arguments->chart_file.empty()) plot::check_picture_path(arguments->chart_file);
+        FitProblem problem = read_fit_file(arguments->file);
+        if (arguments->starts > 0) problem.starts = arguments->starts;
+        complete(problem);
+        return [problem, arguments, &shell] { return run_fit(problem, *arguments, shell); };
+    });
+}
+
+}  // namespace miebrdf::program

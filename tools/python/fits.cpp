@@ -1,0 +1,108 @@
+// Fits: <miebrdf/fit.h>.
+#include <miebrdf/fit.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <pybind11/stl.h>
+#include "tools/python/bindings.h"
+#include "tools/python/long_call.h"
+
+namespace miebrdf::python {
+namespace {
+
+/// Numbers of a list of results, by a function of each.
+template <typename List, typename Number>
+py::array_t<double> column(const List& list, const Number& number_of) {
+    std::vector<double> numbers;
+    for (const auto& one : list) numbers.push_back(number_of(one));
+    return array_of(std::move(numbers));
+}
+
+py::dict values_of(const FitResult& result) {
+    const auto& values = result.values;
+    py::list unknowns, notes, bounds;
+    for (const FittedValue& value : values) {
+        unknowns.append(value.unknown);
+        notes.append(value.note);
+        bounds.append(value.at_bound);
+    }
+    py::dict columns;
+    columns["unknown"] = unknowns;
+    columns["wavelength_nm"] =
+        column(values, [](const auto& v) { return v.wavelength_nm.value_or(std::nan("")); });
+    columns["value"] = column(values, [](const auto& v) { return v.value; });
+    columns["standard_error"] = column(values, [](const auto& v) { return v.standard_error; });
+    columns["interval_low"] = column(values, [](const auto& v) { return v.interval_low; });
+    columns["interval_high"] = column(values, [](const auto& v) { return v.interval_high; });
+    columns["start"] = column(values, [](const auto& v) { return v.start; });
+    columns["low"] = column(values, [](const auto& v) { return v.low; });
+    columns["high"] = column(values, [](const auto& v) { return v.high; });
+    columns["at_bound"] = bounds;
+    columns["note"] = notes;
+    return columns;
+}
+
+py::dict residuals_of(const FitProblem& problem, const FitResult& result) {
+    const auto& residuals = result.residuals;
+    py::list names, quantities;
+    for (const FitResidual& residual : residuals) {
+        names.append(problem.data[residual.data].name);
+        quantities.append(word_of(residual.measured.quantity));
+    }
+    py::dict columns;
+    columns["data"] = names;
+    columns["quantity"] = quantities;
+    columns["wavelength_nm"] = column(residuals, [](auto& r) { return r.measured.wavelength_nm; });
+    columns["mu_in"] = column(residuals, [](auto& r) { return r.measured.mu_in; });
+    columns["mu_out"] = column(residuals, [](auto& r) { return r.measured.mu_out; });
+    columns["azimuth_deg"] = column(residuals, [](auto& r) { return r.measured.azimuth_deg; });
+    columns["value"] = column(residuals, [](auto& r) { return r.measured.value; });
+    columns["sigma"] = column(residuals, [](auto& r) { return r.measured.sigma; });
+    columns["model"] = column(residuals, [](auto& r) { return r.model; });
+    return columns;
+}
+
+py::dict run_fit(const std::string& text, const std::string& folder, const std::string& name,
+                 int starts, const CallOptions& options) {
+    FitProblem problem = read_fit_text(text, folder, name);
+    if (starts > 0) problem.starts = starts;
+    LongCall call(options);
+    const FitResult result = call.run([&] { return fit(problem, call.control()); });
+    py::dict facts;
+    facts["values"] = values_of(result);
+    facts["residuals"] = residuals_of(problem, result);
+    facts["chi_squared"] = result.chi_squared;
+    facts["degrees_of_freedom"] = result.degrees_of_freedom;
+    facts["sigma_known"] = result.sigma_known;
+    const auto n = static_cast<py::ssize_t>(result.values.size());
+    facts["correlation"] = array_of(result.correlation, {n, n});
+    facts["undetermined"] = result.undetermined;
+    facts["notes"] = result.notes;
+    py::list minima;
+    for (const FitMinimum& minimum : result.minima) {
+        py::dict one;
+        one["chi_squared"] = minimum.chi_squared;
+        one["starts"] = minimum.starts;
+        one["values"] = array_of(minimum.values);
+        minima.append(one);
+    }
+    facts["minima"] = minima;
+    facts["converged"] = result.converged;
+    facts["reason"] = result.reason;
+    facts["iterations"] = result.iterations;
+    facts["solved_scenes"] = result.solved_scenes;
+    facts["scene_file"] = result.scene_file;
+    return facts;
+}
+
+}  // namespace
+
+void bind_fits(py::module_& module) {
+    module.def("has_fit", &has_fit);
+    module.def("fit", &run_fit, py::arg("text"), py::arg("folder"), py::arg("name"),
+               py::arg("starts"), py::arg("options"));
+}
+
+}  // namespace miebrdf::python

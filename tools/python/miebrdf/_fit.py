@@ -1,0 +1,207 @@
+"""From measurements to a scene: unknown numbers by least squares."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._options import Call, Progress
+from .errors import UsageError
+
+
+class Fit:
+    """What a fit found; `miebrdf.fit` makes one.
+
+    Attributes
+    ----------
+    values : dict of str to list or array
+        Columns with an entry for each fitted number: ``unknown``, ``wavelength_nm`` (NaN where
+        wavelengths share it), ``value``, ``standard_error`` (NaN: at a bound, or not determined),
+        ``interval_low`` and ``interval_high`` (95 %), ``start``, ``low``, ``high``, ``at_bound``,
+        ``note``.
+    residuals : dict of str to list or array
+        Columns with an entry for each measured value, the model's beside it.
+    chi_squared, degrees_of_freedom : float, int
+        Without sigmas the sum of squared residuals.
+    correlation : array
+        Of all pairs of fitted numbers; NaN where one is at a bound.
+    undetermined : list of str
+        Directions that the data leave open, in words.
+    notes : list of str
+        What else should be known: a scene that misses the data, values out of reach.
+    minima : list of dict
+        Of several starts: ``chi_squared``, ``starts`` and ``values``, the best first.
+    converged, reason : bool, str
+        Whether a minimum was found, and why not.
+    scene_file : str
+        The fitted scene, for `miebrdf run`.
+    """
+
+    values: dict[str, Any]
+    residuals: dict[str, Any]
+    chi_squared: float
+    degrees_of_freedom: int
+    sigma_known: bool
+    correlation: Any
+    undetermined: list[str]
+    notes: list[str]
+    minima: list[dict[str, Any]]
+    converged: bool
+    reason: str
+    iterations: int
+    solved_scenes: int
+    scene_file: str
+
+    def __init__(self, facts: Mapping[str, Any]) -> None:
+        self.__dict__.update(facts)
+
+    def __getitem__(self, unknown: str) -> Any:
+        """The value of an unknown; an array over wavelengths where it differs between them."""
+        return self._column("value", unknown)
+
+    def standard_error(self, unknown: str) -> Any:
+        """The standard error of an unknown, shaped as its value."""
+        return self._column("standard_error", unknown)
+
+    def interval(self, unknown: str) -> tuple[Any, Any]:
+        """The ends of its 95 % interval."""
+        return self._column("interval_low", unknown), self._column("interval_high", unknown)
+
+    def _column(self, name: str, unknown: str) -> Any:
+        rows = [i for i, one in enumerate(self.values["unknown"]) if one == unknown]
+        if not rows:
+            known = ", ".join(dict.fromkeys(self.values["unknown"]))
+            raise UsageError(f"there is no unknown '{unknown}'; the fit has: {known}")
+        column = np.asarray(self.values[name])[rows]
+        shared = math.isnan(self.values["wavelength_nm"][rows[0]])
+        return float(column[0]) if shared else column
+
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        rows = []
+        for i, name in enumerate(self.values["unknown"]):
+            nm = self.values["wavelength_nm"][i]
+            error = self.values["standard_error"][i]
+            rows.append((
+                name if math.isnan(nm) else f"{name}, {nm:g} nm",
+                f"{self.values['value'][i]:.6g}",
+                "" if math.isnan(error) else f"{error:.2g}",
+                self.values["note"][i],
+            ))  # fmt: skip
+        return rows
+
+    def _summary(self) -> list[str]:
+        what = "chi squared" if self.sigma_known else "sum of squares"
+        lines = [f"{what} {self.chi_squared:.5g}, {self.degrees_of_freedom} degrees of freedom"]
+        if not self.converged:
+            lines.append(f"not converged: {self.reason}")
+        return lines + self.undetermined + self.notes
+
+    def __repr__(self) -> str:
+        rows = [f"  {name} = {value} +- {error or '?'}  {note}"
+                for name, value, error, note in self._rows()]  # fmt: skip
+        return "\n".join(["<miebrdf.Fit>", *rows, *(f"  {line}" for line in self._summary())])
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{name}</th>" for name in ("unknown", "value", "standard error", ""))
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
+            for row in self._rows()
+        )
+        lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._summary())
+        return f"<table><tr>{head}</tr>{body}</table>{lines}"
+
+
+def fit(
+    problem: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    folder: str | os.PathLike[str] = "",
+    starts: int = 0,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Fit:
+    """Find unknown numbers of a scene from measured values.
+
+    Parameters
+    ----------
+    problem : path or dict
+        A fit file, or its content as a dict: ``scene``, ``unknowns``, ``measured`` (a list of
+        dicts, with ``file`` or with ``values`` and ``wavelength_nm``), perhaps ``fit``. The words
+        are those of fit files (docs/fitting.md); arrays of NumPy may stand for lists.
+    folder : path, optional
+        Where the files of a dict are; of a fit file it is its own folder.
+    starts : int
+        Search from this many starts within the bounds; 0: as the problem says, else 1.
+    threads, progress
+        As of every long call (`set_options`).
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    UsageError, InputError
+        For a problem that cannot be solved as it stands, with what would help.
+
+    Examples
+    --------
+    >>> found = miebrdf.fit({
+    ...     "scene": {"base": "hg:{w},0.8"},
+    ...     "unknowns": {"w": "0.9 in 0.1:0.9999 log1m"},
+    ...     "measured": [{"values": [0.42, 0.45], "wavelength_nm": [500, 510],
+    ...                   "quantity": "spherical_albedo", "sigma": 0.01}]})
+    >>> found["w"], found.standard_error("w")
+    """
+    if isinstance(problem, Mapping):
+        text, name, where = _toml(problem), "problem", os.fspath(folder)
+    else:
+        path = Path(problem)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise UsageError(f"fit file '{path}' cannot be read: {error.strerror}") from None
+        name, where = str(path), str(path.parent)
+    with Call(threads, progress) as options:
+        return Fit(_core.fit(text, where, name, starts, options))
+
+
+def _toml(problem: Mapping[str, Any]) -> str:
+    """The problem as the text of a fit file."""
+    lines = []
+    for key, value in problem.items():
+        if key == "measured":
+            continue
+        if isinstance(value, Mapping):
+            lines += [f"[{key}]", *(f"{_key(k)} = {_value(v)}" for k, v in value.items())]
+        else:
+            lines.insert(0, f"{_key(key)} = {_value(value)}")
+    for data in problem.get("measured", []):
+        lines += ["[[measured]]", *(f"{_key(k)} = {_value(v)}" for k, v in data.items())]
+    return "\n".join(lines)
+
+
+def _key(key: str) -> str:
+    return json.dumps(str(key))
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, str | bool):
+        return json.dumps(value)
+    if isinstance(value, os.PathLike):
+        return json.dumps(os.fspath(value))
+    if np.ndim(value) > 0 or isinstance(value, list | tuple):
+        return "[" + ", ".join(_value(one) for one in value) + "]"
+    number = float(value)
+    if math.isnan(number) or math.isinf(number):
+        return str(number)  # as TOML writes them
+    return repr(number)
