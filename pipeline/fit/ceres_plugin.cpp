@@ -1,6 +1,7 @@
 // The plug-in around Ceres: Levenberg-Marquardt within bounds, with a dense
 // factorisation.
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <array>
@@ -137,6 +138,8 @@ class Watch : public ceres::IterationCallback {
 };
 
 Minimum solve(const LeastSquares& problem) {
+    FLAGS_minloglevel =
+        google::GLOG_FATAL;  // Ceres logs steps that fail; the library prints nothing
     Evaluation evaluation(problem);
     Watch watch(problem, evaluation);
     int left = problem.most_iterations;

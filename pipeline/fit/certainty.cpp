@@ -79,24 +79,21 @@ std::string combination(const FitProblem& problem, const Model& model, Direction
 }
 
 /// A direction along which the residuals change by less than a sigma, in words.
+/// @param singular  by how many sigma
 std::string in_words(const FitProblem& problem, const Model& model, std::vector<Direction> parts,
-                     const std::vector<double>& numbers) {
+                     double singular, const std::vector<double>& numbers) {
     std::sort(parts.begin(), parts.end(), [](const Direction& a, const Direction& b) {
         return std::abs(a.share) > std::abs(b.share);
     });
     std::erase_if(parts, [](const Direction& d) { return std::abs(d.share) < kTakesPart; });
     if (parts.size() == 1) {
         const Unknown& unknown = problem.unknowns[model.slots()[parts[0].slot].unknown];
-        const Range range = fitted_range(unknown);
-        const double t = fitted_of(unknown, numbers[parts[0].slot]);
-        const double step = std::abs(parts[0].step);
-        double from = number_of(unknown, std::max(t - step, range.low)),
-               to = number_of(unknown, std::min(t + step, range.high));
-        if (from > to) std::swap(from, to);
-        return fmt::format(
-            "{} is not determined: {:.3g} to {:.3g} changes the residuals by less "
-            "than one sigma",
-            name_of(problem, model, parts[0].slot), from, to);
+        const double unit = unit_of(unknown, numbers[parts[0].slot]);
+        return fmt::format("{} is not determined: {} changes the residuals by {:.2g} sigma in all",
+                           name_of(problem, model, parts[0].slot),
+                           is_log(unknown) ? fmt::format("a factor of {:.2g}", std::exp(unit))
+                                           : fmt::format("{:.2g} more", unit),
+                           singular);
     }
     if (parts.size() == 2) {
         return fmt::format("{} and {} are determined only as {}",
@@ -199,7 +196,8 @@ Certainty certainty_of(const FitProblem& problem, const Model& model, const Targ
             const double share = V(Eigen::Index(f), k);
             parts.push_back({free[f], share, share * units[f] / std::max(singular(k), least)});
         }
-        result.undetermined.push_back(in_words(problem, model, std::move(parts), numbers));
+        result.undetermined.push_back(
+            in_words(problem, model, std::move(parts), singular(k), numbers));
     }
     return result;
 }

@@ -41,8 +41,10 @@ std::vector<double> lab_wavelengths() {
     return nm;
 }
 
+/// Scenes look alike on both sides of the plane of incidence.
 double azimuth_of(const MeasuredValue& value) {
-    return std::isnan(value.azimuth_deg) ? 0.0 : value.azimuth_deg;  // as above the surface
+    return std::isnan(value.azimuth_deg) ? 0.0
+                                         : std::abs(std::remainder(value.azimuth_deg, 360.0));
 }
 
 /// The place of a value in a list, which gets it if it is not there.
@@ -60,6 +62,10 @@ bool uses_per_wavelength(const std::vector<TemplateWord>& words,
         return unknown.per_wavelength && names.contains(unknown.name);
     });
 }
+
+/// A difference goes this share of a number to either side: its own error is the square of that,
+/// and what the choice of sphere sizes leaves, a tolerance, is divided by it.
+constexpr double kStep = 1e-2;
 
 /// Of the memo of optics: with less, a fresh one is made.
 constexpr std::size_t kLeastMemory = std::size_t{32} << 20;
@@ -226,20 +232,18 @@ double albedo_value(const AlbedoValues& values, MeasuredQuantity quantity,
 }  // namespace
 
 Model::Solved Model::solve_job(const Job& job, std::span<const double> numbers,
-                               const Control& control, bool with_derivatives, int* streams) const {
+                               const Control& control, const std::vector<std::string>& names,
+                               int* streams) const {
     const auto text_of = [&](const std::string& name) {
         const double number = numbers[slot_of(name, job.only_wavelength.value_or(0))];
-        return with_derivatives ? fmt::format("{{{}={}}}", name, number)
-                                : fmt::format("{}", number);
+        const bool is_named = std::find(names.begin(), names.end(), name) != names.end();
+        return is_named ? fmt::format("{{{}={}}}", name, number) : fmt::format("{}", number);
     };
     Request request;
     request.solver.tolerance = tolerance_of(problem_);
     for (const TemplateWord& word : job.words) apply(word, text_of, request);
     if (request.solver.streams == 0) request.solver.streams = job.streams;
     const Brdf brdf = solve(request.scene, job.wavelength_nm, request.solver, control);
-    const std::vector<std::string> names = with_derivatives
-                                               ? std::vector(job.names.begin(), job.names.end())
-                                               : std::vector<std::string>();
     Solved solved;
     // Of the values and of each derivative alike.
     const auto column = [&](const auto& value_of) {
@@ -312,16 +316,41 @@ Model::Solved Model::solve_job(const Job& job, std::span<const double> numbers,
     return solved;
 }
 
+/// Which unknowns have no derivative in closed form: they are asked for, once.
+void Model::find_closed_forms(std::span<const double> numbers) {
+    by_differences_.emplace();
+    std::set<std::string> known;
+    for (const Job& job : jobs_) {
+        for (const std::string& name : job.names) {
+            if (!known.insert(name).second) continue;
+            try {
+                solve_job(job, numbers, control_, {name}, nullptr);
+            } catch (const UsageError&) {
+                by_differences_->insert(name);
+            }
+        }
+    }
+}
+
+std::vector<std::string> Model::closed_forms(const Job& job) const {
+    std::vector<std::string> names;
+    for (const std::string& name : job.names) {
+        if (!by_differences_->contains(name)) names.push_back(name);
+    }
+    return names;
+}
+
 bool Model::choose_streams(std::span<const double> numbers) {
     bool more = false;
     for (Job& job : jobs_) {
         const int before = job.streams;
         int streams = 0;
         job.streams = 0;
-        solve_job(job, numbers, control_, false, &streams);
+        solve_job(job, numbers, control_, {}, &streams);
         job.streams = std::max(before, streams);
         more = more || job.streams > before;
     }
+    if (!by_differences_) find_closed_forms(numbers);
     return more;
 }
 
@@ -329,30 +358,77 @@ void Model::evaluate(std::span<const double> numbers, std::span<double> values,
                      std::span<double> derivatives) {
     // What earlier evaluations left is seldom wanted again; names of materials are.
     if (control_.memo->free_bytes() < kLeastMemory) control_.memo = make_optics_memo();
+    const bool differentiate = !derivatives.empty();
+    if (!by_differences_ && differentiate) find_closed_forms(numbers);
+    /// A job at the numbers, or with one of them moved to either side.
+    struct Task {
+        const Job* job;
+        std::vector<double> numbers;
+        std::size_t slot = 0;
+        double moved = 0.0;  ///< the fitted number
+        Solved solved = {};
+    };
+    std::vector<Task> tasks;
+    for (const Job& job : jobs_) tasks.push_back({&job, {numbers.begin(), numbers.end()}});
+    for (const Job& job : jobs_) {
+        if (!differentiate) break;
+        for (const std::string& name : job.names) {
+            if (!by_differences_->contains(name)) continue;
+            const std::size_t slot = slot_of(name, job.only_wavelength.value_or(0));
+            const Unknown& unknown = problem_.unknowns[slots_[slot].unknown];
+            const Range range = fitted_range(unknown);
+            const double t = fitted_of(unknown, numbers[slot]);
+            const double own_size = unknown.scale == Unknown::Scale::linear ? std::abs(t) : 1.0;
+            const double step = std::min(kStep * std::max(own_size, 0.1 * (range.high - range.low)),
+                                         0.05 * (range.high - range.low));
+            for (const double moved :
+                 {std::max(t - step, range.low), std::min(t + step, range.high)}) {
+                Task task{&job, {numbers.begin(), numbers.end()}, slot, moved};
+                task.numbers[slot] = number_of(unknown, moved);
+                tasks.push_back(std::move(task));
+            }
+        }
+    }
     Control inner = control_;
-    if (jobs_.size() > 1) inner.threads = 1;
-    std::vector<Solved> solved(jobs_.size());
-    run_parallel("fit", jobs_.size(), control_, [&](std::size_t j) {
-        solved[j] = solve_job(jobs_[j], numbers, inner, !derivatives.empty(), nullptr);
+    if (tasks.size() > 1) inner.threads = 1;
+    run_parallel("fit", tasks.size(), control_, [&](std::size_t i) {
+        Task& task = tasks[i];
+        const bool is_middle = i < jobs_.size();
+        task.solved = solve_job(
+            *task.job, task.numbers, inner,
+            differentiate && is_middle ? closed_forms(*task.job) : std::vector<std::string>(),
+            nullptr);
     });
-    solved_scenes_ += int(jobs_.size());
+    solved_scenes_ += int(tasks.size());
     const std::size_t columns = slots_.size();
     std::fill(derivatives.begin(), derivatives.end(), 0.0);
     for (std::size_t j = 0; j < jobs_.size(); ++j) {
         const Job& job = jobs_[j];
+        const Solved& solved = tasks[j].solved;
+        const std::vector<std::string> names =
+            differentiate ? closed_forms(job) : std::vector<std::string>();
         for (std::size_t i = 0; i < job.uses.size(); ++i) {
             const Job::Use& use = job.uses[i];
             const double scale = use.scale ? numbers[*use.scale] : 1.0;
-            values[use.value] = scale * solved[j].values[i];
-            if (derivatives.empty()) continue;
+            values[use.value] = scale * solved.values[i];
+            if (!differentiate) continue;
             double* const row = derivatives.data() + use.value * columns;
             if (use.scale) row[*use.scale] = values[use.value];  // fitted in its logarithm
-            std::size_t name = 0;
-            for (const std::string& each : job.names) {
-                const std::size_t slot = slot_of(each, job.only_wavelength.value_or(0));
-                row[slot] = scale * solved[j].derivatives[name++][i] *
+            for (std::size_t n = 0; n < names.size(); ++n) {
+                const std::size_t slot = slot_of(names[n], job.only_wavelength.value_or(0));
+                row[slot] = scale * solved.derivatives[n][i] *
                             slope(problem_.unknowns[slots_[slot].unknown], numbers[slot]);
             }
+        }
+    }
+    for (std::size_t k = jobs_.size(); k + 1 < tasks.size(); k += 2) {
+        const Task &below = tasks[k], &above = tasks[k + 1];
+        for (std::size_t i = 0; i < below.job->uses.size(); ++i) {
+            const Job::Use& use = below.job->uses[i];
+            const double scale = use.scale ? numbers[*use.scale] : 1.0;
+            derivatives[use.value * columns + below.slot] =
+                scale * (above.solved.values[i] - below.solved.values[i]) /
+                (above.moved - below.moved);
         }
     }
 }

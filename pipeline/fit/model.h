@@ -6,6 +6,8 @@
 #include <miebrdf/fit.h>
 
 #include <cstddef>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,8 +53,11 @@ class Model {
     struct Job;
     struct Solved;
     /// @param streams  raised to the nodes that were used; null: nobody asks
+    /// @param names  of the derivatives that are wanted
     Solved solve_job(const Job& job, std::span<const double> numbers, const Control& control,
-                     bool with_derivatives, int* streams) const;
+                     const std::vector<std::string>& names, int* streams) const;
+    void find_closed_forms(std::span<const double> numbers);
+    std::vector<std::string> closed_forms(const Job& job) const;
 
     std::size_t slot_of(const std::string& name, std::size_t wavelength) const;
 
@@ -62,6 +67,7 @@ class Model {
     std::vector<Slot> slots_;
     std::size_t values_ = 0;
     std::vector<Job> jobs_;
+    std::optional<std::set<std::string>> by_differences_;  ///< unknowns without closed forms
     int solved_scenes_ = 0;
 };
 

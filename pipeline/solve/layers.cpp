@@ -221,7 +221,8 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     all.report = slice.report;
     if (quantity == LayerQuantity::reflection) {
         all.values = distinct.spread(slice.values);
-        all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
+        if (!slice.plane_albedo.empty())  // derivatives have none
+            all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
     } else {
         all.values = distinct.spread_incident(slice.values);
         all.values.push_back(slice.values.back());  // the spherical albedo

@@ -19,14 +19,19 @@ double degrees(double cosine) {
 
 bool has_view(const MeasuredValue& value) { return value.mu_out > 0.0; }
 
-/// The angle of view, negative on the side of the light; nothing out of the plane of incidence.
-std::optional<double> angle_in_plane(const MeasuredValue& value) {
-    constexpr double kNearPlane = 10.0;  // degrees of azimuth
-    const double azimuth = std::isnan(value.azimuth_deg) ? 0.0 : value.azimuth_deg;
-    const double off = std::abs(std::remainder(azimuth, 180.0));
-    const double theta = degrees(value.mu_out);
-    if (off > kNearPlane && theta > 1.0) return std::nullopt;
-    return std::abs(std::remainder(azimuth, 360.0)) < 90.0 ? theta : -theta;
+double azimuth_of(const MeasuredValue& value) {
+    return std::isnan(value.azimuth_deg) ? 0.0 : std::remainder(value.azimuth_deg, 360.0);
+}
+
+/// The angle of view, negative on the side of the light.
+double signed_angle(const MeasuredValue& value) {
+    return std::abs(azimuth_of(value)) <= 90.0 ? degrees(value.mu_out) : -degrees(value.mu_out);
+}
+
+bool is_in_plane(const MeasuredValue& value) {
+    constexpr double kNear = 10.0;  // degrees of azimuth
+    return std::abs(std::remainder(azimuth_of(value), 180.0)) <= kNear ||
+           degrees(value.mu_out) <= 1.0;
 }
 
 /// Values of one colour: measured ones, the model's, and their differences.
@@ -98,24 +103,25 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
             continue;
         }
         Series& series = series_of(views, fmt::format("light at {:.3g}°", degrees(value.mu_in)));
-        if (const auto angle = angle_in_plane(value))
-            series.shown.push_back({*angle, value.value, residual.model});
-        series.residual_x.push_back(degrees(value.mu_out));
+        const double angle = signed_angle(value);
+        if (is_in_plane(value)) series.shown.push_back({angle, value.value, residual.model});
+        series.residual_x.push_back(angle);
         series.residual.push_back(difference);
     }
     std::vector<plot::Panel> panels;
-    const auto add = [&](std::vector<Series>& all, const char* x, const char* y,
-                         const char* x_of_residuals) {
+    const auto add = [&](std::vector<Series>& all, const plot::AxisOptions& x, const char* y,
+                         const char* residuals) {
         if (all.empty()) return;
-        panels.push_back({.x = {.label = x}, .y = {.label = y}, .curves = curves_of(all)});
-        panels.push_back({.x = {.label = x_of_residuals},
-                          .y = {.label = "model - measured"},
-                          .curves = residuals_of(all),
-                          .height = 110.0});
+        panels.push_back({.x = x, .y = {.label = y}, .curves = curves_of(all)});
+        panels.push_back(
+            {.x = x, .y = {.label = residuals}, .curves = residuals_of(all), .height = 110.0});
     };
-    add(spectra, "wavelength [nm]", "share of the light", "wavelength [nm]");
-    add(views, "angle of view in the plane of incidence [°], light from the left", "BRDF [1/sr]",
-        "angle of view, all azimuths [°]");
+    if (spectra.empty()) {
+        add(views,
+            {.label = "angle of view [°], light from the left", .lowest = -90.0, .highest = 90.0},
+            "BRDF in the plane of incidence [1/sr]", "model - measured, all");
+    }
+    add(spectra, {.label = "wavelength [nm]"}, "share of the light", "model - measured");
     if (panels.empty())
         throw UsageError("a chart needs spectra or directions; colours have neither");
     return plot::draw_chart(panels, caption);

@@ -7,7 +7,7 @@
 
 namespace miebrdf::program {
 
-/// Spectra over wavelength; values of single directions over the angle of view in the plane of
+/// Spectra over wavelength; without them single directions over the angle of view in the plane of
 /// incidence, one colour for each incidence. Residuals of all values below.
 /// @throws UsageError  where there is neither (colours alone)
 plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,

@@ -1,14 +1,19 @@
 // miebrdf fit: from measurements to the numbers of a scene.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <miebrdf/fit.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
 
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/fit_chart.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {
@@ -16,7 +21,54 @@ namespace {
 struct FitArguments {
     std::string file, scene_file, residuals_file, chart_file;
     int starts = 0;
+    /// In place of a file: one data set, by options of the names of its keys.
+    SceneArguments scene;
+    std::vector<std::string> unknowns;
+    std::map<std::string, std::string> measured_texts;
+    std::map<std::string, double> measured_numbers;
+    bool free_scale = false;
 };
+
+/// Words of a scene but its wavelengths, which are those of the data.
+std::vector<std::string> words_of_fits() {
+    std::vector<std::string> names;
+    for (const SceneWord& word : miebrdf::scene_words()) {
+        if (word.name != "wavelengths") names.push_back(word.name);
+    }
+    return names;
+}
+
+std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+
+/// The fit file that the options stand for.
+std::string fit_text(const FitArguments& arguments) {
+    std::string text = "[scene]\n";
+    for (const auto& [word, values] : arguments.scene.typed()) {
+        std::vector<std::string> parts;
+        for (const WordValue& value : values)
+            parts.push_back(std::holds_alternative<bool>(value) ? "true" : quoted(text_of(value)));
+        text += parts.size() == 1 ? fmt::format("{} = {}\n", word, parts[0])
+                                  : fmt::format("{} = [{}]\n", word, fmt::join(parts, ", "));
+    }
+    text += "[unknowns]\n";
+    for (const std::string& unknown : arguments.unknowns) {
+        const std::size_t equals = unknown.find('=');
+        if (equals == std::string::npos)
+            throw UsageError(fmt::format(
+                "--unknown '{}'; write NAME=START in LOW:HIGH, \"radius=100 in 20:1000 log\"",
+                unknown));
+        text += fmt::format("{} = {}\n", quoted(unknown.substr(0, equals)),
+                            quoted(unknown.substr(equals + 1)));
+    }
+    text += "[[measured]]\n";
+    for (const auto& [key, value] : arguments.measured_texts) {
+        if (!value.empty()) text += fmt::format("{} = {}\n", key, quoted(value));
+    }
+    for (const auto& [key, value] : arguments.measured_numbers) {
+        if (!std::isnan(value)) text += fmt::format("{} = {}\n", key, value);
+    }
+    return arguments.free_scale ? text + "scale = \"free\"\n" : text;
+}
 
 Cell cell(double value) { return std::isfinite(value) ? Cell(value) : Cell(); }
 
@@ -44,19 +96,22 @@ void add_correlations(Table& table, const FitResult& result) {
 /// Root mean squares of each data set.
 void add_misfits(Table& table, const FitProblem& problem, const FitResult& result) {
     for (std::size_t d = 0; d < problem.data.size(); ++d) {
-        double squares = 0.0, mean = 0.0;
+        double squares = 0.0, relative = 0.0, mean = 0.0;
         int count = 0;
         for (const FitResidual& residual : result.residuals) {
             if (residual.data != d) continue;
             squares += std::pow(residual.model - residual.measured.value, 2);
+            relative += std::pow(residual.model / residual.measured.value - 1.0, 2);
             mean += std::abs(residual.measured.value);
             ++count;
         }
         const double rms = std::sqrt(squares / count);
-        table.facts.emplace_back(
-            "residual_rms",
-            fmt::format("{}: {:.4g} ({:.3g} % of the mean) of {} values", problem.data[d].name, rms,
-                        100.0 * rms / (mean / count), count));
+        std::string text = fmt::format("{}: {:.4g} ({:.3g} % of the mean", problem.data[d].name,
+                                       rms, 100.0 * rms / (mean / count));
+        if (std::isfinite(relative))
+            text += fmt::format("; relative to each value {:.3g} %",
+                                100.0 * std::sqrt(relative / count));
+        table.facts.emplace_back("residual_rms", fmt::format("{}) of {} values", text, count));
     }
 }
 
@@ -167,8 +222,7 @@ void add_fit(CLI::App& command, Shell& shell) {
     command
         .add_option("fit", arguments->file,
                     "fit file (TOML): [scene] with {name}, [unknowns], [[measured]]")
-        ->type_name("FIT.toml")
-        ->required();
+        ->type_name("FIT.toml");
     command.add_option("--scene", arguments->scene_file, "also write the fitted scene (TOML)")
         ->type_name("FILE");
     command
@@ -184,6 +238,30 @@ void add_fit(CLI::App& command, Shell& shell) {
                     "search from N starts within the bounds; 0: as the file says, else 1")
         ->type_name("N")
         ->check(CLI::Range(0, 1000));
+    arguments->scene.add_to(command, shell, words_of_fits(), "");
+    const std::string group = "In place of a fit file, with the words of its scene";
+    command.add_option("--unknown", arguments->unknowns, "NAME=START in LOW:HIGH [log|log1m]")
+        ->type_name("TEXT")
+        ->allow_extra_args(false)
+        ->group(group);
+    const auto add_text = [&](const std::string& option, const std::string& key,
+                              const std::string& help) {
+        command.add_option(option, arguments->measured_texts[key], help)->group(group);
+    };
+    add_text("--measured", "file", "the measured file");
+    add_text("--column", "column", "one of its columns or samples");
+    add_text("--quantity", "quantity", "plane_albedo, hemispherical, brdf, d8-sci, ...");
+    add_text("--wavelengths", "wavelengths", "FIRST:LAST: only these of the file count");
+    for (const char* const key :
+         {"mu_in", "theta_in", "mu_out", "theta_out", "azimuth", "sigma", "relative_sigma"}) {
+        std::string option = "--" + std::string(key);
+        std::replace(option.begin(), option.end(), '_', '-');
+        arguments->measured_numbers[key] = std::nan("");
+        command.add_option(option, arguments->measured_numbers[key], "as in fit files")
+            ->group(group);
+    }
+    command.add_flag("--free-scale", arguments->free_scale, "values are known up to a factor")
+        ->group(group);
     shell.add_common_options(command);
     command.footer(
         "Example:\n  miebrdf fit docs/examples/fits/snow.toml --scene "
@@ -194,7 +272,14 @@ void add_fit(CLI::App& command, Shell& shell) {
                 "this build cannot fit; install libceres-dev, then "
                 "configure and build again");
         if (!arguments->chart_file.empty()) plot::check_picture_path(arguments->chart_file);
-        FitProblem problem = read_fit_file(arguments->file);
+        const bool has_options =
+            !arguments->unknowns.empty() || !arguments->measured_texts["file"].empty();
+        if (has_options == !arguments->file.empty())
+            throw UsageError(
+                "give a fit file, or its content by options: --unknown, --measured and the words "
+                "of the scene");
+        FitProblem problem = has_options ? read_fit_text(fit_text(*arguments), "", "options")
+                                         : read_fit_file(arguments->file);
         if (arguments->starts > 0) problem.starts = arguments->starts;
         complete(problem);
         return [problem, arguments, &shell] { return run_fit(problem, *arguments, shell); };

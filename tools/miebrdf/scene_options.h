@@ -51,6 +51,8 @@ class SceneArguments {
     /// The whole request. A database that no word names is that of MIEBRDF_DATABASE, if it is set.
     /// @throws UsageError, InputError
     Request parse() const;
+    /// The words as they were typed.
+    SaidWords typed() const;
     /// Gives a request that comes from elsewhere what it does not say: wavelengths and database.
     Request complete(Request request) const;
 
@@ -58,7 +60,6 @@ class SceneArguments {
     void add(CLI::App& command, Shell& shell, const std::vector<std::string>& words);
     void note_default_sizes(const Scene& scene) const;
     friend class MediaArguments;
-    SaidWords typed() const;
 
     bool needs_base_ = false;
     std::string default_wavelengths_;
