@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::size_t kMostValues = 5'000'000;
 
-/// Directions at which files are read that programs interpolate in: they have no list of their own,
-/// or one that is finer than any measurement.
+/// Directions at which files are read that have no list of their own.
 const ListedDirections& usual_directions() {
     static const ListedDirections kDirections{{0.1, 0.3, 0.5, 0.7, 0.9, 1.0},
                                               {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0},
@@ -21,9 +20,10 @@ const ListedDirections& usual_directions() {
     return kDirections;
 }
 
+/// Tables as CSV have a reader of their own here, which reads more than grids.
 bool looks_like_brdf_file(const MeasuredFile& file) {
     return std::any_of(all_formats().begin(), all_formats().end(), [&](const Format& format) {
-        return format.reader.recognise != nullptr &&
+        return format.name != "csv" && format.reader.recognise != nullptr &&
                format.reader.recognise(file.content) != Recognised::no;
     });
 }
@@ -37,8 +37,7 @@ Measurements read_brdf(const MeasuredFile& file, const MeasuredOptions&) {
                            brdf->format()));
     }
     const auto listed = brdf->listed();
-    const bool exact = listed && !listed->interpolated;
-    const ListedDirections& directions = exact ? *listed : usual_directions();
+    const ListedDirections& directions = listed ? *listed : usual_directions();
     const std::size_t channels = brdf->channels().size();
     const std::size_t count = directions.mu_in.size() * directions.mu_out.size() *
                               directions.azimuth_deg.size() * channels;
@@ -48,7 +47,7 @@ Measurements read_brdf(const MeasuredFile& file, const MeasuredOptions&) {
     Measurements list;
     list.samples = {brdf->format()};
     list.facts.emplace_back(
-        "directions", exact ? "those of the table" : "of a grid, interpolated as renderers do");
+        "directions", listed ? "those of the table" : "of a grid, interpolated as renderers do");
     std::vector<double> values(channels);
     for (const double mu_in : directions.mu_in) {
         for (const double mu_out : directions.mu_out) {

@@ -13,8 +13,8 @@ namespace measured {
 extern const Reader kAsd, kCxf, kCgats, kJcamp, kRxt, kEcostress, kSplib, kCsv, kBrdfFile;
 
 std::span<const Reader* const> readers() {
-    static constexpr const Reader* kReaders[] = {&kAsd,       &kCxf,   &kCgats, &kJcamp,   &kRxt,
-                                                 &kEcostress, &kSplib, &kCsv,   &kBrdfFile};
+    static constexpr const Reader* kReaders[] = {&kAsd,       &kCxf,   &kCgats,    &kJcamp, &kRxt,
+                                                 &kEcostress, &kSplib, &kBrdfFile, &kCsv};
     return kReaders;
 }
 

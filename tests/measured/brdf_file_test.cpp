@@ -23,6 +23,22 @@ TEST_CASE("a table of a BRDF as JSON gives its listed directions", "[measured][b
     CHECK(found == 0.5);
 }
 
+TEST_CASE("an angle table of ASTM E1392 is read with its radians and azimuths from the source",
+          "[measured][brdf_file]") {
+    std::string text = "TITLE made up\nNUM_POINTS 4\nVARS theta_i,phi_i,theta_s,phi_s,532nm\n";
+    for (const char* row : {"0.5,0,0.7,0,0.3", "0.5,0,0.7,3.14159265358979,0.5", "1,0,0.7,0,0.2",
+                            "1,0,0.7,3.14159265358979,0.6"})
+        text += std::string(row) + "\n";
+    const Measurements list = read_text(text, {}, "table.astm");
+    CHECK(list.format == "brdf");
+    double mirror = 0.0;
+    for (const MeasuredValue& v : list.values) {
+        CHECK(v.wavelength_nm == 532);
+        if (std::abs(v.mu_in - std::cos(0.5)) < 1e-6 && v.azimuth_deg == 0.0) mirror = v.value;
+    }
+    CHECK(mirror == 0.5);
+}
+
 TEST_CASE("damaged BRDF files are refused", "[measured][brdf_file][errors]") {
     CHECK_THROWS_AS(read_text(R"({"wavelength_nm": [500]})"), InputError);
     CHECK_THROWS_AS(read_text("{"), InputError);
