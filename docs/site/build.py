@@ -34,7 +34,7 @@ CHAPTERS = [
              "docs/boundaries", "docs/polarisation", "docs/colour", "docs/formats/README", "docs/plots", "docs/report",
              "docs/rendering", "docs/gallery"]),
     ("Reference", ["docs/conventions", "reference/python", "reference/cpp"]),
-    ("Mathematics", ["docs/maths-mie", "docs/maths-rte", "docs/maths-boundary", "docs/maths-polarisation", "docs/maths-surface"]),
+    ("Mathematics", ["docs/maths-mie", "docs/maths-spheroids", "docs/maths-rte", "docs/maths-boundary", "docs/maths-polarisation", "docs/maths-surface"]),
     ("Accuracy and speed", ["docs/accuracy", "docs/performance", "docs/numerics", "docs/stability", "docs/benchmarking"]),
     ("The project", ["CONTRIBUTING", "docs/folders", "docs/dependencies", "docs/versions", "tools/packaging/README", "SECURITY", "CHANGELOG", "docs/internals/README"]),
 ]  # fmt: skip

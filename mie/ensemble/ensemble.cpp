@@ -13,6 +13,7 @@
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_passes.h"
+#include "mie/ensemble/spheroid_average.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -367,6 +368,10 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     validate(request);
     require_angles(request.angles_deg);
     const Executor pieces = flushing(run);
+    if (request.aspect) {
+        EnsembleOptics optics = average_spheroids(request, pieces).optics;
+        return {std::move(optics.phase), std::move(optics.phase_error)};
+    }
     const Ensemble ensemble = ensemble_of(request);
     PhaseGoal goal;
     goal.size_tolerance = request.phase_tolerance;
@@ -384,6 +389,11 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
 
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
     const Executor pieces = flushing(run);
+    if (request.aspect) {
+        validate(request);
+        require_angles(request.angles_deg);
+        return average_spheroids(request, pieces).optics;
+    }
     return EnsembleAverage(request, pieces).optics();
 }
 

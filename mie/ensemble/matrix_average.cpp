@@ -7,10 +7,11 @@
 #include <optional>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/matrix_series.h"
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/size_passes.h"
+#include "mie/ensemble/spheroid_average.h"
 #include "rte/math/quadrature.h"
-#include "rte/math/wigner.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -20,15 +21,11 @@ using Rule = SizePasses::Rule;
 struct MatrixRule {
     /// No estimate is below what rounding leaves.
     static constexpr double kRounding = 1e-13;
-    /// Coefficients without 2l + 1 that are rounding of the sums.
-    static constexpr double kNegligible = 1e-15;
     /// Measured on a Zen 4 core; right to a factor of three elsewhere.
     static constexpr double kProductsPerSecond = 4e9;
     /// Points of P have the errors of all degrees: their relative change counts for this much less
     /// than that of single degrees. Where P is dim, it is relative to kDim.
     static constexpr double kPhasePerDegree = 10.0, kDim = 0.5;
-    /// Nodes whose functions stay in the cache together.
-    static constexpr int kNodesAtOnce = 64;
     /// Products after which no further pass of sizes begins: some 25 s.
     static constexpr double kMostProducts = 1e11;
 };
@@ -54,65 +51,6 @@ Eigen::MatrixXd elements(const Eigen::ArrayXXd& products, double scattered) {
     values.col(4) = -2.0 * scale * products.col(2);
     values.col(5) = 2.0 * scale * products.col(3);
     return values;
-}
-
-// Rows l = 0 ... degree: (2l + 1)/2 times the integral of each column times its d^l_mn.
-Eigen::MatrixXd projected(Eigen::MatrixXd values, const math::Quadrature& rule, int degree) {
-    constexpr struct {
-        int m, n, column, columns;
-    } kFamilies[] = {{0, 0, 0, 2}, {2, 2, 2, 1}, {2, -2, 3, 1}, {0, 2, 4, 2}};
-    const auto count = static_cast<Eigen::Index>(rule.nodes.size());
-    const Eigen::Map<const Eigen::VectorXd> x(rule.nodes.data(), count);
-    values.array().colwise() *= Eigen::Map<const Eigen::ArrayXd>(rule.weights.data(), count);
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(degree + 1, 6);
-    Eigen::MatrixXd functions;
-    for (Eigen::Index first = 0; first < count; first += MatrixRule::kNodesAtOnce) {
-        const Eigen::Index here = std::min<Eigen::Index>(MatrixRule::kNodesAtOnce, count - first);
-        for (const auto [m, n, column, columns] : kFamilies) {
-            math::wigner_functions(m, n, degree + 1, x.segment(first, here), functions);
-            if (functions.cols() == 0) continue;
-            result.block(degree + 1 - functions.cols(), column, functions.cols(), columns)
-                .noalias() += functions.transpose() * values.block(first, column, here, columns);
-        }
-    }
-    for (int l = 0; l <= degree; ++l) result.row(l) *= l + 0.5;
-    return result;
-}
-
-MatrixExpansion expansion_of(const Eigen::MatrixXd& rows) {
-    MatrixExpansion e;
-    for (Eigen::Index l = 0; l < rows.rows(); ++l) {
-        e.a1.push_back(rows(l, 0));
-        e.a4.push_back(rows(l, 1));
-        e.a2.push_back(0.5 * (rows(l, 2) + rows(l, 3)));
-        e.a3.push_back(0.5 * (rows(l, 2) - rows(l, 3)));
-        e.b1.push_back(rows(l, 4));
-        e.b2.push_back(rows(l, 5));
-    }
-    return e;
-}
-
-double largest_change(const MatrixExpansion& a, const MatrixExpansion& b) {
-    double change = 0;
-    for (const auto list : {&MatrixExpansion::a1, &MatrixExpansion::a2, &MatrixExpansion::a3,
-                            &MatrixExpansion::a4, &MatrixExpansion::b1, &MatrixExpansion::b2}) {
-        for (std::size_t l = 0; l < (a.*list).size(); ++l)
-            change = std::max(change, std::abs((a.*list)[l] - (b.*list)[l]) / (2.0 * l + 1.0));
-    }
-    return change;
-}
-
-// Without the end that is rounding.
-void trim(MatrixExpansion& e) {
-    std::size_t size = e.a1.size();
-    const auto is_negligible = [&](std::size_t l) {
-        double largest = 0;
-        for (const auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2})
-            largest = std::max(largest, std::abs((*list)[l]));
-        return largest <= MatrixRule::kNegligible * (2.0 * l + 1.0);
-    };
-    while (size > 1 && is_negligible(size - 1)) --size;
-    for (auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2}) list->resize(size);
 }
 
 class MatrixAverage {
@@ -155,7 +93,7 @@ class MatrixAverage {
         const SizeSums& sums = passes_.add(options, run_);
         const MatrixExpansion before = std::move(result_.expansion);
         const Eigen::MatrixXd here = elements(sums.products, sums.spheres.scattered);
-        result_.expansion = expansion_of(projected(here, rule_, degree_));
+        result_.expansion = expansion_of(matrix_series(here, rule_, degree_));
         const Eigen::ArrayXd phase = here.col(0);
         double phase_change = 0;
         if (phase_.size() > 0)
@@ -221,6 +159,7 @@ void require_affordable(const EnsembleRequest& request) {
 }  // namespace
 
 double matrix_seconds(const EnsembleRequest& request) {
+    if (request.aspect) return spheroid_seconds(request);
     const Ensemble ensemble = ensemble_of(request);
     const int terms = ensemble.terms();
     const SizePasses passes(ensemble);
@@ -232,8 +171,9 @@ double matrix_seconds(const EnsembleRequest& request) {
 
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {
     validate(request);
-    require_affordable(request);
     const Executor pieces = flushing(run);
+    if (request.aspect) return average_spheroids(request, pieces);
+    require_affordable(request);
     return MatrixAverage(request, pieces).compute();
 }
 

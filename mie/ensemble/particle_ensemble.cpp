@@ -26,6 +26,25 @@ void require_index(std::complex<double> index, double host_index) {
     }
 }
 
+// What lies beyond, corrections for the shape and tables of scattering know.
+void require_spheroids(const EnsembleRequest& r) {
+    if (!(*r.aspect >= kLeastSpheroidAspect && *r.aspect <= kMostSpheroidAspect)) {
+        throw UsageError("aspect", *r.aspect,
+                         fmt::format("{} to {} (equatorial over polar axis)", kLeastSpheroidAspect,
+                                     kMostSpheroidAspect));
+    }
+    if (!r.coatings.empty())
+        throw UsageError("spheroids by the T-matrix have no coatings; leave one of both out");
+    const Ensemble ensemble = ensemble_of(r);
+    const double largest = ensemble.scatterer.outer_x(ensemble.largest_x());
+    if (largest <= kLargestSpheroid) return;
+    throw UsageError("size parameter of the larger axis of the spheroids",
+                     fmt::format("{:.4g}", largest),
+                     fmt::format("up to {:g} by the T-matrix; for larger ones take the corrections "
+                                 "for the shape (without method=t-matrix), or a file of scattering",
+                                 kLargestSpheroid));
+}
+
 }  // namespace
 
 void validate(const EnsembleRequest& r) {
@@ -49,6 +68,7 @@ void validate(const EnsembleRequest& r) {
         throw UsageError("highest_moment", r.highest_moment, "-1 (none) to 100000");
     }
     require_index(r.refractive_index, r.host_index);
+    if (r.aspect) require_spheroids(r);
     for (const ParticleCoating& coating : r.coatings) {
         require_index(coating.refractive_index, r.host_index);
         for (const double size : {coating.thickness_um, coating.share_of_radius}) {
@@ -69,6 +89,7 @@ Ensemble ensemble_of(const EnsembleRequest& request) {
     const RadiusRange range =
         tail > 0 ? radius_range(request.sizes, tail, 1 / k) : radius_range(request.sizes);
     Scatterer scatterer = request.refractive_index / request.host_index;
+    scatterer.aspect = request.aspect.value_or(1.0);
     for (const ParticleCoating& coating : request.coatings)
         scatterer.coatings.push_back({coating.refractive_index / request.host_index,
                                       k * coating.thickness_um, coating.share_of_radius});

@@ -14,7 +14,8 @@ namespace miebrdf::mie {
 /// A particle without its size: averages are handed it whole and ask only what stands here, and
 /// compute_spheres(), exact_extinction() and the rays of the Debye series (where has_rays()) know
 /// how light meets it. It is a homogeneous sphere, or one with coatings; sizes are those of the
-/// core.
+/// core; or a spheroid in random orientation (spheroid_average.h), whose size is that of the sphere
+/// of its volume.
 struct Scatterer {
     /// A coating adds `thickness` to the size parameter, the same on every core, and `share` of
     /// that of the core.
@@ -28,6 +29,7 @@ struct Scatterer {
 
     std::complex<double> relative_index;  ///< m = n + ik of the sphere or core over its host
     std::vector<Coating> coatings = {};   ///< from inside out
+    double aspect = 1;                    ///< of spheroids, the equatorial axis over the polar one
 
     bool is_plain() const { return coatings.empty(); }
     bool absorbs() const {
@@ -54,7 +56,7 @@ struct Scatterer {
     bool has_rays() const { return is_plain() && relative_index.real() > 1; }
 
     double outer_x(double x) const {
-        double outer = x;
+        double outer = x * std::pow(aspect, aspect < 1 ? -2.0 / 3.0 : 1.0 / 3.0);
         for (const Coating& coating : coatings) outer += coating.thickness + coating.share * x;
         return outer;
     }

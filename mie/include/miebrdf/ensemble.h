@@ -1,5 +1,6 @@
-// Optics of an ensemble of spheres: Mie theory averaged over a size distribution, for unpolarised
-// light and as the whole scattering matrix.
+// Optics of an ensemble of spheres, or of spheroids in random orientation: Mie theory, or the
+// T-matrix, averaged over a size distribution, for unpolarised light and as the whole scattering
+// matrix.
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
@@ -9,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #pragma GCC visibility push(default)
@@ -35,9 +37,13 @@ struct EnsembleRequest {
     SizeDistribution sizes = {};                 ///< of the particles, or of their cores
     std::complex<double> refractive_index = {};  ///< of the particles, n + ik, k >= 0
     std::vector<ParticleCoating> coatings = {};  ///< of the particles, from inside out
-    double host_index = 1.0;                     ///< real index of the medium between them
-    double wavelength_nm = 550.0;                ///< in vacuum
-    int highest_moment = -1;                     ///< chi_0 ... chi_L; -1: no moments
+    /// Spheroids in random orientation: the equatorial axis over the axis of rotation, above 1
+    /// oblate, kLeastSpheroidAspect to kMostSpheroidAspect. Sizes are radii of spheres of the same
+    /// volume, and so are the cross-sections that efficiencies are relative to. Empty: spheres.
+    std::optional<double> aspect = {};
+    double host_index = 1.0;                 ///< real index of the medium between them
+    double wavelength_nm = 550.0;            ///< in vacuum
+    int highest_moment = -1;                 ///< chi_0 ... chi_L; -1: no moments
     std::vector<double> angles_deg = {};     ///< scattering angles for the phase function, 0 to 180
     double tolerance = 1e-4;                 ///< relative, of albedo, q_ext and moments
     double phase_tolerance = 1e-2;           ///< relative, of P at each angle listed, and rms over
@@ -162,8 +168,8 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca,
 /// waves of the largest sphere.
 int highest_moment_of(const EnsembleRequest& request);
 
-/// The scattering matrix of spheres in generalised spherical functions, entry l = degree l, all of
-/// one length:
+/// The scattering matrix of particles in generalised spherical functions, entry l = degree l, all
+/// of one length:
 ///     a1 = sum a1_l d^l_00      a2 + a3 = sum (a2_l + a3_l) d^l_22      b1 = sum b1_l d^l_02
 ///     a4 = sum a4_l d^l_00      a2 - a3 = sum (a2_l - a3_l) d^l_2,-2    b2 = sum b2_l d^l_02
 /// with Wigner's functions d^l_mn(Theta). Coefficients contain 2l + 1: a1_l = (2l + 1) chi_l. Of
@@ -180,7 +186,7 @@ struct MatrixOptics {
     MatrixExpansion expansion;
 };
 
-/// The scattering matrix of spheres, averaged by cross-section, as a series.
+/// The scattering matrix of an ensemble, averaged by cross-section, as a series.
 ///
 /// Amplitudes S1 and S2 of all sizes at the nodes of a Gauss rule in cos Theta, whose products are
 /// polynomials: a1 = (|S1|^2 + |S2|^2) / 2, b1 = (|S2|^2 - |S1|^2) / 2, a3 = Re S2 S1*, b2 =
@@ -198,7 +204,11 @@ struct MatrixOptics {
 ///         the price. Not reaching the tolerance is an outcome: read `converged`.
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run = run_in_order);
 
-/// The largest size parameter that average_matrix takes.
+/// Spheroids that averages take: the size parameter of the larger axis, and the aspect.
+inline constexpr double kLargestSpheroid = 50;
+inline constexpr double kLeastSpheroidAspect = 0.25, kMostSpheroidAspect = 4;
+
+/// The largest size parameter of spheres that average_matrix takes.
 inline constexpr double kLargestMatrixSphere = 1800;
 
 /// The least time that average_matrix will take, in seconds of one thread (right to a factor of
