@@ -156,6 +156,7 @@ class EnsembleAverage {
     std::optional<MomentTransform> transform_;  // the same for all passes
     std::optional<RayAbsorption> absorption_;   // where sizes may miss resonances
     bool by_rays_ = false;                      // whether they do: absorption_ is better
+    bool gains_nothing_ = false;                // more sizes do not
     EnsembleOptics optics_;
 };
 
@@ -255,6 +256,7 @@ bool EnsembleAverage::is_enough() const {
 }
 
 bool EnsembleAverage::is_worth_more_sizes() const {
+    if (gains_nothing_) return false;
     if (!at_angles_) return true;
     const double products =
         4.0 * terms_ * at_angles_->angles().angle_count() * passes_.sizes_so_far();
@@ -287,6 +289,7 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     double of_absorption = 0;
     if (before.one_minus_albedo > 0 && optics_.one_minus_albedo > 0)
         of_absorption = std::abs(std::log(before.one_minus_albedo / optics_.one_minus_albedo));
+    const double of_sizes = of_absorption;
     by_rays_ = absorption_ && absorption_->error < of_absorption;
     if (by_rays_) of_absorption = absorption_->error;
     const double absorption = change_by_absorption(optics_, of_absorption);
@@ -298,6 +301,10 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const double missed = exact > 0 ? std::abs(optics_.q_ext / exact - 1) : change;
     optics_.error_estimate =
         passes_.error(change, missed, 0.25, absorption, std::max(AverageRule::kRounding, tail_));
+    // Rays err by so much however many sizes there are, and sizes will not do better: what they
+    // miss of resonances falls with their number.
+    gains_nothing_ = by_rays_ && optics_.error_estimate <= absorption &&
+                     of_sizes * passes_.sizes_so_far() > absorption_->error * kNodeLimit;
 }
 
 // Extinction, and with it the albedo, need not carry the error of the nodes.
