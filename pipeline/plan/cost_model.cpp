@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/solve/coated.h"
 #include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/single_scattering.h"
@@ -33,6 +34,11 @@ MieWork mie_work(const ResolvedSpecies& species, std::size_t w, double tolerance
     MieWork work{
         species.sizes, at.index / at.host_index, at.host_index, at.wavelength_nm, tolerance,
         whole,         at.coatings.size()};
+    if (species.species.shape.by_t_matrix) {
+        mie::EnsembleRequest request = particles_of(species, w);
+        request.tolerance = tolerance;
+        work.t_matrix_seconds = mie::matrix_seconds(request);
+    }
     // Waves are as many as the whole particle needs, resonances as wide as the clearest layer makes
     // them.
     work.sizes.effective_radius_um = species.outer_radius_um;
@@ -108,6 +114,7 @@ double seconds_of(const MieFit& fit, const MieWork& work) {
 // function is wanted, of 74 others 49 % where it is not: there narrow resonances decide, which no
 // smooth formula knows.
 double mie_seconds(const MieWork& work) {
+    if (work.t_matrix_seconds > 0.0) return work.t_matrix_seconds;
     constexpr double kPerCoating = 7.0;  // measured: docs/maths-mie.md, "Layers"
     constexpr MieFit kWhole = {1.13e-3, 0.621, 0.331, 0.129, 0.189, -0.172,
                                0.58,    1.76,  1.14,  0.335, 0.667, 0.515};

@@ -19,6 +19,7 @@ struct MieWork {
     double tolerance = 2e-4;   ///< of the average
     bool whole_phase = false;  ///< the phase function at every angle and all its moments
     std::size_t coatings = 0;
+    double t_matrix_seconds = 0.0;  ///< of spheroids
 };
 
 /// The average that a species asks for at a wavelength. @pre it goes through Mie theory

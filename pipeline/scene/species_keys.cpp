@@ -87,6 +87,7 @@ constexpr Named<GrainShape::Kind> kShapes[] = {
     {"spheroid", GrainShape::Kind::spheroid},
     {"hexagonal-plate", GrainShape::Kind::hexagonal_plate},
     {"koch", GrainShape::Kind::koch}};
+constexpr Named<bool> kMethods[] = {{"corrections", false}, {"t-matrix", true}};
 constexpr Named<PhaseForm> kPhases[] = {
     {"mie", PhaseForm::mie},
     {"henyey-greenstein", PhaseForm::henyey_greenstein},
@@ -150,6 +151,10 @@ const std::vector<Key> kKeys = {
     {"aspect",
      [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
          set_once(w.species.shape.aspect, parse_number(value, what), "aspect", text);
+     }},
+    {"method",
+     [](Words& w, const std::string& value, const std::string& what, const std::string&) {
+         w.species.shape.by_t_matrix = value_of(kMethods, value, what);
      }},
     {"asymmetry",
      [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
@@ -247,6 +252,17 @@ void validate_shape(const Species& species, const std::string& text) {
     if (shape.aspect && shape.kind == GrainShape::Kind::sphere)
         refuse("spheres have no aspect; give a shape, e.g. shape=hexagonal-plate");
     if (shape == GrainShape{}) return;
+    if (shape.by_t_matrix) {
+        if (shape.kind != GrainShape::Kind::spheroid)
+            refuse("method=t-matrix is for shape=spheroid");
+        if (shape.asymmetry || shape.absorption ||
+            species.phase.value_or(PhaseForm::mie) != PhaseForm::mie)
+            refuse(
+                "asymmetry=, absorption= and phase= are of corrections; method=t-matrix has its "
+                "own");
+        if (!species.coatings.empty()) refuse("spheroids by the T-matrix have no coatings");
+        return;
+    }
     if (species.phase == PhaseForm::mie) {
         refuse(
             "grains that are no spheres have no phase function of Mie theory; allowed: "
@@ -275,6 +291,7 @@ std::string rest_of_keys(const Species& species) {
     if (shape.kind != GrainShape::Kind::sphere)
         text += fmt::format(",shape={}", name_in(kShapes, shape.kind));
     if (shape.aspect) text += fmt::format(",aspect={}", *shape.aspect);
+    if (shape.by_t_matrix) text += ",method=t-matrix";
     if (shape.asymmetry) text += fmt::format(",asymmetry={}", *shape.asymmetry);
     if (shape.absorption) text += fmt::format(",absorption={}", *shape.absorption);
     if (species.phase) text += fmt::format(",phase={}", name_in(kPhases, *species.phase));

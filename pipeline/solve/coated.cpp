@@ -7,6 +7,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/sizes.h>
+#include "pipeline/solve/grain_shape.h"
 
 namespace miebrdf {
 namespace {
@@ -67,6 +68,8 @@ mie::EnsembleRequest particles_of(const ResolvedSpecies& species, std::size_t w)
     request.sizes = species.sizes;
     request.refractive_index = at.index;
     request.coatings = at.coatings;
+    const GrainShape& shape = species.species.shape;
+    if (shape.by_t_matrix) request.aspect = shape.aspect.value_or(kSpheroidAspect);
     request.host_index = at.host_index;
     request.wavelength_nm = at.wavelength_nm;
     return request;

@@ -100,8 +100,8 @@ rte::Optics lobes(const DoubleLobe& lobe, double albedo, double one_minus_albedo
 }  // namespace
 
 bool has_smooth_phase(const Species& species) {
-    const PhaseForm by_default =
-        species.shape == GrainShape{} ? PhaseForm::mie : PhaseForm::henyey_greenstein;
+    const bool is_exact = species.shape == GrainShape{} || species.shape.by_t_matrix;
+    const PhaseForm by_default = is_exact ? PhaseForm::mie : PhaseForm::henyey_greenstein;
     return species.phase.value_or(by_default) != PhaseForm::mie;
 }
 
@@ -111,7 +111,7 @@ double grain_asymmetry(const GrainShape& shape, double wavelength_nm, double eff
     const bool is_spheroid = shape.kind == Grain::spheroid, is_koch = shape.kind == Grain::koch;
     const double factor = is_spheroid ? kSpheroidFactor : is_koch ? kKochFactor : kPlateFactor;
     const double diameter = 2.0 * effective_radius_um / (is_koch ? kKochDiameter : 1.0);
-    const double aspect = shape.aspect.value_or(is_spheroid ? 0.5 : 2.5);
+    const double aspect = shape.aspect.value_or(is_spheroid ? kSpheroidAspect : 2.5);
     const double a = is_spheroid ? aspect : std::log(aspect);
     const std::array<Bands, 3>& fu = is_spheroid ? kSpheroid : kPlate;
     Bands correction{}, geometric{};
@@ -196,7 +196,7 @@ MediumOptics smooth_optics(const ResolvedSpecies& species, std::size_t w,
 }
 
 void require_grains(const ResolvedSpecies& species) {
-    if (species.species.shape.kind == Grain::sphere) return;
+    if (species.species.shape.kind == Grain::sphere || species.species.shape.by_t_matrix) return;
     for (const Particles& at : species.particles) {
         const double n = at.index.real() / at.host_index;
         const bool in_range = at.wavelength_nm >= 200.0 && at.wavelength_nm <= 5000.0;

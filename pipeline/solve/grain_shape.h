@@ -6,6 +6,9 @@
 
 namespace miebrdf {
 
+/// Of spheroids that state none.
+inline constexpr double kSpheroidAspect = 0.5;
+
 /// Whether the phase function is a smooth one and not that of Mie theory.
 bool has_smooth_phase(const Species& species);
 

@@ -62,6 +62,7 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
             key.add(shape.kind).add(shape.aspect).add(shape.asymmetry).add(shape.absorption);
             key.add(species.species.phase);
         }
+        if (shape.by_t_matrix) key.add("t-matrix").add(shape.aspect);
         for (const mie::ParticleCoating& coating : at.coatings)
             key.add(coating.refractive_index)
                 .add(coating.thickness_um)

@@ -1,6 +1,7 @@
 // Coated particles in the words of a scene: what is read, how much of them there is, and that every
 // way through the pipeline sees the whole particle.
 #include <miebrdf/brdf.h>
+#include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/sphere.h>
@@ -191,4 +192,27 @@ TEST_CASE("every number of a coating is part of the key", "[pipeline][coated]") 
     const ResolvedScene two = resolve(support::scene_of(core + ",coating=SiO2@5nm"), {450, 650});
     const auto& particles = two.media[0].species[0].particles;
     CHECK(particles[0].coatings[0].refractive_index != particles[1].coatings[0].refractive_index);
+}
+
+TEST_CASE("spheroids by the T-matrix scatter as their average does, and are written back",
+          "[pipeline][coated]") {
+    const std::string words =
+        "index:1.53,0.01,radius=0.2,distribution=mono,shape=spheroid,aspect=2,method=t-matrix";
+    CHECK(species(describe(species(words))) == species(words));
+    mie::EnsembleRequest request;
+    request.sizes.kind = mie::SizeDistributionKind::mono;
+    request.sizes.effective_radius_um = 0.2;
+    request.refractive_index = {1.53, 0.01};
+    request.wavelength_nm = 550;
+    request.aspect = 2;
+    const mie::EnsembleOptics truth = mie::average_over_sizes(request);
+    const LayerOptics layer = optics_of(words + ",volume=1%");
+    CHECK(apart(layer.single_scattering_albedo, truth.single_scattering_albedo) <= 1e-4);
+    CHECK(apart(layer.asymmetry, truth.asymmetry) <= 1e-4);
+    // 3 f Q / (4 r): amounts are volumes, sizes those of spheres of the same volume.
+    CHECK(apart(layer.scattering_per_um.value(), 0.75 * 0.01 * truth.q_sca / 0.2) <= 1e-4);
+    CHECK_THROWS_WITH(species("index:1.5,shape=koch,method=t-matrix"),
+                      Catch::Contains("shape=spheroid"));
+    CHECK_THROWS_WITH(species("index:1.5,shape=spheroid,aspect=2,asymmetry=0.8,method=t-matrix"),
+                      Catch::Contains("has its own"));
 }

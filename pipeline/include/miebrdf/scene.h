@@ -69,7 +69,8 @@ Coating coating(const std::string& text);
 std::string describe(const Coating& coating);
 
 /// Grains that are no spheres, by published corrections of what spheres of the same effective
-/// radius 3 V / (4 A) (V the volume, A the mean projected area) scatter: docs/particles.md.
+/// radius 3 V / (4 A) (V the volume, A the mean projected area) scatter, or spheroids by the
+/// T-matrix: docs/particles.md.
 struct GrainShape {
     enum class Kind { sphere, spheroid, hexagonal_plate, koch };
     Kind kind = Kind::sphere;
@@ -77,6 +78,9 @@ struct GrainShape {
     std::optional<double> asymmetry = {};  ///< g, in (-1, 1), in place of that of spheres or shapes
     /// B of Libois et al. (2013), in [0.5, 3], 1.25 for spheres: how absorption is enhanced.
     std::optional<double> absorption = {};
+    /// Spheroids exactly, in random orientation: aspect is the equatorial axis over the polar one
+    /// (empty: 0.5), sizes are radii of spheres of the same volume.
+    bool by_t_matrix = false;
 
     bool operator==(const GrainShape&) const = default;
 };
@@ -148,8 +152,9 @@ struct Medium {
 };
 
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
-/// `hg:ALBEDO,G`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE` or `matrix:FILE` (the file is read here; names are looked up by
-/// solve()), then sizes and amounts of its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
+/// `hg:ALBEDO,G`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE` or `matrix:FILE` (the file is read here;
+/// names are looked up by solve()), then sizes and amounts of its own:
+/// `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong
 Species species(const std::string& text);
