@@ -14,6 +14,7 @@
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/distinct_directions.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/phase_errors.h"
 #include "pipeline/solve/polarisation.h"
@@ -305,7 +306,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     // ground.
     const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
     const double hiding = transmits ? 0.0 : request.solver.tolerance;
-    tbb::enumerable_thread_specific<rte::SolutionMemory> memories;
+    tbb::enumerable_thread_specific<rte::SolutionMemory> memories(
+        [boundaries = rough_boundaries_of(control)] { return rte::memory_with(boundaries); });
     // Returns the jobs that want more moments than these.
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
         std::vector<std::size_t> wavelengths(places.size());

@@ -5,6 +5,7 @@
 
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
+#include "rte/boundary/rough_boundaries.h"
 
 namespace miebrdf {
 namespace {
@@ -32,9 +33,7 @@ std::vector<double> packed(const MediumOptics& optics) {
     const auto* table = function.target<mie::PhaseTable>();
     packer.add(polarisation != nullptr);
     if (polarisation != nullptr) {
-        const auto& [a2, a3, a4, b1, b2, matrix] = *polarisation;
-        static_cast<void>(matrix);  // Mie theory gives coefficients alone
-        packer.add(a2).add(a3).add(a4).add(b1).add(b2);
+        packer.add<MatrixExpansion>(*polarisation);  // Mie theory gives coefficients alone
     }
     packer.add(table != nullptr);
     if (table == nullptr) return packer.numbers();
@@ -56,7 +55,7 @@ MediumOptics unpacked_optics(const std::vector<double>& numbers) {
     read(has_polarisation);
     if (has_polarisation) {
         rte::Polarisation p;
-        read(p.a2, p.a3, p.a4, p.b1, p.b2);
+        unpacker.read<MatrixExpansion>(p);
         o.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
     }
     bool has_table = false;
@@ -68,6 +67,11 @@ MediumOptics unpacked_optics(const std::vector<double>& numbers) {
     o.phase = mie::PhaseTable(std::move(parts));
     return optics;
 }
+
+OpticsMemo::OpticsMemo(std::size_t limit_bytes, std::shared_ptr<OpticsStore> shared)
+    : free_bytes_(limit_bytes),
+      shared_(std::move(shared)),
+      rough_boundaries_(std::make_shared<rte::RoughBoundaries>()) {}
 
 std::shared_ptr<const MediumOptics> OpticsMemo::find(const std::string& hash) {
     const std::lock_guard lock(mutex_);
@@ -97,6 +101,11 @@ std::size_t OpticsMemo::free_bytes() const {
 
 std::shared_ptr<OpticsMemo> make_optics_memo(std::size_t limit_bytes) {
     return std::make_shared<OpticsMemo>(limit_bytes);
+}
+
+std::shared_ptr<rte::RoughBoundaries> rough_boundaries_of(const Control& control) {
+    return control.memo != nullptr ? control.memo->rough_boundaries()
+                                   : std::make_shared<rte::RoughBoundaries>();
 }
 
 MediumOptics remembered_optics(const Control& control, const std::string& hash,

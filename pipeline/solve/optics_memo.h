@@ -18,6 +18,10 @@
 
 namespace miebrdf {
 
+namespace rte {
+class RoughBoundaries;
+}
+
 /// Results as a row of numbers, for the cache.
 std::vector<double> packed(const MediumOptics& optics);
 MediumOptics unpacked_optics(const std::vector<double>& numbers);
@@ -35,14 +39,17 @@ class OpticsStore {
 class OpticsMemo {
   public:
     /// @param shared  with other processes; null: none
-    explicit OpticsMemo(std::size_t limit_bytes, std::shared_ptr<OpticsStore> shared = {})
-        : free_bytes_(limit_bytes), shared_(std::move(shared)) {}
+    explicit OpticsMemo(std::size_t limit_bytes, std::shared_ptr<OpticsStore> shared = {});
 
     std::shared_ptr<const MediumOptics> find(const std::string& hash);
     void keep(const std::string& hash, const MediumOptics& optics);
     int found() const;               ///< how often something was there
     std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
     NamedIndexMemo& names() { return names_; }  ///< n and k: small, so not counted
+    /// Matrices of rough boundaries: of some MB, not counted.
+    const std::shared_ptr<rte::RoughBoundaries>& rough_boundaries() const {
+        return rough_boundaries_;
+    }
     OpticsStore* shared() const { return shared_.get(); }
 
   private:
@@ -52,7 +59,11 @@ class OpticsMemo {
     std::shared_ptr<OpticsStore> shared_;
     int found_ = 0;
     NamedIndexMemo names_;
+    std::shared_ptr<rte::RoughBoundaries> rough_boundaries_;
 };
+
+/// Those of the memo, or none but the caller's own.
+std::shared_ptr<rte::RoughBoundaries> rough_boundaries_of(const Control& control);
 
 /// Optics from where they are known: from an earlier scene of the run, from other processes, or
 /// from the cache; else computed and kept in all of them.

@@ -10,8 +10,9 @@
 #include <miebrdf/surface.h>
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/checks.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
-#include "rte/boundary/rough_top.h"
+#include "rte/boundary/rough_boundaries.h"
 #include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
@@ -38,10 +39,12 @@ std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const 
         light = choose_light(request, all, hiding, demand, control);
         optics = optics_in(light, request, all, hiding, demand, control);
     }
+    const auto boundaries = rough_boundaries_of(control);
     std::vector<std::optional<SolvedWavelength>> solved(count);
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
+        rte::SolutionMemory memory = rte::memory_with(boundaries);
         solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
-                          state.components > 1);
+                          state.components > 1, memory);
     });
     std::vector<SolvedWavelength> wavelengths;
     wavelengths.reserve(solved.size());
@@ -74,12 +77,13 @@ const Directions& probe_directions() {
 
 SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
                                    const SceneOptics& optics, const SolverOptions& solver,
-                                   BrdfPart part, const LightChoice& light, bool whole_matrix) {
+                                   BrdfPart part, const LightChoice& light, bool whole_matrix,
+                                   rte::SolutionMemory& memory) {
     report_.converged = report_.solver.converged = true;
     if (part == BrdfPart::surface) {
         // Of the layers nothing is wanted.
     } else {
-        solve(optics, solver, light.components, whole_matrix);
+        solve(optics, solver, light.components, whole_matrix, memory);
         report_.polarisation_left_out = light.left_out;
     }
     report_.wavelength_nm = scene.wavelength_nm[w];
@@ -95,19 +99,20 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
 }
 
 void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& solver, int components,
-                             bool whole_matrix) {
+                             bool whole_matrix, rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
     report_.stokes = components;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary) return;
     SolverOptions options = solver;
     options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);
     const rte::SolvedLight light{components, components > 1 && !whole_matrix};
-    report_.solver = components > 1
-                         ? rte::reflect_polarised(stack, probe_directions(), light, options).report
-                         : rte::reflect(stack, probe_directions(), options).report;
+    report_.solver =
+        components > 1
+            ? rte::reflect_polarised(stack, probe_directions(), light, options, &memory).report
+            : rte::reflect(stack, probe_directions(), options, &memory).report;
     options.streams = report_.solver.streams;
     rte::TabulatedOrders table =
-        rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options);
+        rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options, memory);
     smooth_ = smooth_element(table, light.shown(), 0, 0);
     if (whole_matrix && components > 1) mueller_.emplace(table, components);
     report_.solver.fourier_orders = static_cast<int>(table.orders.size());
@@ -116,7 +121,7 @@ void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& sol
     is_polarised_ = components > 1;
     if (stack_.boundary && stack_.boundary->is_rough()) {
         const std::vector<double>& nodes = SmoothPart::nodes();
-        const Eigen::VectorXd scale = rte::outer_lobe_scale(
+        const Eigen::VectorXd scale = stack_.rough_boundaries->outer_lobe_scale(
             stack_.top_index, *stack_.boundary,
             Eigen::Map<const Eigen::VectorXd>(nodes.data(), Eigen::Index(nodes.size())));
         lobe_scale_.assign(scale.begin(), scale.end());

@@ -32,7 +32,7 @@ class SolvedWavelength {
     /// @param whole_matrix  the other elements are wanted too
     SolvedWavelength(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
                      const SolverOptions& solver, BrdfPart part, const LightChoice& light,
-                     bool whole_matrix);
+                     bool whole_matrix, rte::SolutionMemory& memory);
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
@@ -56,7 +56,7 @@ class SolvedWavelength {
 
   private:
     void solve(const SceneOptics& optics, const SolverOptions& solver, int components,
-               bool whole_matrix);
+               bool whole_matrix, rte::SolutionMemory& memory);
 
     rte::ScaledStack stack_;
     bool is_polarised_ = false;

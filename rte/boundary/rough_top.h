@@ -3,36 +3,23 @@
 
 #include <memory>
 
-#include "rte/boundary/rough_boundary.h"
+#include "rte/boundary/rough_boundaries.h"
 #include "rte/half_space/half_space.h"
 
 namespace miebrdf::rte {
 
-/// Boundaries that were made before in this process, with at least that many orders; the most
-/// recently used ones are kept (some MB). Thread-safe.
-/// @param grid  as RoughBoundary's
-std::shared_ptr<const RoughBoundary> shared_rough_boundary(double index, const Boundary& boundary,
-                                                           const RefractionGrid& grid, int orders);
-
-/// OuterLobeScale of a boundary at any cosines.
-Eigen::VectorXd outer_lobe_scale(double index, const Boundary& boundary,
-                                 const Eigen::VectorXd& mu_air);
-
-/// LightFromAir::compensation of a boundary at any cosines.
-Eigen::VectorXd facet_compensation(double index, const Boundary& boundary,
-                                   const Eigen::VectorXd& mu_air);
-
 /// Not thread-safe.
 class RoughTop {
   public:
-    /// @param grid       as RoughBoundary's
-    /// @param requested  in air; must outlive this
-    /// @param mirrored   what comes back at the nodes without being scattered; empty: nothing.
-    /// Light
-    ///                   that does and meets one facet on each passage is left out of `multiple`,
-    ///                   as narrow as its lobe may be (MirroredLobe)
-    RoughTop(double index, const Boundary& boundary, const RefractionGrid& grid,
-             const RequestedDirections& requested, Eigen::VectorXd mirrored = {});
+    /// @param boundaries  must outlive this
+    /// @param grid        as RoughBoundary's
+    /// @param requested   in air; must outlive this
+    /// @param mirrored    what comes back at the nodes without being scattered; empty: nothing.
+    ///                    Light that does and meets one facet on each passage is left out of
+    ///                    `multiple`, as narrow as its lobe may be (MirroredLobe)
+    RoughTop(RoughBoundaries& boundaries, double index, const Boundary& boundary,
+             const RefractionGrid& grid, const RequestedDirections& requested,
+             Eigen::VectorXd mirrored = {});
 
     /// Reflection of one Fourier order by `below` seen from air. Light that does not enter is left
     /// out of `multiple`; its share is in `specular`, because albedos count it.
@@ -44,6 +31,7 @@ class RoughTop {
   private:
     void need_orders(int count);
 
+    RoughBoundaries& boundaries_;
     double index_;
     Boundary kind_;
     RefractionGrid grid_;

@@ -4,7 +4,7 @@
 
 #include "rte/derivatives/frozen_stack.h"
 #include "rte/stack/hidden_layers.h"
-#include "rte/stack/layered_reflection.h"
+#include "rte/stack/requests.h"
 
 namespace miebrdf::rte {
 namespace {

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <utility>
 
-#include "rte/boundary/facet_lobes.h"
-#include "rte/boundary/rough_top.h"
+#include "rte/boundary/rough_boundaries.h"
 #include "rte/boundary/smooth_boundary.h"
+#include "rte/first_order/beams.h"
 #include "rte/first_order/glory_correction.h"
 #include "rte/first_order/meridian_planes.h"
 #include "rte/grid/refraction_grid.h"
@@ -229,7 +229,7 @@ void add_mirrored_lobe(std::vector<double>& reflection, const Directions& direct
     const MirroredLobe lobe(stack.top_index, {boundary.roughness, boundary.distribution},
                             [&](double mu) { return unscattered_return(stack, mu); });
     const auto scale_at = [&](const std::vector<double>& cosines) {
-        return facet_compensation(
+        return stack.rough_boundaries->facet_compensation(
             stack.top_index, boundary,
             Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
     };
@@ -279,7 +279,7 @@ void FirstOrderSum::add_outer_lobe(std::vector<double>& reflection,
                                    const ScaledStack& stack) const {
     const SurfaceLobe lobe = outer_lobe(*stack.boundary, stack.top_index);
     const auto scale_at = [&](const std::vector<double>& cosines) -> Eigen::VectorXd {
-        return outer_lobe_scale(
+        return stack.rough_boundaries->outer_lobe_scale(
             stack.top_index, *stack.boundary,
             Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
     };

@@ -12,7 +12,6 @@
 
 #include <miebrdf/solver.h>
 #include <miebrdf/surface.h>
-#include "rte/first_order/beams.h"
 #include "rte/phase/stack_of_media.h"
 
 namespace miebrdf::rte {

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <complex>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "rte/phase/scaled_medium.h"
 
 namespace miebrdf::rte {
+
+class RoughBoundaries;
 
 struct ScaledStack {
     std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
@@ -20,7 +23,9 @@ struct ScaledStack {
     /// index.
     double ground_index = 1.0, top_index = 1.0;
     std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
-    int moments = 1;                        ///< Legendre moments of the medium that has most
+    /// Where `boundary` is rough, those that were made before; never null then.
+    std::shared_ptr<RoughBoundaries> rough_boundaries = {};
+    int moments = 1;  ///< Legendre moments of the medium that has most
     /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is
     /// left out.
     bool transmits = false;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "rte/boundary/rough_boundaries.h"
 #include "rte/first_order/glory_correction.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -109,6 +110,8 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
     scaled.media.resize(count);
     find_indices(stack, scaled);
     if (stack.boundary) remove_layers_without_surfaces(scaled);
+    if (scaled.boundary && scaled.boundary->is_rough() && scaled.rough_boundaries == nullptr)
+        scaled.rough_boundaries = std::make_shared<RoughBoundaries>();
 }
 
 StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}

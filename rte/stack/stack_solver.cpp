@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "rte/boundary/rough_top.h"
-#include "rte/first_order/first_order.h"
+#include "rte/first_order/beams.h"
 #include "rte/math/tolerance_budget.h"
-#include "rte/stack/hidden_layers.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -71,9 +70,9 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
                 return unscattered_return(stack, mu);
             });
         }
-        rough_top_ = std::make_unique<RoughTop>(stack.top_index, *stack.boundary,
-                                                grids.refraction().within(stack.top_index),
-                                                requested, unscattered_);
+        rough_top_ = std::make_unique<RoughTop>(
+            *stack.rough_boundaries, stack.top_index, *stack.boundary,
+            grids.refraction().within(stack.top_index), requested, unscattered_);
     }
     if (components == 1) return;
     for (const ScaledMedium& medium : stack.media) {
@@ -224,210 +223,6 @@ const ZenithGrid& StackSolver::grid_of(double index) const {
 const RequestedDirections& StackSolver::requested_in(double index) const {
     return components_ == 1 ? memory_.requested[place_of(index)]
                             : rows_[place_of(index)].requested[block_->size()];
-}
-
-void StackSolver::put_on_top(ReflectorParts parts) {
-    if (!rough_top_) {
-        put_on_boundary(stack_.top_index, 1.0, parts);
-        return;
-    }
-    Reflector& result = free_reflector(1.0);
-    rough_top_->put_on(fourier_order_, *reflector_, parts, result);
-    reflector_ = &result;
-}
-
-// Reflectances are the same in all Fourier orders, and in stacks of the same indices.
-const SmoothBoundary& StackSolver::boundary_between(double below, double above) {
-    constexpr std::size_t most = 8;
-    const Eigen::VectorXd& nodes = grids_.of(below).mu;
-    const RequestedDirections& requested = requested_in(below);
-    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-        return a.size() == b.size() && a == b;
-    };
-    for (const KnownBoundary& known : memory_.boundaries) {
-        const SmoothBoundary& boundary = known.boundary;
-        if (boundary.index_below == below && boundary.index_above == above &&
-            boundary.nodes_above == grids_.refraction().nodes_below(above) &&
-            alike(known.nodes, nodes) && alike(known.requested, requested.mu)) {
-            return boundary;
-        }
-    }
-    if (memory_.boundaries.size() == most) memory_.boundaries.erase(memory_.boundaries.begin());
-    memory_.boundaries.push_back(
-        {SmoothBoundary(below, above, grids_.refraction(), requested), nodes, requested.mu});
-    return memory_.boundaries.back().boundary;
-}
-
-void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts) {
-    Reflector& result = free_reflector(above);
-    if (components_ == 1) {
-        put_boundary_on(boundary_between(below, above), *reflector_, requested_in(below), parts,
-                        memory_.sky, memory_.work, result);
-    } else {
-        const FresnelReflections matrices(below, above, nodes_of(below), nodes_of(above),
-                                          cosines_in(below));
-        if (is_coupled()) {
-            put_boundary_on_coupled(matrices, *block_, requested_in(below), parts, *reflector_,
-                                    result);
-        } else {
-            put_boundary_on(polarised_boundary(matrices, *block_), *reflector_, requested_in(below),
-                            parts, memory_.sky, memory_.work, result);
-        }
-    }
-    reflector_ = &result;
-}
-
-void StackSolver::set_medium(std::size_t medium) {
-    const ScaledMedium& of_stack = stack_.media[medium];
-    FourierMedium& seen = memory_.medium;
-    seen.one_minus_albedo = of_stack.scaled.one_minus_albedo;
-    seen.brightness = fourier_order_ > 0 ? memory_.brightness[medium] : 0.0;
-    if (components_ > 1) {
-        make_block_mode(stokes_tables_of(of_stack.index), *block_, strengths_[medium],
-                        grid_of(of_stack.index), requested_in(of_stack.index), memory_.stokes_mode,
-                        seen);
-        return;
-    }
-    const ScaledOptics& scaled = of_stack.scaled;
-    seen.lowest_degree = fourier_order_;
-    seen.degrees.clear();
-    seen.strengths.resize(mode_of(of_stack.index).at_nodes.cols());
-    for (Eigen::Index c = 0; c < seen.strengths.size(); ++c) {
-        const Eigen::Index l = fourier_order_ + c;
-        seen.strengths[c] =
-            l < scaled.chi.size() ? scaled.albedo * (2.0 * double(l) + 1.0) * scaled.chi[l] : 0.0;
-    }
-}
-
-bool StackSolver::may_leave_out_layers() const {
-    return !stack_.transmits && options_.coat_method == CoatMethod::automatic &&
-           options_.half_space_method == HalfSpaceMethod::automatic;
-}
-
-std::size_t StackSolver::solve_lowest() {
-    const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
-    const double allowed = tolerance_ * std::min(stack_.brightness, 1.0);
-    for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
-        const double depth = stack_.media[c].scaled_optical_depth;
-        if (!hides_in_fourier_order({}, depth, allowed)) continue;  // whatever it scatters
-        set_medium(c);
-        if (!hides_in_fourier_order(memory_.medium, depth, allowed)) continue;
-        solve_as_half_space(HalfSpaceMethod::automatic, c);
-        return c + 1;
-    }
-    solve_base();
-    return first_coat;
-}
-
-std::size_t StackSolver::solve_mirrors() {
-    Reflector& mirrors = free_reflector(stack_.top_index);
-    mirrors = {};
-    mirrors.nodes = unscattered_.asDiagonal();
-    mirrors.physical = true;
-    reflector_ = &mirrors;
-    return stack_.media.size();
-}
-
-void StackSolver::solve_base() {
-    if (stack_.base != BaseKind::half_space) {
-        solve_ground();
-        return;
-    }
-    set_medium(0);
-    solve_as_half_space(options_.half_space_method, 0);
-}
-
-void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t medium) {
-    const double n = stack_.media[medium].index;
-    reflector_ = &free_reflector(n);
-    if (is_coupled()) {
-        solve_coupled_half_space(stokes_tables_of(n), *block_, strengths_[medium],
-                                 memory_.stokes_mode, memory_.medium, nodes_of(n), cosines_in(n),
-                                 grid_of(n), requested_in(n), tolerance_, memory_.coupled,
-                                 *reflector_);
-        return;
-    }
-    solve_half_space(method, memory_.medium, mode_of(n), grid_of(n), requested_in(n), tolerance_,
-                     memory_.work, *reflector_);
-    if (fourier_order_ == 0 && block_->front() == StokesComponent::I)
-        memory_.brightness[medium] = memory_.work.brightness;
-}
-
-Eigen::VectorXd StackSolver::mirror_at(double index, const Eigen::VectorXd& mu) const {
-    return components_ == 1 ? boundary_reflectance(index, stack_.mirror_index, mu)
-                            : polarised_mirror(index, stack_.mirror_index, mu, *block_);
-}
-
-void StackSolver::solve_ground() {
-    const double n = stack_.ground_index;
-    const ZenithGrid& grid = grid_of(n);
-    const RequestedDirections& requested = requested_in(n);
-    if (components_ > 1) {
-        make_block_mode(stokes_tables_of(n), *block_, {}, grid, requested, memory_.stokes_mode,
-                        memory_.medium);
-    }
-    const FourierMode& mode = mode_of(n);
-    Reflector& ground = free_reflector(n);
-    reflector_ = &ground;
-    if (stack_.base == BaseKind::lambertian) {
-        lambertian_ground(stack_.ground_albedo, mode, grid, requested, ground);
-    } else if (stack_.base == BaseKind::mirror && is_coupled()) {
-        coupled_mirror(n, stack_.mirror_index, nodes_of(n), cosines_in(n), requested, *block_,
-                       ground);
-    } else if (stack_.base == BaseKind::mirror) {
-        mirror_ground(mirror_at(n, nodes_of(n).mu), mirror_at(n, cosines_in(n).mu), requested,
-                      ground);
-    } else {
-        no_reflection(grid, requested, ground);
-    }
-    ground.has_transmittance = stack_.transmits;
-    if (!stack_.transmits) return;
-    ground.transmittance_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
-    mode.keep_intensity(ground.transmittance_at_nodes);
-    ground.transmittance_at_requested.setOnes(requested.mu.size());
-    mode.keep_intensity(ground.transmittance_at_requested);
-    if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
-        ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
-        ground.transmittance_at_requested -=
-            ground.specular.cwiseProduct(ground.transmittance_at_requested);
-    }
-}
-
-void StackSolver::put_on_coat(std::size_t medium, ReflectorParts parts) {
-    const ScaledMedium& coat = stack_.media[medium];
-    set_medium(medium);
-    const double n = coat.index;
-    const FourierMode& mode = mode_of(n);
-    const RequestedDirections& requested = requested_in(n);
-    if (options_.coat_method != CoatMethod::automatic) {
-        const std::vector<ScaledMedium> below(stack_.media.begin(),
-                                              stack_.media.begin() + std::ptrdiff_t(medium));
-        *reflector_ = step_through_coat(options_.coat_method, options_.coat_substeps,
-                                        coat.scaled_optical_depth, memory_.medium,
-                                        first_order_of(below, mode, requested), mode, grid_of(n),
-                                        requested, std::move(*reflector_));
-        return;
-    }
-    LayerOperator& layer = memory_.layer;
-    if (is_coupled()) {
-        solve_coupled_layer(coat.scaled_optical_depth, stokes_tables_of(n), *block_,
-                            strengths_[medium], mode, memory_.medium, nodes_of(n), cosines_in(n),
-                            requested, tolerance_, memory_.coupled, layer);
-    } else {
-        solve_layer(coat.scaled_optical_depth, memory_.medium, mode, grid_of(n), requested, parts,
-                    tolerance_, memory_.work, layer);
-    }
-    if (!layer.physical) {
-        reflector_->physical = false;
-        return;
-    }
-    Reflector& result = free_reflector(n);
-    if (is_coupled()) {
-        put_on_coupled(layer, *reflector_, requested, int(block_->size()), parts, result);
-    } else {
-        put_on(layer, *reflector_, requested, parts, memory_.sky, memory_.work, result);
-    }
-    reflector_ = &result;
 }
 
 // The solvers answer with upward light for downward light whose U and V have the opposite sign:

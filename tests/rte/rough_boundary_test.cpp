@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "rte/boundary/facet_lobes.h"
-#include "rte/boundary/rough_top.h"
+#include "rte/boundary/rough_boundaries.h"
 #include "rte/math/quadrature.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/surface/fresnel.h"
@@ -286,8 +286,9 @@ TEST_CASE("rough boundary: matrices between indices follow a parabola", "[rte][b
     const double alpha = GENERATE(0.02, 0.2, 0.6);
     constexpr int streams = 16, orders = 6;
     const rte::Boundary kind{alpha, distribution, rte::BoundaryMatrices::interpolated};
+    rte::RoughBoundaries boundaries;
     const auto between =
-        rte::shared_rough_boundary(index, kind, rte::RefractionGrid({index}, streams), orders);
+        boundaries.find(index, kind, rte::RefractionGrid({index}, streams), orders);
     const RoughBoundary followed(index, {alpha, distribution}, streams, orders);
     const auto mu = cosines({0.05, 0.3, 0.8, 1.0});
     const auto light = between->from_air(mu), expected = followed.from_air(mu);

@@ -30,6 +30,8 @@ struct SolvedLight {
 /// more of them. Those who estimate the work ahead look in here.
 using RefinementCallback = std::function<bool(const SolverReport& report, int next_streams)>;
 
+struct SolutionParts;  // private
+
 /// Memory that stacks solved one after the other in the same directions use again: matrices,
 /// grids and Legendre tables, for each number of nodes up to 64 of their own. Results are the same
 /// to the last bit. Not thread-safe.
@@ -40,11 +42,9 @@ class SolutionMemory {
     SolutionMemory(SolutionMemory&&) noexcept;
     SolutionMemory& operator=(SolutionMemory&&) noexcept;
 
-    struct Parts;
-    Parts& parts() { return *parts_; }
-
   private:
-    std::unique_ptr<Parts> parts_;
+    friend struct SolutionParts;
+    std::unique_ptr<SolutionParts> parts_;
 };
 
 /// R of c x c elements (SolvedLight::shown) at pairs of directions; BRDF = R / pi. A matrix takes
