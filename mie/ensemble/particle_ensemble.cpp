@@ -12,7 +12,7 @@
 namespace miebrdf::mie {
 
 double tail_for(const EnsembleRequest& request) {
-    if (request.sizes.kind.law().has_ends) return 0;
+    if (SizeLaw::of(request.sizes.kind).has_ends) return 0;
     return std::clamp(0.02 * request.tolerance, 1e-16, 1e-6);
 }
 

@@ -18,7 +18,7 @@ struct Ensemble {
     double share = 1;               ///< of the geometric cross-section, inside the range
     double wave_number_per_um = 0;  ///< 2 pi n_host / lambda
 
-    const SizeLaw& law() const { return sizes.kind.law(); }
+    const SizeLaw& law() const { return SizeLaw::of(sizes.kind); }
     double smallest_x() const { return wave_number_per_um * range.smallest_um; }
     double largest_x() const { return wave_number_per_um * range.largest_um; }
     double effective_x() const { return wave_number_per_um * effective_radius_of(sizes); }

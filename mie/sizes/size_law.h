@@ -38,6 +38,9 @@ MappedRadius evenly_spread(const SizeDistribution& distribution, const RadiusRan
 
 /// The functions are called with distributions that `validate` has accepted.
 struct SizeLaw {
+    static const SizeLaw& of(SizeDistributionKind kind) { return *kind.law_; }
+    constexpr SizeDistributionKind kind() const { return SizeDistributionKind(*this); }
+
     const char* name;  ///< "log-normal"
     const char* help;  ///< n(r), in a line
 

@@ -29,15 +29,15 @@ constinit const SizeDistributionKind SizeDistributionKind::tabulated{kTabulated}
 SizeDistributionKind parse_size_distribution(std::string_view name) {
     std::string known;
     for (const SizeLaw* law : kLaws) {
-        if (name == law->name) return SizeDistributionKind(*law);
+        if (name == law->name) return law->kind();
         known += (known.empty() ? "" : ", ") + std::string(law->name);
     }
     throw UsageError(fmt::format("unknown size distribution '{}'; allowed: {}", name, known));
 }
 
-std::string name_of(SizeDistributionKind kind) { return kind.law().name; }
+std::string name_of(SizeDistributionKind kind) { return SizeLaw::of(kind).name; }
 
-bool has_variance(SizeDistributionKind kind) { return kind.law().has_variance; }
+bool has_variance(SizeDistributionKind kind) { return SizeLaw::of(kind).has_variance; }
 
 std::vector<SizeDistributionForm> size_distribution_forms() {
     std::vector<SizeDistributionForm> forms;
@@ -47,7 +47,7 @@ std::vector<SizeDistributionForm> size_distribution_forms() {
 
 RadiusRange radius_range(const SizeDistribution& distribution, double tail,
                          double saturation_radius_um) {
-    const SizeLaw& law = distribution.kind.law();
+    const SizeLaw& law = SizeLaw::of(distribution.kind);
     law.validate(distribution);
     if (!(tail >= 1e-18 && tail <= 0.1)) throw UsageError("tail", tail, "1e-18 to 0.1");
     return law.range(distribution, tail, saturation_radius_um);
@@ -58,17 +58,17 @@ RadiusRange radius_range(const SizeDistribution& distribution) {
 }
 
 double area_share_within(const SizeDistribution& distribution, const RadiusRange& range) {
-    return distribution.kind.law().area_share_within(distribution, range);
+    return SizeLaw::of(distribution.kind).area_share_within(distribution, range);
 }
 
 double effective_radius_of(const SizeDistribution& distribution) {
-    const SizeLaw& law = distribution.kind.law();
+    const SizeLaw& law = SizeLaw::of(distribution.kind);
     law.validate(distribution);
     return law.effective_radius_um(distribution);
 }
 
 std::unique_ptr<const AreaDensity> area_density(const SizeDistribution& distribution) {
-    const SizeLaw& law = distribution.kind.law();
+    const SizeLaw& law = SizeLaw::of(distribution.kind);
     law.validate(distribution);
     if (law.area_density == nullptr) {
         throw UsageError(fmt::format("size distribution '{}' has no density", law.name));
@@ -80,7 +80,7 @@ void require_radius_and_variance(const SizeDistribution& d) {
     if (!(d.effective_radius_um > 0 && std::isfinite(d.effective_radius_um))) {
         throw UsageError("effective_radius_um", d.effective_radius_um, "positive and finite");
     }
-    if (!d.kind.law().has_variance) return;
+    if (!SizeLaw::of(d.kind).has_variance) return;
     if (!(d.effective_variance > 0 && d.effective_variance <= 10)) {
         throw UsageError("effective_variance", d.effective_variance, "above 0, up to 10");
     }

@@ -56,7 +56,7 @@ SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRang
         const Ramp ramped = ramp(tau);
         if (!(ramped.slope > 0)) continue;  // the very end carries no weight
         const MappedRadius mapped =
-            distribution.kind.law().radius_at(distribution, range, ramped.t, spacing);
+            SizeLaw::of(distribution.kind).radius_at(distribution, range, ramped.t, spacing);
         nodes.radius_um.push_back(mapped.radius_um);
         nodes.area_share.push_back(mapped.slope * ramped.slope / count *
                                    density->at(mapped.radius_um));

@@ -42,17 +42,17 @@ Plan plan_evaluate(const Brdf& brdf, const Directions& directions, const BrdfPar
 
 Plan plan_albedo(const Brdf& brdf, const std::vector<double>& mu_in, EarlierWork* earlier) {
     EarlierWork none;
-    return Planner(brdf, {mu_in, {}, {}}, {}, albedo_quantity(brdf.state().resolved),
+    return Planner(brdf, {mu_in, {}, {}}, {}, albedo_quantity(BrdfState::of(brdf).resolved),
                    earlier != nullptr ? *earlier : none)
         .plan();
 }
 
 Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts& parts,
                  LayerQuantity quantity, EarlierWork& earlier)
-    : scene_(brdf.state().resolved),
-      solver_(brdf.state().solver),
+    : scene_(BrdfState::of(brdf).resolved),
+      solver_(BrdfState::of(brdf).solver),
       parts_(parts),
-      cache_(brdf.state().control.cache),
+      cache_(BrdfState::of(brdf).control.cache),
       earlier_(earlier),
       distinct_(directions),
       request_{scene_, distinct_.directions(), solver_, quantity},

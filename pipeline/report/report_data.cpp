@@ -119,7 +119,7 @@ std::string place_of(const Scene& scene, std::size_t medium) {
 
 json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const Control& control,
                 PageBytes& bytes, bool& converged) {
-    const ResolvedScene& scene = brdf.state().resolved;
+    const ResolvedScene& scene = BrdfState::of(brdf).resolved;
     std::vector<std::size_t> media;  // that scatter or absorb
     for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
         if (m == 0 || !scene.depths[m - 1].is_empty()) media.push_back(m);

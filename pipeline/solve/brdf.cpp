@@ -101,7 +101,7 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
     return slice;
 }
 
-std::vector<LayerSlice> layers_of(const Brdf::State& state, const Directions& directions,
+std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& directions,
                                   const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
     std::vector<LayerSlice> layers(scene.wavelength_nm.size());
@@ -117,7 +117,7 @@ std::vector<LayerSlice> layers_of(const Brdf::State& state, const Directions& di
     return layers;
 }
 
-BrdfValues brdf_values(std::vector<LayerSlice> layers, const Brdf::State& state,
+BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
                        const Directions& directions, const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
     BrdfValues values;
@@ -155,7 +155,7 @@ AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& 
     return values;
 }
 
-AlbedoValues albedo_of(const Brdf::State& state, std::vector<LayerSlice> layers,
+AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in) {
     const ResolvedScene& scene = state.resolved;
     if (scene.surface) {
@@ -176,10 +176,9 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
     validate_wavelengths(wavelength_nm);
     rte::validate(options);
     NamedIndexMemo* const names = control.memo != nullptr ? &control.memo->names() : nullptr;
-    auto state = std::make_shared<Brdf::State>(
-        Brdf::State{scene, resolve(scene, wavelength_nm, names), options, control});
-    if (state->control.memo == nullptr) state->control.memo = make_optics_memo();
-    return Brdf(std::move(state));
+    BrdfState state{scene, resolve(scene, wavelength_nm, names), options, control};
+    if (state.control.memo == nullptr) state.control.memo = make_optics_memo();
+    return BrdfState::brdf_with(std::move(state));
 }
 
 BrdfValues Brdf::evaluate(const Directions& directions, const BrdfParts& parts) const {

@@ -14,7 +14,7 @@
 namespace miebrdf {
 
 struct BrdfDerivatives::State {
-    std::shared_ptr<const Brdf::State> brdf;
+    std::shared_ptr<const BrdfState> brdf;
     std::vector<std::string> parameters;
     std::vector<SceneChange> changes;
 };
@@ -73,7 +73,7 @@ const std::vector<std::string>& BrdfDerivatives::parameters() const { return sta
 WithDerivatives<BrdfValues> BrdfDerivatives::evaluate(const Directions& directions,
                                                       const BrdfParts& parts) const {
     rte::validate(directions);
-    const Brdf::State& brdf = *state_->brdf;
+    const BrdfState& brdf = *state_->brdf;
     const std::vector<LayerSlice> layers = layers_of(brdf, directions, parts);
     WithDerivatives<BrdfValues> all{
         brdf_values(layers, brdf, directions, parts), state_->parameters, {}};
@@ -104,7 +104,7 @@ WithDerivatives<BrdfValues> BrdfDerivatives::evaluate(const Directions& directio
 }
 
 WithDerivatives<AlbedoValues> BrdfDerivatives::albedo(const std::vector<double>& mu_in) const {
-    const Brdf::State& brdf = *state_->brdf;
+    const BrdfState& brdf = *state_->brdf;
     const LayerRequest request{
         brdf.resolved, {mu_in, {}, {}}, brdf.solver, albedo_quantity(brdf.resolved)};
     rte::validate(request.directions);

@@ -15,14 +15,14 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
                            const Control& control);
 
 /// The layers as far as these parts need them.
-std::vector<LayerSlice> layers_of(const Brdf::State& state, const Directions& directions,
+std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& directions,
                                   const BrdfParts& parts);
 
-BrdfValues brdf_values(std::vector<LayerSlice> layers, const Brdf::State& state,
+BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
                        const Directions& directions, const BrdfParts& parts);
 
 /// @param layers  of albedo_quantity, without the surface
-AlbedoValues albedo_of(const Brdf::State& state, std::vector<LayerSlice> layers,
+AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in);
 
 /// @param layers  the same with the surface (add_surface_to_albedos)

@@ -5,14 +5,19 @@
 
 #include <memory>
 #include <numeric>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf {
 
-struct Brdf::State {
+struct BrdfState {
+    static const BrdfState& of(const Brdf& brdf) { return *brdf.state_; }
+    static Brdf brdf_with(BrdfState state) {
+        return Brdf(std::make_shared<const BrdfState>(std::move(state)));
+    }
+
     Scene scene;
     ResolvedScene resolved;
     SolverOptions solver;

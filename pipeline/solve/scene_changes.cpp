@@ -88,7 +88,7 @@ std::optional<IndexParameter> index_parameter(const std::string& text) {
     return IndexParameter{text[0] == 'k', text.substr(2, text.size() - 3)};
 }
 
-SceneChange change_of_index(const Brdf::State& state, const std::string& parameter,
+SceneChange change_of_index(const BrdfState& state, const std::string& parameter,
                             const IndexParameter& index) {
     const std::set<std::string> names = materials_of(state.scene);
     if (names.count(index.material) == 0) {
@@ -124,7 +124,7 @@ SceneChange change_of_index(const Brdf::State& state, const std::string& paramet
 
 }  // namespace
 
-SceneChange change_of(const Brdf::State& state, const std::string& parameter) {
+SceneChange change_of(const BrdfState& state, const std::string& parameter) {
     if (const auto index = index_parameter(parameter))
         return change_of_index(state, parameter, *index);
     const std::vector<NamedNumber> numbers = named_numbers(state.scene);

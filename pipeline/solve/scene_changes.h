@@ -17,6 +17,6 @@ struct SceneChange {
 
 /// @param parameter  a name of named_numbers, `n(NAME)` or `k(NAME)`
 /// @throws UsageError  for a parameter that the scene does not have
-SceneChange change_of(const Brdf::State& state, const std::string& parameter);
+SceneChange change_of(const BrdfState& state, const std::string& parameter);
 
 }  // namespace miebrdf

@@ -31,7 +31,7 @@ mie::Ensemble problem_of(Kind kind, Complex m, double x_effective, double varian
     problem.sizes.effective_radius_um = 1;
     problem.sizes.effective_variance = variance;
     problem.wave_number_per_um = x_effective;
-    problem.range = problem.sizes.kind.law().has_ends
+    problem.range = mie::SizeLaw::of(problem.sizes.kind).has_ends
                         ? mie::radius_range(problem.sizes)
                         : mie::radius_range(problem.sizes, 1e-6, 1 / x_effective);
     problem.share = mie::area_share_within(problem.sizes, problem.range);

@@ -45,7 +45,7 @@ const mie::SizeLaw kUniform{
 TEST_CASE("a law from outside the library is averaged over like those of the list",
           "[mie][sizes]") {
     mie::EnsembleRequest request;
-    request.sizes = {mie::SizeDistributionKind(kUniform), 1.0, 0.1};
+    request.sizes = {kUniform.kind(), 1.0, 0.1};
     request.refractive_index =
         GENERATE(std::complex<double>(1.5, 0.0), std::complex<double>(1.5, 0.3));
     request.tolerance = 1e-5;

@@ -153,7 +153,8 @@ TEST_CASE("a damaged cache entry is computed again, to the same bits", "[pipelin
     // The first value of the stored row, R at the first direction, as bytes; one of them flipped.
     const Brdf brdf = solve(scene, {550});
     const double stored =
-        compute_layers({brdf.state().resolved, few_directions(), {}}, {.threads = 1})[0].values[0];
+        compute_layers({BrdfState::of(brdf).resolved, few_directions(), {}}, {.threads = 1})[0]
+            .values[0];
     std::string bytes = support::read_file(file);
     const std::string pattern(reinterpret_cast<const char*>(&stored), sizeof(stored));
     const auto at = bytes.find(pattern);

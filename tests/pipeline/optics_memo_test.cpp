@@ -45,7 +45,7 @@ std::vector<std::vector<double>> run(const std::vector<Scene>& scenes, const Con
 TEST_CASE("a BRDF that is asked twice computes Mie theory once", "[pipeline][memo]") {
     // Nobody gives a memo here: every BRDF has its own.
     const Brdf brdf = solve(painted_spheres()[1], kWavelengths, kOptions, {.threads = 1});
-    const OpticsMemo& memo = *brdf.state().control.memo;
+    const OpticsMemo& memo = *BrdfState::of(brdf).control.memo;
     const auto first = brdf.evaluate(few_directions());
     CHECK(memo.found() == 0);
     const Brdf copy = brdf;

@@ -15,7 +15,7 @@ int write_layers(const Brdf& brdf, const Shell& shell) {
     for (const std::string& source : brdf.sources()) table.facts.emplace_back("source", source);
     const std::string particles = describe_particles(brdf.scene());
     if (!particles.empty()) table.facts.emplace_back("particles", particles);
-    for (const std::string& note : brdf.state().resolved.notes) {
+    for (const std::string& note : BrdfState::of(brdf).resolved.notes) {
         table.facts.emplace_back("note", note);
         shell.note("note: " + note);
     }

@@ -8,21 +8,19 @@
 #pragma GCC visibility push(default)
 namespace miebrdf::mie {
 
-struct SizeLaw;
+struct SizeLaw;  // private
 
 /// Which law a size distribution follows: one of size_distribution_forms(), Junge's or a table.
 /// Cheap to copy and to compare.
 class SizeDistributionKind {
   public:
     static const SizeDistributionKind power_law, gamma, log_normal, mono, junge, tabulated;
-
-    /// A law of one's own; it must outlive its use.
-    explicit constexpr SizeDistributionKind(const SizeLaw& law) : law_(&law) {}
-
-    const SizeLaw& law() const { return *law_; }
     bool operator==(const SizeDistributionKind&) const = default;
 
   private:
+    friend struct SizeLaw;
+    explicit constexpr SizeDistributionKind(const SizeLaw& law) : law_(&law) {}
+
     const SizeLaw* law_;
 };
 

@@ -265,12 +265,15 @@ class BrdfDerivatives {
 
     const std::vector<std::string>& parameters() const;
 
+  private:
+    friend class Brdf;
     struct State;
     explicit BrdfDerivatives(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
-  private:
     std::shared_ptr<const State> state_;
 };
+
+struct BrdfState;  // private
 
 /// A scene at some wavelengths. Copies share one solution; functions may be called from several
 /// threads. Single scattering is computed when it is first needed, as much of it as is needed, and
@@ -324,12 +327,11 @@ class Brdf {
     const SolverOptions& options() const;
     const std::vector<std::string>& sources() const;
 
-    struct State;
-    explicit Brdf(std::shared_ptr<State> state) : state_(std::move(state)) {}
-    const State& state() const { return *state_; }  ///< for the library itself
-
   private:
-    std::shared_ptr<State> state_;
+    friend struct BrdfState;
+    explicit Brdf(std::shared_ptr<const BrdfState> state) : state_(std::move(state)) {}
+
+    std::shared_ptr<const BrdfState> state_;
 };
 
 /// Looks names up and checks everything; the work is done when values are asked for.
