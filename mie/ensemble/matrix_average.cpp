@@ -91,9 +91,9 @@ class MatrixAverage {
         options.angles = &angles;
         options.with_matrix = true;
         const SizeSums& sums = passes_.add(options, run_);
-        const MatrixExpansion before = std::move(result_.expansion);
+        const Eigen::MatrixXd before = std::move(rows_);
         const Eigen::MatrixXd here = elements(sums.products, sums.spheres.scattered);
-        result_.expansion = expansion_of(matrix_series(here, rule_, degree_));
+        rows_ = matrix_series(here, rule_, degree_);
         const Eigen::ArrayXd phase = here.col(0);
         double phase_change = 0;
         if (phase_.size() > 0)
@@ -103,13 +103,13 @@ class MatrixAverage {
     }
 
     // The exact extinction tells which resonances the sizes have missed, as in EnsembleAverage.
-    void estimate_error(const MatrixExpansion& before, double phase_change,
+    void estimate_error(const Eigen::MatrixXd& before, double phase_change,
                         const SphereSums& sums) {
         const bool single = passes_.rule() == Rule::single;
         error_ = single ? MatrixRule::kRounding : 1.0;
         if (single || passes_.is_first()) return;
-        const double change = std::max(largest_change(before, result_.expansion),
-                                       phase_change / MatrixRule::kPhasePerDegree);
+        const double change =
+            std::max(largest_change(before, rows_), phase_change / MatrixRule::kPhasePerDegree);
         const double q_ext = 2 * (sums.scattered + sums.absorbed) / ensemble_.share;
         const double exact = passes_.exact_q_ext();
         const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
@@ -118,16 +118,8 @@ class MatrixAverage {
     }
 
     MatrixOptics finished() {
-        trim(result_.expansion);
+        put_series(rows_, result_);
         EnsembleOptics& optics = result_.optics;
-        const double whole = result_.expansion.a1.front();  // 1 but for rounding
-        for (auto* list : {&result_.expansion.a1, &result_.expansion.a2, &result_.expansion.a3,
-                           &result_.expansion.a4, &result_.expansion.b1, &result_.expansion.b2}) {
-            for (double& value : *list) value /= whole;
-        }
-        optics.chi.clear();
-        for (std::size_t l = 0; l < result_.expansion.a1.size(); ++l)
-            optics.chi.push_back(result_.expansion.a1[l] / (2.0 * l + 1.0));
         optics.error_estimate = std::max(optics.error_estimate, error_);
         optics.size_nodes = std::max(optics.size_nodes, passes_.sizes_so_far());
         optics.converged = optics.converged && error_ <= request_.tolerance;
@@ -141,6 +133,7 @@ class MatrixAverage {
     int degree_;
     math::Quadrature rule_;
     SizePasses passes_;
+    Eigen::MatrixXd rows_ = {};  // coefficients of a1, a4, a2, a3, b1, b2 without 2l + 1
     Eigen::ArrayXd phase_ = {};  // P at the nodes after the last pass
     double error_ = 1;
     MatrixOptics result_;

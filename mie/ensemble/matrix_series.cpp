@@ -1,7 +1,7 @@
 #include "mie/ensemble/matrix_series.h"
 
 #include <algorithm>
-#include <cmath>
+#include <vector>
 
 #include "rte/math/wigner.h"
 
@@ -15,7 +15,7 @@ constexpr double kNegligible = 1e-15;
 
 }  // namespace
 
-// Rows l = 0 ... degree: (2l + 1)/2 times the integral of each column times its d^l_mn.
+// Half the integral of each column times its d^l_mn.
 Eigen::MatrixXd matrix_series(Eigen::MatrixXd values, const math::Quadrature& rule, int degree) {
     constexpr struct {
         int m, n, column, columns;
@@ -34,44 +34,34 @@ Eigen::MatrixXd matrix_series(Eigen::MatrixXd values, const math::Quadrature& ru
                 .noalias() += functions.transpose() * values.block(first, column, here, columns);
         }
     }
-    for (int l = 0; l <= degree; ++l) result.row(l) *= l + 0.5;
+    result *= 0.5;
+    const Eigen::VectorXd sum = result.col(2), difference = result.col(3);
+    result.col(2) = 0.5 * (sum + difference);
+    result.col(3) = 0.5 * (sum - difference);
     return result;
 }
 
-MatrixExpansion expansion_of(const Eigen::MatrixXd& rows) {
-    MatrixExpansion e;
-    for (Eigen::Index l = 0; l < rows.rows(); ++l) {
-        e.a1.push_back(rows(l, 0));
-        e.a4.push_back(rows(l, 1));
-        e.a2.push_back(0.5 * (rows(l, 2) + rows(l, 3)));
-        e.a3.push_back(0.5 * (rows(l, 2) - rows(l, 3)));
-        e.b1.push_back(rows(l, 4));
-        e.b2.push_back(rows(l, 5));
-    }
-    return e;
+double largest_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    const Eigen::MatrixXd& longer = a.rows() > b.rows() ? a : b;
+    const Eigen::Index common = std::min(a.rows(), b.rows());
+    if (longer.rows() == 0) return 0;
+    Eigen::MatrixXd change = longer;
+    change.topRows(common) = a.topRows(common) - b.topRows(common);
+    return change.cwiseAbs().maxCoeff();
 }
 
-double largest_change(const MatrixExpansion& a, const MatrixExpansion& b) {
-    double change = 0;
-    for (const auto list : {&MatrixExpansion::a1, &MatrixExpansion::a2, &MatrixExpansion::a3,
-                            &MatrixExpansion::a4, &MatrixExpansion::b1, &MatrixExpansion::b2}) {
-        for (std::size_t l = 0; l < (a.*list).size(); ++l)
-            change = std::max(change, std::abs((a.*list)[l] - (b.*list)[l]) / (2.0 * l + 1.0));
-    }
-    return change;
-}
-
-// Without the end that is rounding.
-void trim(MatrixExpansion& e) {
-    std::size_t size = e.a1.size();
-    const auto is_negligible = [&](std::size_t l) {
-        double largest = 0;
-        for (const auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2})
-            largest = std::max(largest, std::abs((*list)[l]));
-        return largest <= kNegligible * (2.0 * l + 1.0);
+void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix) {
+    Eigen::Index count = series.rows();
+    while (count > 1 && series.row(count - 1).cwiseAbs().maxCoeff() <= kNegligible * series(0, 0))
+        --count;
+    const Eigen::MatrixXd kept = series.topRows(count) / series(0, 0);
+    const Eigen::ArrayXd two_l_1 = 2.0 * Eigen::ArrayXd::LinSpaced(count, 0, double(count - 1)) + 1;
+    const auto list = [&](int column) {
+        const Eigen::ArrayXd values = two_l_1 * kept.col(column).array();
+        return std::vector<double>(values.begin(), values.end());
     };
-    while (size > 1 && is_negligible(size - 1)) --size;
-    for (auto* list : {&e.a1, &e.a2, &e.a3, &e.a4, &e.b1, &e.b2}) list->resize(size);
+    matrix.optics.chi.assign(kept.col(0).begin(), kept.col(0).end());
+    matrix.expansion = {list(2), list(3), list(1), list(4), list(5)};
 }
 
 }  // namespace miebrdf::mie

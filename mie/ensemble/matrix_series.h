@@ -8,16 +8,14 @@
 
 namespace miebrdf::mie {
 
-/// Coefficients of a1, a4, a2 + a3, a2 - a3, b1, b2, row = degree 0 ... `degree`.
-/// @param values  the same functions at the nodes of the rule, row = node
+/// Coefficients of a1, a4, a2, a3, b1, b2 without their factor 2l + 1, row = degree 0 ... `degree`.
+/// @param values  a1, a4, a2 + a3, a2 - a3, b1, b2 at the nodes of the rule, row = node
 Eigen::MatrixXd matrix_series(Eigen::MatrixXd values, const math::Quadrature& rule, int degree);
 
-MatrixExpansion expansion_of(const Eigen::MatrixXd& series);
+/// The largest difference of two coefficients; a shorter series has zeros beyond its end.
+double largest_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-/// The largest difference of two coefficients, without 2l + 1. Neither is shorter.
-double largest_change(const MatrixExpansion& a, const MatrixExpansion& b);
-
-/// Cuts off the end that is rounding.
-void trim(MatrixExpansion& expansion);
+/// Sets moments and coefficients, of which a1_0 becomes 1 and the end that is rounding is cut off.
+void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix);
 
 }  // namespace miebrdf::mie

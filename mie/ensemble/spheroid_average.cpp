@@ -112,20 +112,21 @@ class SpheroidAverage {
         for (std::size_t i = 0; i < each.size(); ++i)
             sums.add(each[i], nodes.area_share[i] / ensemble_.share);
         const MatrixOptics before = std::exchange(result_, {});
+        const Eigen::MatrixXd series_before = std::move(series_);
         EnsembleOptics& o = result_.optics;
         o.q_ext = sums.extinction;
         o.q_sca = ensemble_.scatterer.absorbs() ? sums.scattering() : o.q_ext;
         o.q_abs = std::max(0.0, o.q_ext - o.q_sca);
         o.one_minus_albedo = o.q_abs / o.q_ext;
         o.single_scattering_albedo = o.q_sca / o.q_ext;
-        o.asymmetry = sums.series(1, 0) / (3 * sums.scattering());
+        o.asymmetry = sums.series(1, 0) / sums.scattering();
         o.size_nodes = before.optics.size_nodes + count;
-        result_.expansion = expansion_of(sums.series / sums.scattering());
+        series_ = sums.series / sums.scattering();
         o.error_estimate = std::max(SpheroidRule::kRounding, sums.error / sums.scattering());
         if (!ensemble_.law().single_size) {
             double change = 1;
             if (before.optics.q_ext > 0)
-                change = std::max({largest_change(before.expansion, result_.expansion),
+                change = std::max({largest_change(series_before, series_),
                                    std::abs(before.optics.q_ext / o.q_ext - 1),
                                    std::abs(before.optics.q_sca / o.q_sca - 1)});
             o.error_estimate += change + tail_for(request_);
@@ -134,11 +135,9 @@ class SpheroidAverage {
     }
 
     void finish() {
-        trim(result_.expansion);
+        put_series(series_, result_);
         EnsembleOptics& o = result_.optics;
-        std::vector<double> chi;
-        for (std::size_t l = 0; l < result_.expansion.a1.size(); ++l)
-            chi.push_back(result_.expansion.a1[l] / (2.0 * static_cast<double>(l) + 1));
+        const std::vector<double> chi = o.chi;
         for (const double angle : request_.angles_deg) {
             o.phase.push_back(math::legendre_series(chi, cosine_of_scattering_angle(angle)));
             o.phase_error.push_back(phase_error(chi));
@@ -146,7 +145,6 @@ class SpheroidAverage {
                 std::max(o.phase_error_estimate, o.phase_error.back() / o.phase.back());
         }
         if (request_.with_phase_table) o.phase_table = table(chi);
-        o.chi = chi;
         if (request_.highest_moment >= 0) o.chi.resize(std::size_t(request_.highest_moment) + 1);
     }
 
@@ -183,6 +181,7 @@ class SpheroidAverage {
     const EnsembleRequest& request_;
     const Executor& run_;
     Ensemble ensemble_;
+    Eigen::MatrixXd series_ = {};  // of the last sizes, whose first entry is 1
     MatrixOptics result_;
 };
 

@@ -23,6 +23,12 @@ auto fields(T& value) {
     return std::tie(kind, radius, variance, radii, density, exponent);
 }
 
+template <Is<MatrixExpansion> T>
+auto fields(T& value) {
+    auto& [a2, a3, a4, b1, b2] = value;
+    return std::tie(a2, a3, a4, b1, b2);
+}
+
 template <Is<rte::SurfaceOptions> T>
 auto fields(T& value) {
     auto& [alpha, distribution, shadowing, fresnel, shadowing_distribution] = value;

@@ -21,12 +21,6 @@ constexpr double kDigitsOfFiles = 1e-6;  // tables are printed with at least six
 constexpr double kLargestLastTerm = 0.1;
 constexpr std::size_t kMostProducts = 20'000'000;  // of a test for negative values: 50 ms
 
-using Lists = std::vector<double> MatrixCoefficients::*;
-constexpr std::pair<const char*, Lists> kLists[] = {
-    {"a1", &MatrixCoefficients::a1}, {"a2", &MatrixCoefficients::a2},
-    {"a3", &MatrixCoefficients::a3}, {"a4", &MatrixCoefficients::a4},
-    {"b1", &MatrixCoefficients::b1}, {"b2", &MatrixCoefficients::b2}};
-
 rte::Optics optics_of(const MatrixCoefficients& matrix) {
     rte::Optics optics;
     optics.single_scattering_albedo = matrix.single_scattering_albedo;
@@ -34,13 +28,7 @@ rte::Optics optics_of(const MatrixCoefficients& matrix) {
     optics.chi.clear();
     for (std::size_t l = 0; l < matrix.a1.size(); ++l)
         optics.chi.push_back(matrix.a1[l] / (2.0 * double(l) + 1.0));
-    rte::Polarisation polarisation;
-    polarisation.a2 = matrix.a2;
-    polarisation.a3 = matrix.a3;
-    polarisation.a4 = matrix.a4;
-    polarisation.b1 = matrix.b1;
-    polarisation.b2 = matrix.b2;
-    optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(polarisation));
+    optics.polarisation = std::make_shared<const rte::Polarisation>(rte::Polarisation{matrix, {}});
     return optics;
 }
 
@@ -49,14 +37,15 @@ MatrixCoefficients between(const MatrixCoefficients& a, const MatrixCoefficients
     MatrixCoefficients mean;
     mean.single_scattering_albedo =
         (1.0 - t) * a.single_scattering_albedo + t * b.single_scattering_albedo;
-    for (const auto& [name, list] : kLists) {
-        const std::vector<double>&from = a.*list, &to = b.*list;
+    const auto put = [t](const std::vector<double>& from, const std::vector<double>& to,
+                         std::vector<double>& list) {
         for (std::size_t l = 0; l < std::max(from.size(), to.size()); ++l) {
-            (mean.*list)
-                .push_back((l < from.size() ? (1.0 - t) * from[l] : 0.0) +
+            list.push_back((l < from.size() ? (1.0 - t) * from[l] : 0.0) +
                            (l < to.size() ? t * to[l] : 0.0));
         }
-    }
+    };
+    put(a.a1, b.a1, mean.a1);
+    for (const auto& [name, list] : kMatrixLists) put(a.*list, b.*list, mean.*list);
     return mean;
 }
 
@@ -184,7 +173,9 @@ MatrixFile read_matrix_file(const std::string& path) {
         }
         if (wavelength_nm != nullptr && nm != file.wavelength_nm.back())
             table.refuse(row, "another wavelength before l = 0");
-        for (const auto& [name, list] : kLists) (matrix.*list).push_back(table.column(name)[row]);
+        matrix.a1.push_back(table.column("a1")[row]);
+        for (const auto& [name, list] : kMatrixLists)
+            (matrix.*list).push_back(table.column(name)[row]);
     }
     Species species;
     species.wavelength_nm = file.wavelength_nm;
@@ -228,7 +219,7 @@ void check_matrices(const Species& species) {
             throw UsageError("wavelength_nm", species.wavelength_nm[w], "ascending");
     }
     for (const MatrixCoefficients& matrix : species.matrices) {
-        for (const auto& [name, list] : kLists) {
+        for (const auto& [name, list] : kMatrixLists) {
             if ((matrix.*list).size() != matrix.a1.size())
                 throw UsageError("coefficients", double((matrix.*list).size()),
                                  "six lists of one length");

@@ -73,9 +73,8 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
         if (!species.species.matrices.empty()) {
             const rte::Optics o =
                 kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
-            const rte::Polarisation& p = *o.polarisation;
             key.add(o.single_scattering_albedo).add(o.chi);
-            key.add(p.a2).add(p.a3).add(p.a4).add(p.b1).add(p.b2);
+            key.add<MatrixExpansion>(*o.polarisation);
         }
     }
     return key.hash();

@@ -83,13 +83,8 @@ MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, OpticsDem
     result.optics.single_scattering_albedo = matrix.optics.single_scattering_albedo;
     result.optics.one_minus_albedo = matrix.optics.one_minus_albedo;
     result.optics.chi = std::move(matrix.optics.chi);
-    rte::Polarisation polarisation;
-    polarisation.a2 = std::move(matrix.expansion.a2);
-    polarisation.a3 = std::move(matrix.expansion.a3);
-    polarisation.a4 = std::move(matrix.expansion.a4);
-    polarisation.b1 = std::move(matrix.expansion.b1);
-    polarisation.b2 = std::move(matrix.expansion.b2);
-    result.optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(polarisation));
+    result.optics.polarisation = std::make_shared<const rte::Polarisation>(
+        rte::Polarisation{std::move(matrix.expansion), {}});
     result.asymmetry = matrix.optics.asymmetry;
     result.q_ext = matrix.optics.q_ext;
     result.error_estimate = matrix.optics.error_estimate;

@@ -43,11 +43,10 @@ void add(std::vector<double>& sum, double factor, const std::vector<double>& lis
 }  // namespace
 
 void validate(const Polarisation& polarisation) {
-    require_coefficients(polarisation.a2, "a2", 2);
-    require_coefficients(polarisation.a3, "a3", 2);
-    require_coefficients(polarisation.a4, "a4", 0);
-    require_coefficients(polarisation.b1, "b1", 2);
-    require_coefficients(polarisation.b2, "b2", 2);
+    for (const auto& [name, list] : kMatrixLists) {
+        const int first_degree = list == &MatrixExpansion::a4 ? 0 : 2;
+        require_coefficients(polarisation.*list, name, first_degree);
+    }
 }
 
 ScatteringMatrix exact_matrix(const Optics& optics, double cos_theta) {
@@ -87,11 +86,7 @@ std::shared_ptr<const Polarisation> mix_polarisation(std::span<const Optics> com
         if (one == nullptr) continue;
         any = true;
         any_matrix = any_matrix || one->matrix;
-        add(mixture.a2, share[c], one->a2);
-        add(mixture.a3, share[c], one->a3);
-        add(mixture.a4, share[c], one->a4);
-        add(mixture.b1, share[c], one->b1);
-        add(mixture.b2, share[c], one->b2);
+        for (const auto& [name, list] : kMatrixLists) add(mixture.*list, share[c], one->*list);
     }
     if (!any) return {};
     if (any_matrix) {

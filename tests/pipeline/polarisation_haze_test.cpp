@@ -26,14 +26,11 @@ rte::Optics haze_optics() {
     request.refractive_index = {1.33, 0};
     request.wavelength_nm = 700;
     request.tolerance = 1e-6;
-    const mie::MatrixExpansion e = mie::average_matrix(request).expansion;
+    const mie::MatrixOptics matrix = mie::average_matrix(request);
     rte::Optics optics = rte::isotropic_optics(1.0);
-    optics.chi.clear();
-    for (std::size_t l = 0; l < e.a1.size(); ++l)
-        optics.chi.push_back(e.a1[l] / (2.0 * double(l) + 1.0));
-    optics.chi[0] = 1.0;
-    optics.polarisation = std::make_shared<const rte::Polarisation>(
-        rte::Polarisation{e.a2, e.a3, e.a4, e.b1, e.b2, {}});
+    optics.chi = matrix.optics.chi;
+    optics.polarisation =
+        std::make_shared<const rte::Polarisation>(rte::Polarisation{matrix.expansion, {}});
     return optics;
 }
 

@@ -94,7 +94,7 @@ Species species_of(const py::tuple& state) {
         const auto numbers = of_wavelength.cast<py::tuple>();
         const auto list = [&](std::size_t i) { return numbers[i].cast<std::vector<double>>(); };
         s.matrices.push_back(
-            {numbers[0].cast<double>(), list(1), list(2), list(3), list(4), list(5), list(6)});
+            {{list(2), list(3), list(4), list(5), list(6)}, numbers[0].cast<double>(), list(1)});
     }
     for (const py::handle handle : state[12]) {
         const auto coating = handle.cast<py::tuple>();

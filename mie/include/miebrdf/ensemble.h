@@ -4,6 +4,7 @@
 // Symbols, signs and normalisation: docs/conventions.md.
 #pragma once
 
+#include <miebrdf/matrix_expansion.h>
 #include <miebrdf/sizes.h>
 
 #include <complex>
@@ -168,21 +169,11 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca,
 /// waves of the largest sphere.
 int highest_moment_of(const EnsembleRequest& request);
 
-/// The scattering matrix of particles in generalised spherical functions, entry l = degree l, all
-/// of one length:
-///     a1 = sum a1_l d^l_00      a2 + a3 = sum (a2_l + a3_l) d^l_22      b1 = sum b1_l d^l_02
-///     a4 = sum a4_l d^l_00      a2 - a3 = sum (a2_l - a3_l) d^l_2,-2    b2 = sum b2_l d^l_02
-/// with Wigner's functions d^l_mn(Theta). Coefficients contain 2l + 1: a1_l = (2l + 1) chi_l. Of
-/// a2, a3, b1 and b2 degrees 0 and 1 are zero.
-struct MatrixExpansion {
-    std::vector<double> a1, a2, a3, a4, b1, b2;
-};
-
 struct MatrixOptics {
-    /// Albedo, efficiencies and g as average_over_sizes gives them; chi_l is a1_l / (2l + 1).
-    /// Errors, size_nodes and converged are those of both averages together.
+    /// Albedo, efficiencies and g as average_over_sizes gives them, and all chi_l = a1_l / (2l +
+    /// 1). Errors, size_nodes and converged are those of both averages together.
     EnsembleOptics optics;
-    /// Spheres have a2 = a1 and a4 = a3 as functions of the angle.
+    /// As many degrees as chi. Spheres have a2 = a1 and a4 = a3 as functions of the angle.
     MatrixExpansion expansion;
 };
 

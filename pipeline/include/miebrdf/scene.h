@@ -3,6 +3,7 @@
 #pragma once
 
 #include <miebrdf/index.h>
+#include <miebrdf/matrix_expansion.h>
 #include <miebrdf/sizes.h>
 #include <miebrdf/surface.h>
 
@@ -88,12 +89,11 @@ struct GrainShape {
 /// The phase function of particles: that of Mie theory, or a smooth one.
 enum class PhaseForm { mie, henyey_greenstein, double_henyey_greenstein };
 
-/// Single scattering with polarisation at one wavelength: the coefficients of the scattering matrix
-/// in generalised spherical functions, entry l = degree l, all six of one length
-/// (docs/polarisation.md).
-struct MatrixCoefficients {
-    double single_scattering_albedo = 0.0;       ///< in [0, 1]
-    std::vector<double> a1, a2, a3, a4, b1, b2;  ///< with 2l + 1 in them: a1_0 = 1
+/// Single scattering with polarisation at one wavelength: the coefficients of the scattering
+/// matrix, all six lists of one length (docs/polarisation.md).
+struct MatrixCoefficients : MatrixExpansion {
+    double single_scattering_albedo = 0.0;  ///< in [0, 1]
+    std::vector<double> a1;                 ///< with 2l + 1 in them: a1_0 = 1
 
     bool operator==(const MatrixCoefficients&) const = default;
 };

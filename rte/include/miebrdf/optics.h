@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include <miebrdf/matrix_expansion.h>
 #include <miebrdf/surface.h>
 
 #pragma GCC visibility push(default)
@@ -25,16 +26,9 @@ struct ScatteringMatrix {
     double a1 = 0.0, a2 = 0.0, a3 = 0.0, a4 = 0.0, b1 = 0.0, b2 = 0.0;
 };
 
-/// How a medium polarises the light that it scatters: what its phase function does not say.
-///
-/// With Wigner's d^l_mn(Theta) (Legendre's P_l = d^l_00)
-///     a1 = sum a1_l d^l_00, a4 = sum a4_l d^l_00, a2 + a3 = sum (a2_l + a3_l) d^l_22,
-///     a2 - a3 = sum (a2_l - a3_l) d^l_2,-2, b1 = sum b1_l d^l_02, b2 = sum b2_l d^l_02,
-/// so that all coefficients contain 2l + 1; a1_l = (2l + 1) chi_l is Optics::chi, of the same
-/// medium. Each list starts at l = 0; a2, a3, b1, b2 are 0 for l < 2. Lists may be of different
-/// lengths: beyond their end they are 0.
-struct Polarisation {
-    std::vector<double> a2, a3, a4, b1, b2;
+/// How a medium polarises the light that it scatters: what its phase function does not say. All
+/// coefficients contain 2l + 1, as a1_l = (2l + 1) chi_l of Optics::chi of the same medium.
+struct Polarisation : MatrixExpansion {
     /// Optional exact matrix, the mean of a1 over the sphere = 1, for the exact first order of
     /// scattering; a1 is that of Optics::phase. Empty: the coefficients are all of it.
     std::function<ScatteringMatrix(double cos_theta)> matrix;
