@@ -47,7 +47,8 @@ struct PointRule {
     static constexpr double kDeviations = 2.5, kBackwardDeviations = 3;
     /// The error that is stated: so many times the one that decides, exceeded by one in a hundred,
     /// as far as this share of what is allowed, because that costs nothing.
-    static constexpr double kStated = 3, kStatedShare = 0.5, kJustAllowed = 1 - 1e-12;
+    static constexpr double kReportedOverEstimated = 3, kReportedShare = 0.5,
+                            kJustAllowed = 1 - 1e-12;
     /// Shares of what is allowed: for interpolation, and for what rays leave out.
     static constexpr double kInterpolationShare = 0.25, kBiasShare = 0.5;
     /// The finest level of sizes follows this tolerance: PhaseGoal::most_work bounds it.
@@ -381,9 +382,10 @@ class PointSeries : public PanelRefinement {
             const double error = std::max(deviations(place, value) * place.panel.noise(),
                                           0.5 * place.panel.tail() * value);
             const double most =
-                (allowance_.is_absolute() ? PointRule::kStatedShare : PointRule::kJustAllowed) *
+                (allowance_.is_absolute() ? PointRule::kReportedShare : PointRule::kJustAllowed) *
                 allowance_.at(point, value);
-            const double stated = std::max(error, std::min(PointRule::kStated * error, most));
+            const double stated =
+                std::max(error, std::min(PointRule::kReportedOverEstimated * error, most));
             // A bounded number of sizes may do worse than rays have done.
             double& known = result_.error[point.index];
             if (known > 0 && known < stated) continue;

@@ -46,7 +46,7 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 }
 
 double tolerance_for_transfer(double tolerance, double mie_error_estimate) {
-    return std::max(tolerance - mie_error_estimate, 0.5 * tolerance);
+    return std::max(tolerance - mie_error_estimate, kLeastTransferShare * tolerance);
 }
 
 std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,

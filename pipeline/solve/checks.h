@@ -18,10 +18,6 @@ PhysicsReport physics_of(const std::vector<double>& values, const Directions& di
 /// all the same.
 double tolerance_for_transfer(double tolerance, double mie_error_estimate);
 
-/// Of what other steps leave of the tolerance. Points err by twice an rms: of many values that may
-/// all err by so much, some are beyond it.
-inline constexpr double kShareOfPoints = 0.85;
-
 /// What points of the phase function may err by at each value: their share of the tolerance, or
 /// most of what the estimates of the other steps have left of it there, if that is more.
 /// @param transfer_errors  of rte::ReflectionTable

@@ -9,6 +9,7 @@
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
+#include "rte/math/tolerance_budget.h"
 #include "rte/stack/scaled_stack.h"
 
 namespace miebrdf {
@@ -19,25 +20,32 @@ constexpr double kDeviations = 2.0;
 /// Where the moments come from the same table, its errors are in them, too, and the forward peak
 /// falls to nothing over the degrees that they may have: what an error of P does lies between what
 /// degrees beyond the peak do (0) and what the lowest that delta-M cuts off do (1). Low degrees
-/// prevail, but for straight back, where all degrees add up. Measured against tables for
-/// --mie-tolerance 1e-5 (docs/internals/mie-log.md#errors-of-tables-seen-through-the-forward-peak).
+/// prevail, but for straight back, where all degrees add up. As measured against tables for
+/// --mie-tolerance 1e-5, up to each angle
+/// (docs/internals/mie-log.md#errors-of-tables-seen-through-the-forward-peak).
 struct PeakShare {
-    double mean = 0.0;
-    double doubt = 0.0;  ///< rms
+    double up_to_deg;
+    double mean;
+    double doubt;  ///< rms
 };
-constexpr PeakShare kPeakShare = {0.9, 0.1}, kPeakShareBeforeBack = {1.0, 0.2},
-                    kPeakShareNearBack = {0.6, 0.2};
-constexpr PeakShare kPeakShareBack = {0.3, 0.19};
-// Cosines of 165, 176.4 and 179.3 degrees.
-constexpr double kBeforeBack = -0.9659, kNearBack = -0.9980, kStraightBack = -0.999925;
+constexpr PeakShare kPeakShares[] = {{60.0, 0.72, 0.40},  {100.0, 0.94, 0.17}, {130.0, 0.84, 0.12},
+                                     {165.0, 0.89, 0.08}, {176.4, 1.0, 0.2},   {179.3, 0.6, 0.18}};
+constexpr PeakShare kStraightBack = {180.0, 0.3, 0.19};
 
-bool is_straight_back(double cos_theta) { return cos_theta <= kStraightBack; }
-
-PeakShare peak_share(double cos_theta) {
-    if (cos_theta > kBeforeBack) return kPeakShare;
-    if (cos_theta > kNearBack) return kPeakShareBeforeBack;
-    return is_straight_back(cos_theta) ? kPeakShareBack : kPeakShareNearBack;
+const PeakShare& peak_share(double cos_theta) {
+    static const std::vector<double> cosines = [] {
+        std::vector<double> list;
+        for (const PeakShare& share : kPeakShares)
+            list.push_back(std::cos(share.up_to_deg * std::numbers::pi / 180.0));
+        return list;
+    }();
+    for (std::size_t k = 0; k < cosines.size(); ++k) {
+        if (cos_theta > cosines[k]) return kPeakShares[k];
+    }
+    return kStraightBack;
 }
+
+bool is_straight_back(double cos_theta) { return &peak_share(cos_theta) == &kStraightBack; }
 
 /// The phase function of one species of a layer.
 struct PhasePart {
@@ -241,7 +249,7 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
 double beside_doubt(double allowed, double doubt) {
     const double left = allowed / kShareOfPoints;
     const double rest = std::sqrt(std::max(left * left - doubt * doubt, 0.0));
-    return std::clamp(rest, 0.5 * allowed, allowed);
+    return std::clamp(rest, kLeastBesideDoubt * allowed, allowed);
 }
 
 // NaN, too, and for good.

@@ -101,7 +101,7 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const Re
     std::vector<FacetWalk::Beam> beams;
     for (Eigen::Index q = 0; q < all; ++q) {
         const bool from_air = q >= n;
-        beams.push_back(meet(from_air, from_air ? air.mu[q - n] : medium.mu[q]));
+        beams.push_back(beam_at_facet(from_air, from_air ? air.mu[q - n] : medium.mu[q]));
     }
     std::vector<Eigen::MatrixXd> once(std::size_t(orders), Eigen::MatrixXd(all, all));
     for (Eigen::Index q = 0; q < all; ++q) {
@@ -151,7 +151,7 @@ void RoughBoundary::keep(Eigen::MatrixXd order_0) {
     inside_.push_back(order_0_.topLeftCorner(n, n));
 }
 
-FacetWalk::Beam RoughBoundary::meet(bool from_air, double mu) const {
+FacetWalk::Beam RoughBoundary::beam_at_facet(bool from_air, double mu) const {
     return {from_air, mu,
             scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_)};
 }
@@ -169,7 +169,7 @@ RoughBoundary::EnergyFromAir RoughBoundary::followed(const Eigen::VectorXd& mu_a
     std::vector<FacetWalk::Beam> beams;
     for (const double mu : mu_air) {
         if (!(mu > 0.0 && mu <= 1.0)) throw UsageError("mu_air", mu, "(0, 1]");
-        beams.push_back(meet(true, mu));
+        beams.push_back(beam_at_facet(true, mu));
     }
     EnergyFromAir energy{mu_air, walk_->leaving(beams, grid_), {}};
     for (Eigen::MatrixXd& order : energy.by_order) order.transposeInPlace();

@@ -175,7 +175,7 @@ class RoughBoundary {
     };
 
     Eigen::Index nodes_in_air() const { return grid_.nodes_below(1.0); }
-    FacetWalk::Beam meet(bool from_air, double mu) const;
+    FacetWalk::Beam beam_at_facet(bool from_air, double mu) const;
     /// Energy of a beam that leaves after its first facet, (nodes inside, nodes in air) x orders.
     Eigen::MatrixXd after_one_facet(const FacetWalk::Beam& beam) const;
     void keep(Eigen::MatrixXd order_0);
