@@ -104,18 +104,6 @@ double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
     return change;
 }
 
-// Absorption over extinction, reduced by similarity (van de Hulst 1980).
-double similar_absorption(const EnsembleOptics& optics) {
-    return optics.one_minus_albedo /
-           (1 - optics.single_scattering_albedo * std::min(optics.asymmetry, 1.0));
-}
-
-// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
-double half_space_albedo(const EnsembleOptics& optics) {
-    const double s = std::sqrt(std::clamp(similar_absorption(optics), 0.0, 1.0));
-    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
-}
-
 // The change of the albedo of a half-space by a relative one of the absorption. A half-space of
 // similar spheres has an albedo A with 1 - A about sqrt(6 (1 - omega) / (1 - omega g)):
 // d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.

@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
+#include <numbers>
+#include <utility>
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/matrix_series.h"
 #include "mie/ensemble/particle_ensemble.h"
+#include "mie/ensemble/phase_table.h"
 #include "mie/ensemble/size_passes.h"
 #include "mie/ensemble/spheroid_average.h"
+#include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -24,10 +28,16 @@ struct MatrixRule {
     /// Measured on a Zen 4 core; right to a factor of three elsewhere.
     static constexpr double kProductsPerSecond = 4e9;
     /// Points of P have the errors of all degrees: their relative change counts for this much less
-    /// than that of single degrees. Where P is dim, it is relative to kDim.
-    static constexpr double kPhasePerDegree = 10.0, kDim = 0.5;
+    /// than that of single degrees. Where P is below `phase_floor`, it is relative to that, which
+    /// falls with what a half-space returns, but not below kLeastFloor; without a floor to kDim.
+    static constexpr double kPhasePerDegree = 10.0, kDim = 0.5, kLeastFloor = 1e-3;
     /// Products after which no further pass of sizes begins: some 25 s.
     static constexpr double kMostProducts = 1e11;
+    /// Panels of the table of P in half a period of the fastest wave that P has, whose eight nodes
+    /// leave 1e-6 of it (Refinement::kNarrowest).
+    static constexpr double kPanelsInHalfPeriod = 1.0;
+    /// Noise of a panel is the rms over the nodes up to so many panels to both sides.
+    static constexpr int kNoisePanels = 4;
 };
 
 // Products of partial waves, angles and sizes: real and imaginary part of two sums.
@@ -53,6 +63,43 @@ Eigen::MatrixXd elements(const Eigen::ArrayXXd& products, double scattered) {
     return values;
 }
 
+// P on even panels.
+// @param chi     of P
+// @param noise   of P at `angles`, relative to max(P, floor); empty: none
+// @param angles  radians, descending as the nodes of a rule in the cosine ascend
+PhaseTable table_of(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
+                    const Eigen::ArrayXd& angles, double floor) {
+    const auto panels =
+        static_cast<int>(std::ceil(MatrixRule::kPanelsInHalfPeriod * double(chi.size())));
+    const double width = std::numbers::pi / panels;
+    PhaseTable::Parts parts;
+    for (int p = 0; p < panels; ++p) parts.edges.push_back(p * width);
+    parts.edges.push_back(std::numbers::pi);
+    Eigen::MatrixXd values(PhaseTable::kPanelNodes, panels);
+    for (int p = 0; p < panels; ++p) {
+        const std::vector<double> nodes =
+            panel_nodes(parts.edges[std::size_t(p)], parts.edges[std::size_t(p) + 1]);
+        for (int i = 0; i < PhaseTable::kPanelNodes; ++i)
+            values(i, p) = math::legendre_series(chi, std::cos(nodes[std::size_t(i)]));
+    }
+    for (int p = 0; p < panels && noise.size() > 0; ++p) {
+        const double first = (p - MatrixRule::kNoisePanels) * width;
+        const double last = (p + 1 + MatrixRule::kNoisePanels) * width;
+        double squares = 0;
+        int count = 0;
+        for (Eigen::Index k = 0; k < noise.size(); ++k) {
+            if (!(angles[k] >= first && angles[k] <= last)) continue;
+            squares += noise[k] * noise[k];
+            ++count;
+        }
+        parts.noise.push_back(std::sqrt(squares / std::max(count, 1)));
+        parts.size_error = std::max(parts.size_error, parts.noise.back());
+    }
+    parts.noise_floor = floor;
+    parts.gave_moments = true;
+    return make_phase_table(std::move(parts), values);
+}
+
 class MatrixAverage {
   public:
     MatrixAverage(const EnsembleRequest& request, const Executor& run)
@@ -71,7 +118,11 @@ class MatrixAverage {
         scalar.highest_moment = -1;
         scalar.angles_deg.clear();
         scalar.with_phase_table = false;
+        scalar.phase_floor = 0;
         result_.optics = average_over_sizes(scalar, run_);
+        if (request_.phase_floor > 0)
+            floor_ = std::max(MatrixRule::kLeastFloor,
+                              half_space_albedo(result_.optics) * request_.phase_floor);
         const int nodes = static_cast<int>(rule_.nodes.size());
         const AngularFunctions angles(
             Eigen::Map<const Eigen::ArrayXd>(rule_.nodes.data(), Eigen::Index(nodes)), terms_,
@@ -95,11 +146,11 @@ class MatrixAverage {
         const Eigen::MatrixXd here = elements(sums.products, sums.spheres.scattered);
         rows_ = matrix_series(here, rule_, degree_);
         const Eigen::ArrayXd phase = here.col(0);
-        double phase_change = 0;
-        if (phase_.size() > 0)
-            phase_change = ((phase - phase_) / phase.max(MatrixRule::kDim)).abs().maxCoeff();
+        phase_change_ = {};
+        if (phase_.size() > 0) phase_change_ = (phase - phase_) / phase.max(floor_);
         phase_ = phase;
-        estimate_error(before, phase_change, sums.spheres);
+        const double largest = phase_change_.size() > 0 ? phase_change_.abs().maxCoeff() : 0.0;
+        estimate_error(before, largest, sums.spheres);
     }
 
     // The exact extinction tells which resonances the sizes have missed, as in EnsembleAverage.
@@ -120,6 +171,10 @@ class MatrixAverage {
     MatrixOptics finished() {
         put_series(rows_, result_);
         EnsembleOptics& optics = result_.optics;
+        const Eigen::Map<const Eigen::ArrayXd> x(rule_.nodes.data(),
+                                                 Eigen::Index(rule_.nodes.size()));
+        optics.phase_table = std::make_shared<const PhaseTable>(
+            table_of(optics.chi, passes_.share_left() * phase_change_, x.acos(), floor_));
         optics.error_estimate = std::max(optics.error_estimate, error_);
         optics.size_nodes = std::max(optics.size_nodes, passes_.sizes_so_far());
         optics.converged = optics.converged && error_ <= request_.tolerance;
@@ -133,8 +188,10 @@ class MatrixAverage {
     int degree_;
     math::Quadrature rule_;
     SizePasses passes_;
-    Eigen::MatrixXd rows_ = {};  // coefficients of a1, a4, a2, a3, b1, b2 without 2l + 1
-    Eigen::ArrayXd phase_ = {};  // P at the nodes after the last pass
+    Eigen::MatrixXd rows_ = {};         // coefficients of a1, a4, a2, a3, b1, b2 without 2l + 1
+    Eigen::ArrayXd phase_ = {};         // P at the nodes after the last pass
+    Eigen::ArrayXd phase_change_ = {};  // by that pass, relative to max(P, floor_)
+    double floor_ = MatrixRule::kDim;
     double error_ = 1;
     MatrixOptics result_;
 };

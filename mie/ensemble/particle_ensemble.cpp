@@ -102,4 +102,14 @@ void require_angles(const std::vector<double>& angles_deg) {
     }
 }
 
+double similar_absorption(const EnsembleOptics& optics) {
+    return optics.one_minus_albedo /
+           (1 - optics.single_scattering_albedo * std::min(optics.asymmetry, 1.0));
+}
+
+double half_space_albedo(const EnsembleOptics& optics) {
+    const double s = std::sqrt(std::clamp(similar_absorption(optics), 0.0, 1.0));
+    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
+}
+
 }  // namespace miebrdf::mie

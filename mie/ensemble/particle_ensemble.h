@@ -55,4 +55,9 @@ inline Executor flushing(const Executor& run) {
     };
 }
 
+/// Absorption over extinction, reduced by similarity (van de Hulst 1980).
+double similar_absorption(const EnsembleOptics& optics);
+/// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
+double half_space_albedo(const EnsembleOptics& optics);
+
 }  // namespace miebrdf::mie

@@ -37,6 +37,8 @@ class SizePasses {
     ///                       it is not believed to fall by more than half
     /// @param least          no estimate is below this
     double error(double change, double missed, double share, double lasting, double least);
+    /// The part of the last change of any average that is expected to be left as its error.
+    double share_left() const { return share_left_; }
     bool is_first() const { return pass_ == 0; }
 
   private:
@@ -49,7 +51,7 @@ class SizePasses {
     int pass_ = 0, sizes_so_far_ = 0, first_count_ = 0;
     SizeSums total_ = {};  // over all passes that count
     double exact_q_ext_ = 0;
-    double change_before_ = 0, lasting_before_ = 0;
+    double change_before_ = 0, lasting_before_ = 0, share_left_ = 1;
 };
 
 }  // namespace miebrdf::mie

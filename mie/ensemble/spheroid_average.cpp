@@ -144,7 +144,7 @@ class SpheroidAverage {
             o.phase_error_estimate =
                 std::max(o.phase_error_estimate, o.phase_error.back() / o.phase.back());
         }
-        if (request_.with_phase_table) o.phase_table = table(chi);
+        o.phase_table = table(chi);
         if (request_.highest_moment >= 0) o.chi.resize(std::size_t(request_.highest_moment) + 1);
     }
 

@@ -4,10 +4,8 @@
 #include <map>
 #include <string>
 
-#include <miebrdf/ensemble.h>
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/plan/planner.h"
-#include "pipeline/solve/coated.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/rules.h"
 #include "rte/math/tolerance_budget.h"
@@ -84,27 +82,14 @@ void Planner::polarisation() {
                                static_cast<double>(count) * more});
     }
     if (unknown > 0) {
-        plan_.steps.push_back(
-            {"polarisation",
-             "scattering matrices; with them it is known whether 3 components are needed, which "
-             "takes 10 times as long as 1 and is counted here: small spheres mostly need them",
-             unknown, static_cast<double>(unknown) * (matrix_cost() + more)});
+        plan_.steps.push_back({"polarisation",
+                               "scattering matrices tell whether 3 components are needed, which "
+                               "takes 10 times as long "
+                               "as 1 and is counted here: small spheres mostly need them",
+                               unknown, static_cast<double>(unknown) * more});
     }
     for (const auto& [reason, count] : scalar)
         leave_out("polarisation", reason, static_cast<double>(count) * more);
-}
-
-double Planner::matrix_cost() const {
-    double sum = 0.0;
-    for (std::size_t m = lowest_; m < scene_.media.size(); ++m) {
-        for (const ResolvedSpecies& species : scene_.media[m].species) {
-            if (!species.needs_mie()) continue;
-            mie::EnsembleRequest request = particles_of(species, 0);
-            request.tolerance = demand_.tolerance;
-            sum += mie::matrix_seconds(request);
-        }
-    }
-    return sum;
 }
 
 void Planner::leave_out_orders() {

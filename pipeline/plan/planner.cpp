@@ -10,6 +10,7 @@
 #include "pipeline/cache/result_cache.h"
 #include "pipeline/plan/cost_model.h"
 #include "pipeline/solve/brdf_state.h"
+#include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_optics.h"
 #include "rte/math/tolerance_budget.h"
@@ -111,6 +112,13 @@ double Planner::mie_cost(std::size_t medium, std::size_t w) const {
 double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const {
     if (!species.needs_mie()) return 0.0;
     return mie_seconds(mie_work(species, w, demand_.tolerance, whole));
+}
+
+OpticsDemand Planner::demand_at(std::size_t w) const {
+    const LightChoice light = choose_light(request_, w);
+    OpticsDemand demand = demand_;
+    demand.polarisation = light.components > 1 || light.needs_matrices;
+    return demand;
 }
 
 double Planner::typical_mie_cost(std::size_t w) const {
@@ -234,8 +242,12 @@ void Planner::single_scattering() {
         mixes = mixes || medium.species.size() > 1;
         for (const ResolvedSpecies& species : medium.species) {
             for (const LayerJob& job : jobs_) {
-                const std::string hash = optics_hash(species, job.wavelength, demand_);
-                const double cost = mie_cost(species, job.wavelength, demand_.whole_phase_function);
+                const OpticsDemand demand = demand_at(job.wavelength);
+                const std::string hash = optics_hash(species, job.wavelength, demand);
+                const double cost =
+                    demand.polarisation
+                        ? matrix_seconds(species, job.wavelength, demand)
+                        : mie_cost(species, job.wavelength, demand.whole_phase_function);
                 if (!earlier_.optics.insert(hash).second) {
                     ++repeated;
                     repeated_s += cost;

@@ -56,11 +56,12 @@ class Planner {
     double mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const;
     /// Of particles as the scene has them where a medium says nothing.
     double typical_mie_cost(std::size_t w) const;
+    /// demand_, with scattering matrices where they are needed.
+    OpticsDemand demand_at(std::size_t w) const;
     double mie_cost(std::size_t medium) const;  ///< at all the jobs' wavelengths
     /// Mie theory for all the layers at the first wavelength, each different medium once.
     double scene_mie_cost() const;
     double transfer_cost(int orders, std::size_t layers) const;
-    double matrix_cost() const;  ///< scattering matrices of all layers at one wavelength
 
     void leave_out(const std::string& rule, const std::string& reason, double saved_s);
 

@@ -111,6 +111,15 @@ void refuse_lost_values(LayerSlice& slice) {
     slice.report.converged = false;
 }
 
+/// Elements 11 of matrices.
+std::vector<double> intensities(const rte::ReflectionTable& table,
+                                const std::vector<double>& values) {
+    const auto elements = std::size_t(table.components * table.components);
+    std::vector<double> all;
+    for (std::size_t k = 0; k < values.size(); k += elements) all.push_back(values[k]);
+    return all;
+}
+
 /// Fills in the reflection.
 /// @return the error that points of P and transfer have together
 double solve_reflection(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
@@ -128,11 +137,20 @@ double solve_reflection(const LayerRequest& request, const SceneOptics& optics, 
     slice.mirror_reflectance = std::move(table.mirror_reflectance);
     slice.report.solver = table.report;
     remove_rounding(slice.plane_albedo);
-    if (components > 1) return table.report.error_estimate;
+    // Matrices have one estimate for all elements and directions.
+    if (table.errors.empty())
+        table.errors.assign(slice.values.size() / std::size_t(table.components * table.components),
+                            table.report.error_estimate);
+    const SolvedLayers solved{stack, request.directions, table.report.moments, solver.delta_m,
+                              table.errors};
+    if (components > 1) {
+        const PhaseErrors errors = phase_errors(solved, intensities(table, slice.values));
+        slice.report.phase_noise = errors.noise;
+        return errors.with_transfer;
+    }
     const double tolerance = request.solver.tolerance;
     const PhaseErrors left = refine_phase(
-        request.scene, w, demand,
-        {stack, request.directions, table.report.moments, solver.delta_m, table.errors},
+        request.scene, w, demand, solved,
         rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
     slice.report.phase_noise = left.noise;
     // It was given less than the tolerance, of which the points have not taken all.
@@ -169,6 +187,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary;
     if (returns_nothing && request.quantity != LayerQuantity::mueller) return black(request);
     const double tolerance = request.solver.tolerance;
+    // Points of the table are computed anew only for light as a number.
     const bool has_noise = request.quantity == LayerQuantity::reflection && light.components == 1 &&
                            has_noisy_phase(stack);
     SolverOptions solver = request.solver;
@@ -186,6 +205,15 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     judge(slice.report, with_transfer, optics.mie_error_estimate, tolerance);
     refuse_lost_values(slice);
     return slice;
+}
+
+/// Scattering matrices have no points of P that are computed anew: where their noise takes the
+/// tolerance they are averaged over more sizes, once, to this part of the tolerance.
+constexpr double kFinerMatrices = 0.125;
+
+bool wants_finer_sizes(const WavelengthReport& report, double tolerance) {
+    return report.stokes > 1 && !(report.error_estimate <= tolerance) &&
+           2.0 * report.phase_noise.largest > kPhaseShare * tolerance;
 }
 
 std::vector<double> packed(const LayerSlice& slice) {
@@ -256,7 +284,7 @@ PhaseDemand phase_demand(LayerQuantity quantity) {
 }
 
 int first_streams(const LayerRequest& request) {
-    return rte::first_streams(0.5 * request.solver.tolerance);
+    return rte::first_streams(kLeastTransferShare * request.solver.tolerance);
 }
 
 OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
@@ -300,6 +328,7 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
             missing.push_back(j);
         }
     }
+    const std::vector<std::size_t> computed = missing;
     const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
                                   phase_demand(request.quantity));
     // The light that passes the layers is wanted too: only what lets nothing through hides a
@@ -312,17 +341,16 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
         std::vector<std::size_t> wavelengths(places.size());
         for (std::size_t i = 0; i < places.size(); ++i) wavelengths[i] = jobs[places[i]].wavelength;
-        const std::vector<LightChoice> light =
-            choose_light(reduced, wavelengths, hiding, own, control);
-        const auto optics = optics_in(light, reduced, wavelengths, hiding, own, control);
+        const auto lit = light_and_optics(reduced, wavelengths, hiding, own, control);
         std::vector<char> wants_more(places.size(), 0);
         run_parallel("radiative transfer", places.size(), control, [&](std::size_t i) {
             const LayerJob& job = jobs[places[i]];
             LayerSlice& slice = solved[places[i]];
-            slice = solve(reduced, optics[i], job.wavelength, own, light[i], pieces_of_job(control),
+            const auto& [light, optics] = lit[i];
+            slice = solve(reduced, optics, job.wavelength, own, light, pieces_of_job(control),
                           memories.local());
-            wants_more[i] = own.highest_moment < demand.highest_moment &&
-                            light[i].components == 1 && has_cut_moments(optics[i].stack) &&
+            wants_more[i] = own.highest_moment < demand.highest_moment && light.components == 1 &&
+                            has_cut_moments(optics.stack) &&
                             slice.report.solver.streams > first_streams(request);
             if (control.cache != nullptr && !wants_more[i])
                 control.cache->store(job.hash, packed(slice));
@@ -335,6 +363,15 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     };
     missing = solve_with(first_demand(request, demand), missing);
     if (!missing.empty()) solve_with(demand, missing);
+    std::vector<std::size_t> noisy;
+    for (const std::size_t j : computed) {
+        if (wants_finer_sizes(solved[j].report, request.solver.tolerance)) noisy.push_back(j);
+    }
+    if (!noisy.empty() && request.scene.particles.tolerance == 0.0) {
+        OpticsDemand finer = demand;
+        finer.tolerance *= kFinerMatrices;
+        solve_with(finer, noisy);
+    }
     std::vector<LayerSlice> slices;
     std::vector<int> uses(jobs.size(), 0);
     for (const std::size_t job : list.serving) ++uses[job];

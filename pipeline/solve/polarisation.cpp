@@ -29,10 +29,6 @@ constexpr double kLargestChange = 0.15;
 constexpr double kCoarse = 3.0;
 constexpr double kCoarseChange = 0.03;
 
-/// What `auto` promises where spheres are coarse: their polarisation changes no value by more.
-/// Finer ones are held to the tolerance.
-constexpr double kPromised = 6e-3;
-
 /// Changes are looked at with so few nodes, and at some of the directions: differences of two
 /// solutions need less than the solutions themselves. With the margin, nothing was left out by
 /// mistake in 150 random films and layers of spheres below boundaries, 51 of which changed by more
@@ -209,7 +205,7 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
                                       coarsest)};
     }
     return {.allowed = finest >= kCoarse && std::isfinite(finest)
-                           ? std::max(request.solver.tolerance, kPromised)
+                           ? std::max(request.solver.tolerance, kPromisedWithoutPolarisation)
                            : request.solver.tolerance,
             .left_out = bound,
             .needs_matrices = true};
@@ -229,35 +225,17 @@ LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown
             .reason = fmt::format("without it values would change by up to {:.1g}", change)};
 }
 
-std::vector<LightChoice> choose_light(const LayerRequest& request,
-                                      const std::vector<std::size_t>& wavelengths, double hiding,
-                                      OpticsDemand demand, const Control& control) {
-    demand.polarisation = true;
-    std::vector<LightChoice> light;
-    std::vector<std::size_t> unknown, unknown_wavelengths;
-    for (const std::size_t w : wavelengths) {
-        light.push_back(choose_light(request, w));
-        if (!light.back().needs_matrices) continue;
-        unknown.push_back(light.size() - 1);
-        unknown_wavelengths.push_back(w);
-    }
-    if (unknown.empty()) return light;
-    const auto optics = visible_optics(request.scene, request.directions, hiding,
-                                       unknown_wavelengths, demand, control);
-    for (std::size_t i = 0; i < unknown.size(); ++i)
-        light[unknown[i]] = choose_light(request, light[unknown[i]], optics[i].stack);
-    return light;
-}
-
-std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
-                                   const LayerRequest& request,
-                                   const std::vector<std::size_t>& wavelengths, double hiding,
-                                   OpticsDemand demand, const Control& control) {
-    std::vector<SceneOptics> all(wavelengths.size());
+std::vector<LitScene> light_and_optics(const LayerRequest& request,
+                                       const std::vector<std::size_t>& wavelengths, double hiding,
+                                       OpticsDemand demand, const Control& control) {
+    std::vector<LitScene> all(wavelengths.size());
+    for (std::size_t i = 0; i < wavelengths.size(); ++i)
+        all[i].light = choose_light(request, wavelengths[i]);
     for (const bool polarised : {false, true}) {
         std::vector<std::size_t> places, some;
         for (std::size_t i = 0; i < wavelengths.size(); ++i) {
-            if ((light[i].components > 1) != polarised) continue;
+            const LightChoice& light = all[i].light;
+            if ((light.components > 1 || light.needs_matrices) != polarised) continue;
             places.push_back(i);
             some.push_back(wavelengths[i]);
         }
@@ -265,7 +243,12 @@ std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
         demand.polarisation = polarised;
         auto optics =
             visible_optics(request.scene, request.directions, hiding, some, demand, control);
-        for (std::size_t i = 0; i < places.size(); ++i) all[places[i]] = std::move(optics[i]);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            LitScene& lit = all[places[i]];
+            lit.optics = std::move(optics[i]);
+            if (lit.light.needs_matrices)
+                lit.light = choose_light(request, lit.light, lit.optics.stack);
+        }
     }
     return all;
 }

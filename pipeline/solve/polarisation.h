@@ -13,6 +13,11 @@
 
 namespace miebrdf {
 
+/// What `auto` promises where spheres are coarse: their polarisation changes no value by more,
+/// relative. Finer ones are held to the tolerance. What keeps no promise says so
+/// (ResultReport::polarisation).
+inline constexpr double kPromisedWithoutPolarisation = 6e-3;
+
 /// How light is computed at one wavelength.
 struct LightChoice {
     int components = 1;       ///< 1, 3 or 4
@@ -38,19 +43,19 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w);
 LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown,
                          const rte::Stack& stack);
 
-/// All of it for some of the scene's wavelengths (layers.cpp).
-std::vector<LightChoice> choose_light(const LayerRequest& request,
-                                      const std::vector<std::size_t>& wavelengths,
-                                      double hiding_tolerance, OpticsDemand demand,
-                                      const Control& control);
+/// A scene at one wavelength with the light that it is solved for.
+struct LitScene {
+    LightChoice light;
+    SceneOptics
+        optics;  ///< of what shows; its scattering matrix where light has several components
+};
 
-/// Optics of what shows at some of the scene's wavelengths, with the scattering matrix where light
-/// has several components.
-std::vector<SceneOptics> optics_in(const std::vector<LightChoice>& light,
-                                   const LayerRequest& request,
-                                   const std::vector<std::size_t>& wavelengths,
-                                   double hiding_tolerance, OpticsDemand demand,
-                                   const Control& control);
+/// All of it for some of the scene's wavelengths. Where scattering matrices were needed to choose,
+/// numbers take moments and P from them, too: no sphere is computed twice.
+std::vector<LitScene> light_and_optics(const LayerRequest& request,
+                                       const std::vector<std::size_t>& wavelengths,
+                                       double hiding_tolerance, OpticsDemand demand,
+                                       const Control& control);
 
 /// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
 /// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides). Without

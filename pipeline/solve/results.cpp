@@ -102,7 +102,17 @@ std::vector<std::string> ResultReport::polarisation() const {
         lines.push_back(fmt::format("{} components of light at {} of {} wavelengths", components,
                                     polarised, wavelengths.size()));
     }
-    if (left_out > 0.0) {
+    if (left_out >= 1.0) {
+        lines.push_back(
+            "left out, although it may show: nothing bounds the changes of the values (stokes 3 "
+            "has "
+            "it computed, but below rough boundaries)");
+    } else if (left_out > kPromisedWithoutPolarisation) {
+        lines.push_back(fmt::format(
+            "left out, although it may show: nothing bounds relative changes of the values below "
+            "{:.1g} (stokes 3 has it computed, but below rough boundaries)",
+            left_out));
+    } else if (left_out > 0.0) {
         lines.push_back(
             fmt::format("left out: relative changes of the values are below {:.1g} (bound; stokes "
                         "3 has it computed)",

@@ -71,13 +71,20 @@ auto average(Average compute, const Species& species, const mie::EnsembleRequest
     }
 }
 
-/// All of the scattering matrix, as a series: no table of P beside it.
-MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, OpticsDemand demand,
-                        const mie::Executor& run) {
+mie::EnsembleRequest matrix_request(const ResolvedSpecies& species, std::size_t w,
+                                    OpticsDemand demand) {
     demand.highest_moment = -1;
     demand.whole_phase_function = false;
     demand.angles_deg.clear();
-    const auto request = ensemble_request(species, w, demand);
+    mie::EnsembleRequest request = ensemble_request(species, w, demand);
+    request.phase_floor = kPhaseFloor;
+    return request;
+}
+
+/// All of the scattering matrix, as a series, and P of the same spheres as a table.
+MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand,
+                        const mie::Executor& run) {
+    const auto request = matrix_request(species, w, demand);
     mie::MatrixOptics matrix = average(mie::average_matrix, species.species, request, run);
     MediumOptics result;
     result.optics.single_scattering_albedo = matrix.optics.single_scattering_albedo;
@@ -85,6 +92,7 @@ MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, OpticsDem
     result.optics.chi = std::move(matrix.optics.chi);
     result.optics.polarisation = std::make_shared<const rte::Polarisation>(
         rte::Polarisation{std::move(matrix.expansion), {}});
+    result.optics.phase = *matrix.optics.phase_table;
     result.asymmetry = matrix.optics.asymmetry;
     result.q_ext = matrix.optics.q_ext;
     result.error_estimate = matrix.optics.error_estimate;
@@ -131,6 +139,10 @@ std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const Opt
     if (polarisation) return key.add(tolerance).hash();
     // With the whole phase function come all moments, however few were asked for.
     return key.add(whole ? -1 : highest_moment).add(whole).add(angles_deg).add(tolerance).hash();
+}
+
+double matrix_seconds(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
+    return mie::matrix_seconds(matrix_request(species, w, demand));
 }
 
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,

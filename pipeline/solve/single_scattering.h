@@ -22,8 +22,8 @@ struct OpticsDemand {
     bool whole_phase_function = false;
     std::vector<double> angles_deg = {};  ///< P at these angles, for MediumOptics::phase
     double tolerance = 1e-4;              ///< relative, of the size average
-    /// The whole scattering matrix, rte::Optics::polarisation, and all moments, in place of a table
-    /// of the phase function.
+    /// The whole scattering matrix, rte::Optics::polarisation, with all moments and a table of the
+    /// phase function.
     bool polarisation = false;
 };
 
@@ -51,6 +51,9 @@ struct MediumOptics {
 /// Everything that the optics of a species depend on: scenes that share it share the result.
 /// @param w  index of the wavelength
 std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand);
+
+/// About how long its scattering matrix takes (mie::matrix_seconds).
+double matrix_seconds(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand);
 
 /// One species at one wavelength, computed.
 /// @param run  for the pieces of one Mie average (parallel.h)

@@ -29,21 +29,18 @@ rte::SpectralFirstOrder first_order_of(std::span<const SolvedWavelength> wavelen
 std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const Control& control) {
     const ResolvedScene& scene = state.scene;
     const std::size_t count = scene.wavelength_nm.size();
-    std::vector<SceneOptics> optics(count);
-    std::vector<LightChoice> light(count);
+    std::vector<LitScene> lit(count);
     if (state.part != BrdfPart::surface) {
         const auto demand = demand_of(state.solver, scene.particles.tolerance, PhaseDemand::whole);
         const LayerRequest request{scene, probe_directions(), state.solver};
         const std::vector<std::size_t> all = all_wavelengths(scene);
-        const double hiding = state.solver.tolerance;
-        light = choose_light(request, all, hiding, demand, control);
-        optics = optics_in(light, request, all, hiding, demand, control);
+        lit = light_and_optics(request, all, state.solver.tolerance, demand, control);
     }
     const auto boundaries = rough_boundaries_of(control);
     std::vector<std::optional<SolvedWavelength>> solved(count);
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
         rte::SolutionMemory memory = rte::memory_with(boundaries);
-        solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
+        solved[w].emplace(scene, w, lit[w].optics, state.solver, state.part, lit[w].light,
                           state.components > 1, memory);
     });
     std::vector<SolvedWavelength> wavelengths;

@@ -9,6 +9,7 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 #include <miebrdf/plan.h>
+#include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/single_scattering.h"
@@ -216,6 +217,34 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
     const WavelengthReport none = report("hg:0.9,0.7", 1e-3);
     CHECK(none.stokes == 1);
     CHECK(none.polarisation_left_out == 0.0);
+}
+
+TEST_CASE("auto takes numbers from the scattering matrices that it has looked at",
+          "[pipeline][polarisation][rules]") {
+    const support::TemporaryFolder folder;
+    std::size_t averages = 0;
+    const Control control{.threads = 1,
+                          .progress =
+                              [&](const std::string& stage, std::size_t, std::size_t) {
+                                  if (stage == "single scattering") ++averages;
+                              },
+                          .cache = std::make_shared<ResultCache>(folder / "results.sqlite")};
+    const Directions directions = {{0.5, 1.0}, {0.5, 1.0}, {0, 180}};
+    const Scene scene = scene_of("index:1.5,0.01,radius=2");
+    const Brdf brdf = solve(scene, {550, 600}, {.stokes = 0}, control);
+    const BrdfValues values = brdf.evaluate(directions);
+    CHECK(averages == 2);
+    const BrdfValues numbers = solve(scene, {550, 600}, {.stokes = 1}).evaluate(directions);
+    for (std::size_t w = 0; w < 2; ++w) {
+        CHECK(values.wavelengths[w].stokes == 1);
+        CHECK(values.wavelengths[w].polarisation_left_out > 0.0);
+        for (std::size_t i = 0; i < values.slices[w].total.size(); ++i)
+            CHECK(values.slices[w].total[i] == Approx(numbers.slices[w].total[i]).epsilon(4e-3));
+    }
+    // The plan knows them, too: other directions take them from the cache.
+    const Plan plan = plan_evaluate(brdf, {{0.3}, {0.7}, {90}});
+    CHECK(std::none_of(plan.steps.begin(), plan.steps.end(),
+                       [](const PlannedStep& step) { return step.stage == "single scattering"; }));
 }
 
 TEST_CASE("plan says what is done about polarisation and why", "[pipeline][polarisation][plan]") {

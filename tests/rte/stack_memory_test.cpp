@@ -58,17 +58,20 @@ TEST_CASE("different stacks in the same memory are what they are in fresh memori
         at = (at + 3 + std::size_t(k / 8)) % stacks.size();
         const rte::Stack& stack = stacks[at];
         CAPTURE(k, at);
-        const auto kept = rte::reflect(stack, directions, options, &memory).reflection;
-        const auto fresh = rte::reflect(stack, directions, options).reflection;
-        if (stack.boundary && stack.boundary->is_rough()) {
-            // Fresh memories differ by so much from one another.
+        const auto compare = [&](const std::vector<double>& kept,
+                                 const std::vector<double>& fresh) {
+            if (!stack.boundary || !stack.boundary->is_rough()) {
+                CHECK(kept == fresh);
+                return;
+            }
+            // Rough boundaries with more orders than are wanted differ by rounding.
             REQUIRE(kept.size() == fresh.size());
             for (std::size_t v = 0; v < kept.size(); ++v)
                 CHECK(std::abs(kept[v] - fresh[v]) <= 1e-14 * fresh[v]);
-        } else {
-            CHECK(kept == fresh);
-        }
-        CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo ==
-              rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
+        };
+        compare(rte::reflect(stack, directions, options, &memory).reflection,
+                rte::reflect(stack, directions, options).reflection);
+        compare(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo,
+                rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
     }
 }

@@ -170,8 +170,9 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca,
 int highest_moment_of(const EnsembleRequest& request);
 
 struct MatrixOptics {
-    /// Albedo, efficiencies and g as average_over_sizes gives them, and all chi_l = a1_l / (2l +
-    /// 1). Errors, size_nodes and converged are those of both averages together.
+    /// Albedo, efficiencies and g as average_over_sizes gives them, all chi_l = a1_l / (2l + 1),
+    /// and P of the same spheres as a table. Errors, size_nodes and converged are those of both
+    /// averages together.
     EnsembleOptics optics;
     /// As many degrees as chi. Spheres have a2 = a1 and a4 = a3 as functions of the angle.
     MatrixExpansion expansion;
@@ -188,8 +189,8 @@ struct MatrixOptics {
 /// Cost: sizes times partial waves times nodes; milliseconds where size parameters are up to some
 /// tens, about a second for hundreds (docs/maths-mie.md).
 ///
-/// @param request  of these: sizes, refractive_index, host_index, wavelength_nm, tolerance and
-///                 highest_moment, the degree of the series (-1: all there is)
+/// @param request  of these: sizes, refractive_index, host_index, wavelength_nm, tolerance,
+///                 phase_floor, and highest_moment, the degree of the series (-1: all there is)
 /// @param run  runs pieces of the work; the result does not depend on it, bit for bit
 /// @throws UsageError  as average_over_sizes, and for spheres beyond kLargestMatrixSphere, with
 ///         the price. Not reaching the tolerance is an outcome: read `converged`.
