@@ -46,7 +46,9 @@ StackGrids FrozenStack::grids_of(const ScaledStack& scaled) const {
 }
 
 ScaledStack FrozenStack::scaled_like(const Stack& other) const {
-    ScaledStack scaled = scale(other);
+    ScaledStack scaled;
+    scaled.rough_boundaries = scaled_.rough_boundaries;
+    scale_stack(other, discretisation_.moments, options_.delta_m, NarrowPart::ignored, scaled);
     if (scaled.media.size() != scaled_.media.size()) return scaled;  // a layer without depth
     for (std::size_t k = 0; k < scaled.media.size(); ++k) {
         ScaledMedium& medium = scaled.media[k];
