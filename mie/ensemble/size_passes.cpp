@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "mie/ensemble/exact_extinction.h"
@@ -15,6 +16,11 @@ struct PassRule {
     /// 0.45, 1.7 + 0.8i erred by 4.7e-6 where 1e-6 was stated.
     static constexpr int kSmoothStart = 8;
     static constexpr double kPerFactor = 2;
+    /// The second pass has so many sizes for each period of what light through the sphere and light
+    /// around it interfere to, where exp(-2 k x), which that goes with, is above exp(-kDamped); but
+    /// no more than twice kMostSmoothStart, as many periods average out over fewer sizes. With 8
+    /// and 16 sizes 1.5 + 0.05i of 2 um at 450 nm erred by 1.1e-4 and said 6.8e-6.
+    static constexpr double kPerPeriod = 2, kDamped = 7, kMostSmoothStart = 32;
     /// The even rule takes over beyond so many.
     static constexpr int kSmoothLimit = 256;
     /// Sizes of the first pass of the even rule at most: where there are thousands of periods,
@@ -23,6 +29,18 @@ struct PassRule {
     /// Spheres up to this size parameter have no resonance that is narrow.
     static constexpr double kSmallSpheres = 3;
 };
+
+/// Sizes of the first pass, evenly spread in ln x.
+double least_smooth_count(const Ensemble& ensemble) {
+    const double factors = std::log(ensemble.range.largest_um / ensemble.range.smallest_um);
+    const double damping = 2 * ensemble.scatterer.damping(1.0);
+    const double last_x = std::min(ensemble.largest_x(), PassRule::kDamped / damping);
+    double periods = 0;  // at the spacing that the last one needs
+    if (last_x > ensemble.smallest_x())
+        periods = factors * last_x * std::abs(ensemble.scatterer.n() - 1) / std::numbers::pi;
+    return std::max(PassRule::kPerFactor * factors,
+                    std::min(0.5 * PassRule::kPerPeriod * periods, PassRule::kMostSmoothStart));
+}
 
 }  // namespace
 
@@ -33,10 +51,8 @@ SizePasses::SizePasses(const Ensemble& ensemble) : ensemble_(ensemble) {
     } else if (!ensemble.ripples() ||
                ensemble.scatterer.outer_x(ensemble.largest_x()) < PassRule::kSmallSpheres) {
         rule_ = Rule::smooth;
-        const double factors = std::log(ensemble.range.largest_um / ensemble.range.smallest_um);
         first_count_ = PassRule::kSmoothStart;
-        while (first_count_ < PassRule::kPerFactor * factors)
-            first_count_ += PassRule::kSmoothStart;
+        while (first_count_ < least_smooth_count(ensemble)) first_count_ += PassRule::kSmoothStart;
         take(smooth_size_nodes(ensemble.sizes, ensemble.range, first_count_));
     } else {
         start_even();
