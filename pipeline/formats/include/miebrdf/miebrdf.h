@@ -12,6 +12,7 @@
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
 #include <miebrdf/layer_albedos.h>
+#include <miebrdf/matrix_expansion.h>
 #include <miebrdf/measured.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/plan.h>
