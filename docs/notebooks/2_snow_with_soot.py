@@ -45,7 +45,7 @@ def snow(radius_um: float, soot_ppb: float) -> miebrdf.Scene:
 
 # %%
 nm = np.array([425.0, 505.0, 650.0, 855.0, 1055.0])
-solved = {soot: snow(100.0, soot).solve(nm, tolerance=1e-2, table=False) for soot in (0, 100, 1000)}
+solved = {soot: snow(100.0, soot).solve(nm, tolerance=1e-2) for soot in (0, 100, 1000)}
 albedos = {soot: np.asarray(b.albedo(MU_IN)) for soot, b in solved.items()}
 fig, ax = plt.subplots(figsize=(6, 4))
 for soot, albedo in albedos.items():

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "rte/math/interruption.h"
+
 namespace miebrdf {
 namespace {
 
@@ -21,7 +23,10 @@ class WatchedJob {
     void operator()(std::size_t index) {
         if (control_.is_cancelled && control_.is_cancelled()) throw Cancelled();
         if (control_.job_begun) control_.job_begun(stage_, count_);
-        job_(index);
+        {
+            const math::Interruptible interruptible(control_.is_cancelled);
+            job_(index);
+        }
         if (!control_.progress) return;
         const std::lock_guard lock(mutex_);
         control_.progress(stage_, ++done_, count_);
@@ -60,18 +65,19 @@ void run_parallel(const std::string& stage, std::size_t count, const Control& co
 }
 
 mie::Executor pieces_of_job(const Control& control) {
-    const auto tell = [told = control.piece_done] {
+    const auto watched = [told = control.piece_done, is_cancelled = control.is_cancelled](
+                             const std::function<void(int)>& piece, int i) {
+        const math::Interruptible interruptible(is_cancelled);
+        math::interruption_point();
+        piece(i);
         if (told) told();
     };
     if (control.threads == 1) {
-        return [tell](int count, const std::function<void(int)>& piece) {
-            for (int i = 0; i < count; ++i) {
-                piece(i);
-                tell();
-            }
+        return [watched](int count, const std::function<void(int)>& piece) {
+            for (int i = 0; i < count; ++i) watched(piece, i);
         };
     }
-    return [tell](int count, const std::function<void(int)>& piece) {
+    return [watched](int count, const std::function<void(int)>& piece) {
         // Isolated: while it waits for its last piece, a thread must not begin another job, which
         // this one would then wait for.
         tbb::this_task_arena::isolate([&] {
@@ -79,10 +85,7 @@ mie::Executor pieces_of_job(const Control& control) {
             tbb::parallel_for(
                 tbb::blocked_range<int>(0, count, 1),
                 [&](const tbb::blocked_range<int>& range) {
-                    for (int i = range.begin(); i != range.end(); ++i) {
-                        piece(i);
-                        tell();
-                    }
+                    for (int i = range.begin(); i != range.end(); ++i) watched(piece, i);
                 },
                 tbb::simple_partitioner(), context);
             // When another job has failed or was refused, TBB leaves out the pieces of this one and

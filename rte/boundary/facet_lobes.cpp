@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "rte/math/chebyshev.h"
+#include "rte/math/interruption.h"
 #include "rte/surface/fresnel.h"
 #include "rte/surface/microfacet.h"
 
@@ -151,6 +152,7 @@ void MirroredLobe::add_to(std::vector<double>& reflection, const Directions& dir
     const std::size_t azimuths = directions.azimuth_deg.size();
     std::vector<double> lobe(azimuths);
     for (std::size_t i = 0; i < in.size(); ++i) {
+        math::interruption_point();
         for (std::size_t o = is_symmetric ? i : 0; o < out.size(); ++o) {
             const double scale =
                 0.5 * std::numbers::pi * scale_in[Eigen::Index(i)] * scale_out[Eigen::Index(o)];

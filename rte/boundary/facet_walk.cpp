@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "rte/math/interruption.h"
 #include "rte/math/quadrature.h"
 #include "rte/surface/microfacet.h"
 
@@ -160,6 +161,7 @@ std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Beam>& beams,
         const double all = rays.cwiseAbs().sum();
         Eigen::MatrixXd left = Eigen::MatrixXd::Zero(sides, count);
         for (int facets = 2; facets <= kMostFacets; ++facets) {
+            math::interruption_point();
             for (Eigen::Index d = 0; d < directions; ++d) {
                 HeightsOfBeams heights_of_beams(&rays(d, 0), kHeights, count,
                                                 {kHeights * directions, directions});

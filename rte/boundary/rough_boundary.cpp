@@ -6,6 +6,8 @@
 
 #include <miebrdf/error.h>
 
+#include "rte/math/interruption.h"
+
 namespace miebrdf::rte {
 namespace {
 
@@ -100,11 +102,13 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const Re
     const Eigen::Index all = g_.size();
     std::vector<FacetWalk::Beam> beams;
     for (Eigen::Index q = 0; q < all; ++q) {
+        math::interruption_point();
         const bool from_air = q >= n;
         beams.push_back(beam_at_facet(from_air, from_air ? air.mu[q - n] : medium.mu[q]));
     }
     std::vector<Eigen::MatrixXd> once(std::size_t(orders), Eigen::MatrixXd(all, all));
     for (Eigen::Index q = 0; q < all; ++q) {
+        math::interruption_point();
         const Eigen::MatrixXd column = after_one_facet(beams[std::size_t(q)]);
         for (int m = 0; m < orders; ++m) once[std::size_t(m)].col(q) = column.col(m);
     }

@@ -11,6 +11,7 @@
 #include "rte/first_order/glory_correction.h"
 #include "rte/first_order/meridian_planes.h"
 #include "rte/grid/refraction_grid.h"
+#include "rte/math/interruption.h"
 #include "rte/math/legendre.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/phase/polarisation.h"
@@ -318,6 +319,7 @@ void FirstOrderSum::evaluate(const FirstOrder& first_order) {
     std::size_t first = 0;
     for (const double mu_in : directions_.mu_in) {
         for (const double mu_out : directions_.mu_out) {
+            math::interruption_point();
             const std::vector<PhaseWeights> weights = first_order.weights(mu_in, mu_out);
             for (std::size_t k = 0; k < media; ++k) {
                 const ScatteringAngles angles(weights[k].mu_in, weights[k].mu_out);
@@ -353,6 +355,7 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& s
     std::size_t first = 0;
     for (const double mu_in : directions_.mu_in) {
         for (const double mu_out : directions_.mu_out) {
+            math::interruption_point();
             first_order.find_weights(mu_in, mu_out, weights);
             const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
             std::vector<PolarisedWays> ways;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
+#include "rte/math/interruption.h"
 #include "rte/math/legendre.h"
 #include "rte/math/matrices.h"
 
@@ -311,6 +312,7 @@ void GloryCorrection::add_from_table(double* reflection, std::span<const double>
     std::vector<double> angles(cos_azimuth.size());
     for (const double in : mu_in) {
         for (const double out : mu_out) {
+            math::interruption_point();
             std::transform(
                 cos_azimuth.begin(), cos_azimuth.end(), angles.begin(),
                 [&](double cosine) { return std::acos(cos_scattering_angle(in, out, cosine)); });

@@ -6,6 +6,7 @@
 
 #include "rte/fourier/eigenmodes.h"
 #include "rte/half_space/half_space.h"
+#include "rte/math/interruption.h"
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
@@ -31,6 +32,7 @@ Reflector iterate_half_space(const FourierMedium& medium, const FourierMode& mod
     result.converged = false;
     double last_change = 0.0;
     while (result.iterations < kMostFixedPointSteps) {
+        math::interruption_point();
         ++result.iterations;
         next.noalias() = phi * strengths.asDiagonal() * phi.transpose();
         // Judged on (mu + mu') R, which stays bounded: R grows like 1/mu at grazing angles and
@@ -87,6 +89,7 @@ Reflector double_to_half_space(const FourierMedium& medium, const FourierMode& m
     const Eigen::VectorXd to_bounded =  // X to (mu + mu') R, apart from the sum
         flux_weights(grid).cwiseInverse();
     while (result.iterations < kMostDoublings) {
+        math::interruption_point();
         ++result.iterations;
         const Eigen::PartialPivLU<Eigen::MatrixXd> bounces(identity - X * X);
         const Eigen::MatrixXd once = bounces.solve(T);

@@ -3,6 +3,7 @@
 
 #include "rte/fourier/fourier_mode.h"
 #include "rte/layer/layer.h"
+#include "rte/math/interruption.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -135,6 +136,7 @@ Reflector step_through_coat(CoatMethod method, int substeps, double scaled_optic
              base.rows * per_two_D.asDiagonal(), base.multiple + first_order_below};
 
     for (int step = 0; step < substeps; ++step) {
+        math::interruption_point();
         const Sides sides = make_sides(R, mode, grid, requested);
         const Blocks S = all_sources(strengths, sides);
         if (method == CoatMethod::exponential) {

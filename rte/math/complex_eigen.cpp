@@ -1,11 +1,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "rte/math/interruption.h"
 #include "rte/math/matrices.h"
 
 namespace miebrdf::math {
 
 bool ComplexEigen::compute(const Eigen::MatrixXd& A) {
+    interruption_point();
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
     if (solver.info() != Eigen::Success) return false;
     vectors = solver.eigenvectors();

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "rte/math/interruption.h"
+
 namespace miebrdf::math {
 
 void invert_lower(Eigen::Ref<Eigen::MatrixXd> lower) {
@@ -28,6 +30,7 @@ void invert_lower(Eigen::Ref<Eigen::MatrixXd> lower) {
 }
 
 bool invert_positive_definite(Eigen::MatrixXd& matrix, Eigen::MatrixXd& inverse) {
+    interruption_point();
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(matrix);
     if (factor.info() != Eigen::Success) return false;
     if (!matrix.diagonal().allFinite()) return false;  // NaN passes Eigen's test of the pivots
@@ -38,6 +41,7 @@ bool invert_positive_definite(Eigen::MatrixXd& matrix, Eigen::MatrixXd& inverse)
 }
 
 bool SymmetricEigen::compute(const Eigen::MatrixXd& matrix) {
+    interruption_point();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
     if (solver.info() != Eigen::Success) return false;
     values_ = solver.eigenvalues();

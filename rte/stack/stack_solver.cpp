@@ -7,6 +7,7 @@
 
 #include "rte/boundary/rough_top.h"
 #include "rte/first_order/beams.h"
+#include "rte/math/interruption.h"
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf::rte {
@@ -98,6 +99,7 @@ int StackSolver::fourier_orders() const {
 }
 
 const StackOrder& StackSolver::solve(int fourier_order) {
+    math::interruption_point();
     start(fourier_order);
     if (components_ == 1) {
         static const StokesBlock number{StokesComponent::I};

@@ -161,6 +161,7 @@ def test_words_are_refused_with_what_is_allowed():
         ({"base": "TiO2", "effective_radius_um": -1.0}, "effective_radius_um.*-1"),
         ({"base": "TiO2", "roughness": 9.0}, "9"),
         ({}, "either base or substrate"),
+        ({"base": "TiO2", "radius_um": 1.0}, r"Scene: unknown argument 'radius_um' .*effective_radius"),
     ]:
         with pytest.raises(miebrdf.UsageError, match=text):
             Scene(**arguments)

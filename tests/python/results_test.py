@@ -30,7 +30,7 @@ def test_data_arrays_carry_names_units_and_facts():
     assert values.dims == ("wavelength_nm", "mu_out", "azimuth_deg")
     assert values.name == "brdf" and values.attrs["units"] == "1/sr"
     assert values.attrs["version"] == f"miebrdf {miebrdf.__version__}"
-    assert any("TiO2" in source for source in values.attrs["sources"])
+    assert "TiO2" in values.attrs["sources"]
     assert values.attrs["error_estimate"] > 0
     assert values.attrs["converged"] == (
         values.attrs["error_estimate"] <= values.attrs["tolerance"]
@@ -136,7 +136,7 @@ def test_albedo_is_the_integral_of_the_brdf(solved):
 
 def test_not_converged_is_a_warning_at_the_line_of_the_caller():
     scene = Scene("hg:0.99,0.9")
-    solved = scene.solve(550, streams=2, table=False)
+    solved = scene.solve(550, streams=2)
     for ask in (lambda: scene.brdf(550, 0.1, MU, streams=2), lambda: solved.exact(0.1, MU)):
         with pytest.warns(miebrdf.NotConverged, match="nm") as warned:
             ask()

@@ -2,10 +2,13 @@
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include <miebrdf/version.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,21 +41,12 @@ py::list formats() {
     return list;
 }
 
-py::list export_table(const SolvedTable& table, const std::filesystem::path& path,
-                      const std::string& format, int resolution, const rte::Directions& directions,
-                      const std::string& rgb, double largest_error, bool accept_error,
-                      const std::map<std::string, int>& extra, const CallOptions& options) {
+py::list exported(const BrdfSource& source, const std::filesystem::path& path,
+                  const std::string& format, const ExportOptions& export_options,
+                  const CallOptions& options) {
     LongCall call(options);
-    const auto files = call.run([&] {
-        return export_brdf(table.table(), format, path,
-                           ExportOptions{.resolution = resolution,
-                                         .directions = directions,
-                                         .rgb = rgb,
-                                         .largest_error = largest_error,
-                                         .accept_error = accept_error,
-                                         .extra = extra},
-                           call.control());
-    });
+    const auto files =
+        call.run([&] { return export_brdf(source, format, path, export_options, call.control()); });
     py::list list;
     for (const ExportedFile& file : files) {
         py::dict facts, deviations;
@@ -66,6 +60,58 @@ py::list export_table(const SolvedTable& table, const std::filesystem::path& pat
         list.append(facts);
     }
     return list;
+}
+
+/// A BRDF that is a function in Python, asked from the library's threads one at a time.
+class FunctionSource : public BrdfSource {
+  public:
+    FunctionSource(py::function function, Numbers wavelength_nm, Provenance provenance)
+        : function_(std::move(function)),
+          wavelength_nm_(std::move(wavelength_nm)),
+          channels_(channel_names(wavelength_nm_)),
+          provenance_(std::move(provenance)) {}
+
+    const std::vector<std::string>& channels() const override { return channels_; }
+    const Numbers& wavelength_nm() const override { return wavelength_nm_; }
+    const Provenance& provenance() const override { return provenance_; }
+
+    void evaluate(std::span<const Direction> asked, std::span<double> values) const override {
+        std::vector<Direction> storage;
+        const auto directions = require_valid(asked, values.size(), channels_.size(), storage);
+        const py::gil_scoped_acquire lock;
+        NumberArray mu_in(py::ssize_t(directions.size())), mu_out(mu_in.size()),
+            azimuth_deg(mu_in.size());
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            mu_in.mutable_data()[d] = directions[d].mu_in;
+            mu_out.mutable_data()[d] = directions[d].mu_out;
+            azimuth_deg.mutable_data()[d] = directions[d].azimuth_deg;
+        }
+        const auto result = function_(mu_in, mu_out, azimuth_deg).cast<NumberArray>();
+        std::copy_n(result.data(), directions.size() * channels_.size(), values.data());
+    }
+
+  private:
+    py::function function_;
+    Numbers wavelength_nm_;
+    std::vector<std::string> channels_;
+    Provenance provenance_;
+};
+
+/// @returns  of shape (directions, channels)
+py::array_t<double> evaluate_file(const BrdfFile& file, const NumberArray& mu_in,
+                                  const NumberArray& mu_out, const NumberArray& azimuth_deg) {
+    const auto count = static_cast<std::size_t>(mu_in.size());
+    const std::size_t channels = file.channels().size();
+    Numbers values(count * channels);
+    {
+        const py::gil_scoped_release unlocked;
+        for (std::size_t d = 0; d < count; ++d) {
+            file.evaluate({mu_in.data()[d], mu_out.data()[d], azimuth_deg.data()[d]},
+                          std::span(values).subspan(d * channels, channels));
+        }
+    }
+    return array_of(std::move(values),
+                    {static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(channels)});
 }
 
 py::dict check(const std::string& path) {
@@ -126,10 +172,51 @@ void bind_exports(py::module_& module) {
             py::arg("mu_in") = Numbers{}, py::arg("mu_out") = Numbers{},
             py::arg("azimuth_deg") = Numbers{});
     module.def("formats", &formats);
-    module.def("export_table", &export_table, py::arg("table"), py::arg("path"), py::arg("format"),
-               py::arg("resolution"), py::arg("directions"), py::arg("rgb"),
-               py::arg("largest_error"), py::arg("accept_error"), py::arg("extra"),
-               py::arg("options"));
+    const auto how = [](int resolution, const rte::Directions& directions, const std::string& rgb,
+                        double largest_error, bool accept_error,
+                        const std::map<std::string, int>& extra) {
+        return ExportOptions{resolution, directions, rgb, largest_error, accept_error, extra};
+    };
+    module.def(
+        "export_table",
+        [how](const SolvedTable& table, const std::filesystem::path& path,
+              const std::string& format, int resolution, const rte::Directions& directions,
+              const std::string& rgb, double largest_error, bool accept_error,
+              const std::map<std::string, int>& extra, const CallOptions& options) {
+            return exported(table.table(), path, format,
+                            how(resolution, directions, rgb, largest_error, accept_error, extra),
+                            options);
+        },
+        py::arg("table"), py::arg("path"), py::arg("format"), py::arg("resolution"),
+        py::arg("directions"), py::arg("rgb"), py::arg("largest_error"), py::arg("accept_error"),
+        py::arg("extra"), py::arg("options"));
+    module.def(
+        "export_function",
+        [how](py::function function, Numbers wavelength_nm, const std::string& title,
+              const std::string& command, const std::filesystem::path& path,
+              const std::string& format, int resolution, const rte::Directions& directions,
+              const std::string& rgb, double largest_error, bool accept_error,
+              const std::map<std::string, int>& extra, const CallOptions& options) {
+            const FunctionSource source(
+                std::move(function), std::move(wavelength_nm),
+                {.version = "miebrdf " MIEBRDF_VERSION, .command_line = command, .title = title});
+            return exported(source, path, format,
+                            how(resolution, directions, rgb, largest_error, accept_error, extra),
+                            options);
+        },
+        py::arg("function"), py::arg("wavelength_nm"), py::arg("title"), py::arg("command"),
+        py::arg("path"), py::arg("format"), py::arg("resolution"), py::arg("directions"),
+        py::arg("rgb"), py::arg("largest_error"), py::arg("accept_error"), py::arg("extra"),
+        py::arg("options"));
+    py::class_<BrdfFile>(module, "BrdfFile")
+        .def(py::init([](const std::string& path) { return open_brdf_file(path); }),
+             py::arg("path"), py::call_guard<py::gil_scoped_release>())
+        .def_property_readonly("format", &BrdfFile::format)
+        .def_property_readonly("description", &BrdfFile::description)
+        .def_property_readonly("channels", &BrdfFile::channels)
+        .def_property_readonly("wavelengths_nm", &BrdfFile::wavelength_nm)
+        .def("evaluate", &evaluate_file, py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"));
     module.def("check", &check, py::arg("path"));
 
     module.def("colours", &colours, py::arg("wavelength_nm"), py::arg("reflectance"),

@@ -138,6 +138,17 @@ Medium medium_of_table(const std::string& name, std::vector<double> wavelength_n
     return species;
 }
 
+/// (name, radius in um, variance, law) of every species of particles; None: those of the scene.
+py::list particles_of(const Medium& medium) {
+    py::list particles;
+    for (const Species& species : medium.species) {
+        if (!needs_mie(species)) continue;
+        particles.append(py::make_tuple(species.name, species.sizes.effective_radius_um,
+                                        species.sizes.effective_variance, law_of(species.sizes)));
+    }
+    return particles;
+}
+
 void bind_media(py::module_& module) {
     py::class_<Medium>(
         module, "Medium",
@@ -154,6 +165,7 @@ void bind_media(py::module_& module) {
                  return py::isinstance<Medium>(other) && self == other.cast<const Medium&>();
              })
         .def_property_readonly("needs_mie", [](const Medium& self) { return needs_mie(self); })
+        .def_property_readonly("particles", &particles_of)
         .def(
             "with_sizes",  // of the last species
             [](Medium self, std::optional<double> radius_um, std::optional<double> variance,

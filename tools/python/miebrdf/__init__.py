@@ -23,7 +23,7 @@ from . import colour, errors  # noqa: E402
 from ._brdf import Brdf  # noqa: E402
 from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
 from ._directions import Report  # noqa: E402
-from ._files import FileCheck, check, formats  # noqa: E402
+from ._files import BrdfFile, FileCheck, check, export, formats  # noqa: E402
 from ._fit import Fit, fit  # noqa: E402
 from ._layers import LayerAlbedos, layer_albedos  # noqa: E402
 from ._materials import Material, Materials, materials  # noqa: E402
@@ -49,6 +49,7 @@ from .errors import (  # noqa: E402
 
 __all__ = [
     "Brdf",
+    "BrdfFile",
     "Cancelled",
     "DatabaseError",
     "Depth",
@@ -82,6 +83,7 @@ __all__ = [
     "colour",
     "ensemble",
     "errors",
+    "export",
     "fit",
     "formats",
     "lambertian",

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Axes, Floats, broadcast
+from ._arrays import Axes, Floats, Values, broadcast
 from ._directions import Report, at_wavelengths, cosine
 from ._options import Call
 from .errors import UsageError
+
+
+class LayerFacts(TypedDict):
+    """One layer at one wavelength; None where amounts or densities are not known."""
+
+    wavelength_nm: float
+    layer: str  #: "base", "coat 1", ...
+    optical_depth: float
+    single_scattering_albedo: float
+    asymmetry: float
+    scattering_per_um: float | None
+    absorption_per_um: float | None
+    reduced_scattering_per_um: float | None
+    k_km: float | None  #: Kubelka and Munk's K, 1/um
+    s_km: float | None
+    mass_extinction_m2_per_kg: float | None
 
 
 class Albedos:
@@ -22,13 +38,16 @@ class Albedos:
     _call: tuple[Any, ...]
     _solved: _core.SolvedScene
 
+    def _scene_attributes(self) -> dict[str, str]:
+        raise NotImplementedError
+
     def albedo(
         self,
         mu_in: ArrayLike | None = None,
         *,
         theta_in_deg: ArrayLike | None = None,
         transmitted: bool = False,
-    ) -> Any:
+    ) -> Values:
         """Plane albedo at each incidence, surface included.
 
         Parameters
@@ -55,7 +74,7 @@ class Albedos:
 
     def mirror_reflectance(
         self, mu_in: ArrayLike | None = None, *, theta_in_deg: ArrayLike | None = None
-    ) -> Any:
+    ) -> Values:
         """What of the plane albedo goes into the mirror direction alone.
 
         A delta function that values of the BRDF are without; only scenes with a smooth boundary or
@@ -66,7 +85,7 @@ class Albedos:
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         return self._albedo("mirror_reflectance", axes.arrays[0].reshape(-1).tolist(), axes)
 
-    def spherical_albedo(self, *, transmitted: bool = False) -> Any:
+    def spherical_albedo(self, *, transmitted: bool = False) -> Values:
         """Share that is reflected of light from all directions alike; one for each wavelength.
 
         `transmitted`: the spherical transmittance instead.
@@ -74,7 +93,7 @@ class Albedos:
         name = "spherical_transmittance" if transmitted else "spherical_albedo"
         return self._albedo(name, [1.0], Axes([], [], {}, ()))
 
-    def _albedo(self, name: str, mu_in: list[float], axes: Axes) -> Any:
+    def _albedo(self, name: str, mu_in: list[float], axes: Axes) -> Values:
         """One of the columns that the module computes at these cosines."""
         with Call(*self._call) as options:
             columns, facts = self._solved.albedo(mu_in, options)
@@ -89,10 +108,10 @@ class Albedos:
         report.warn()
         column = columns[name]
         values = column.reshape([column.shape[0], *axes.shape])
-        attributes = {"units": "1", **report.attributes()}
+        attributes = {"units": "1", **self._scene_attributes(), **report.attributes()}
         return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes, name)
 
-    def layers(self) -> list[dict[str, Any]]:
+    def layers(self) -> list[LayerFacts]:
         """Single scattering by every layer; see `Scene.layers`."""
         with Call(*self._call) as options:
             return self._solved.layers(options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from ._options import use_xarray
 from .errors import UsageError
 
+if TYPE_CHECKING:
+    import xarray
+
 Floats = NDArray[np.float64]
+#: Results: where xarray is installed and wanted DataArrays, else arrays of NumPy's.
+Values: TypeAlias = "xarray.DataArray"
 
 
 def numbers(name: str, value: ArrayLike) -> Floats:
@@ -69,6 +74,7 @@ class Axes(NamedTuple):
     names: list[str]  #: of the axes
     given: dict[str, Floats]  #: the arguments before they were broadcast
     shape: tuple[int, ...]
+    labels: dict[str, Any] = {}  #: coordinates of the axes that DataArrays brought with them
 
 
 def broadcast(arguments: dict[str, ArrayLike]) -> Axes:
@@ -79,10 +85,10 @@ def broadcast(arguments: dict[str, ArrayLike]) -> Axes:
     UsageError
         For shapes that do not fit, with all of them.
     """
+    names: list[str] | None = None
+    labels: dict[str, Any] = {}
     if any(is_labelled(value) for value in arguments.values()):
-        arguments, names = _by_names(arguments)
-    else:
-        names = None
+        arguments, names, labels = _by_names(arguments)
     given = {name: numbers(name, value) for name, value in arguments.items()}
     try:
         shape = np.broadcast_shapes(*(array.shape for array in given.values()))
@@ -95,24 +101,41 @@ def broadcast(arguments: dict[str, ArrayLike]) -> Axes:
     arrays = [np.broadcast_to(array, shape) for array in given.values()]
     if names is None:
         names = [_axis_name(given, shape, axis) for axis in range(len(shape))]
-    return Axes(arrays, names, given, shape)
+    return Axes(arrays, names, given, shape, labels)
 
 
-def _by_names(arguments: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    import xarray
-
-    for name, value in arguments.items():
-        if not is_labelled(value) and np.ndim(value) > 0:
-            raise UsageError(
-                f"{name}: a DataArray or a number is needed where others are DataArrays"
-            )
-    arrays = xarray.broadcast(
-        *(value if is_labelled(value) else xarray.DataArray(value) for value in arguments.values())
-    )
-    return (
-        {name: array.values for name, array in zip(arguments, arrays)},
-        [str(name) for name in arrays[0].dims],
-    )
+def _by_names(arguments: dict[str, Any]) -> tuple[dict[str, Any], list[str], dict[str, Any]]:
+    """Arrays that broadcast like NumPy's, their axes in the order in which they were named first;
+    the axes' names; their coordinates."""
+    names: list[str] = []
+    labels: dict[str, Any] = {}
+    for argument, value in arguments.items():
+        if not is_labelled(value):
+            if np.ndim(value) > 0:
+                raise UsageError(
+                    f"{argument}: a DataArray or a number is needed where others are DataArrays"
+                )
+            continue
+        names += [str(name) for name in value.dims if str(name) not in names]
+        for name in value.dims:
+            if name not in value.coords:
+                continue
+            label = np.asarray(value.coords[name].values)
+            if name in labels and not np.array_equal(labels[name], label):
+                raise UsageError(
+                    f"{argument}: the coordinate {name} differs from that of another argument"
+                )
+            labels[str(name)] = label
+    arrays: dict[str, Any] = {}
+    for argument, value in arguments.items():
+        array = value
+        if is_labelled(value):
+            own = [str(name) for name in value.dims]
+            order = sorted(range(len(own)), key=lambda axis: names.index(own[axis]))
+            lengths = dict(zip(own, np.shape(value.values)))
+            array = value.values.transpose(order).reshape([lengths.get(each, 1) for each in names])
+        arrays[argument] = array
+    return arrays, names, labels
 
 
 def varying_axes(array: Floats, dimensions: int) -> list[int]:
@@ -147,7 +170,8 @@ def labelled(
     axes: Axes | None,
     attributes: dict[str, Any],
     stokes: int = 0,
-) -> Any:
+    channels: list[str] | None = None,
+) -> Values:
     """A DataArray on the same memory, where these are wanted; else the values themselves.
 
     Parameters
@@ -156,9 +180,12 @@ def labelled(
         A list: the first axis. A number: a coordinate without an axis.
     stokes
         Components of Mueller matrices, the last two axes ``outgoing`` and ``incident``; 0: none.
+    channels
+        Names along the first axis, where these are no wavelengths.
     """
     if not use_xarray():
-        return values
+        plain: Any = values
+        return plain  # type: ignore[no-any-return]
     try:
         import xarray
     except ImportError as error:
@@ -174,6 +201,9 @@ def labelled(
     def add(coordinate: str, where: list[str], data: Any) -> None:
         coords[coordinate] = (where, data, {"units": _UNITS.get(coordinate, "1")})
 
+    if channels is not None:
+        dims.append("channel")
+        coords["channel"] = (["channel"], channels)
     if wavelengths_nm is not None:
         if isinstance(wavelengths_nm, float):
             add("wavelength_nm", [], wavelengths_nm)
@@ -182,7 +212,11 @@ def labelled(
             add("wavelength_nm", dims[:], wavelengths_nm)
     if axes is not None:
         dims += axes.names
+        for label, data in axes.labels.items():
+            add(label, [label], data)
         for argument, array in axes.given.items():
+            if argument in axes.names and varying_axes(array, len(axes.shape)) != [axes.names.index(argument)]:
+                continue  # the name of an axis belongs to what varies along it
             own = varying_axes(array, len(axes.shape))
             add(
                 argument,
@@ -192,4 +226,19 @@ def labelled(
     for axis in ("outgoing", "incident") if stokes else ():
         dims.append(axis)
         coords[axis] = ([axis], list("IQUV")[:stokes], {"long_name": f"Stokes component, {axis}"})
-    return xarray.DataArray(values, dims=dims, coords=coords, name=name, attrs=attributes)
+    result: Values = xarray.DataArray(
+        values, dims=dims, coords=coords, name=name, attrs=storable(attributes)
+    )
+    return result
+
+
+def storable(attributes: dict[str, Any]) -> dict[str, Any]:
+    """Attributes that files keep (`to_netcdf`): numbers and texts; lists become lines."""
+    kept = {}
+    for name, value in attributes.items():
+        if isinstance(value, bool):
+            value = int(value)
+        elif isinstance(value, (list, tuple)):
+            value = "\n".join(map(str, value))
+        kept[name] = value
+    return kept

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._albedos import Albedos
-from ._arrays import Floats, broadcast, numbers, wavelength_list
+from ._albedos import Albedos, LayerFacts
+from ._arrays import Floats, Values, broadcast, wavelength_list
 from ._directions import (
     BRDF_ATTRIBUTES,
     Report,
@@ -23,7 +23,7 @@ from ._directions import (
     exact_mueller,
     solver_options,
 )
-from ._files import format_of, needs_whole_matrix
+from ._files import ExportedFile, format_of, listed, needs_whole_matrix
 from ._options import Call
 from .errors import UsageError
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 class Brdf(Albedos):
     """A scene solved at some wavelengths, to be asked at any directions.
 
-    Made by `Scene.solve`. Calling it reads a table: light scattered more than once is interpolated
+    Made by `Scene.solve`. Calling it reads a table, which is made at the first call: light scattered more than once is interpolated
     between 49 x 49 cosines; what has sharp features, the first order of scattering and the surface
     lobe, is evaluated at every direction. Copies and pickles keep what was asked for and solve it
     again when they are used, to the same bits. May be used from several threads.
@@ -51,7 +51,6 @@ class Brdf(Albedos):
         wavelengths_nm: ArrayLike,
         method: Mapping[str, Any],
         call: tuple[Any, ...] = (),
-        with_table: bool = True,
     ) -> None:
         self.scene = scene
         self.wavelengths_nm, self._single = wavelength_list(wavelengths_nm)
@@ -60,9 +59,9 @@ class Brdf(Albedos):
         self._solved = _core.SolvedScene(scene._core, self.wavelengths_nm, solver_options(method))
         self._tables: dict[str, _core.SolvedTable] = {}
         self._sampler: _core.DirectionSampler | None = None
-        if with_table:
-            self._table("total")
-            self.report.warn()
+
+    def _scene_attributes(self) -> dict[str, str]:
+        return self.scene.attributes()
 
     def __call__(
         self,
@@ -74,7 +73,7 @@ class Brdf(Albedos):
         theta_out_deg: ArrayLike | None = None,
         part: str = "total",
         out: Floats | None = None,
-    ) -> Any:
+    ) -> Values:
         """The BRDF in 1/sr, without the cosine, from the table.
 
         Parameters
@@ -105,7 +104,12 @@ class Brdf(Albedos):
         with Call(*self._call) as options:
             table.evaluate(axes.arrays[0], axes.arrays[1], axes.arrays[2], out, options)
         values = out[None] if self._single else out
-        attributes = {**BRDF_ATTRIBUTES, "part": part, **self._report_of(table).attributes()}
+        attributes = {
+            **BRDF_ATTRIBUTES,
+            "part": part,
+            **self._scene_attributes(),
+            **self._report_of(table).attributes(),
+        }
         return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes)
 
     def exact(
@@ -117,13 +121,21 @@ class Brdf(Albedos):
         theta_in_deg: ArrayLike | None = None,
         theta_out_deg: ArrayLike | None = None,
         part: str = "total",
-    ) -> Any:
+    ) -> Values:
         """The same without a table, as `Scene.brdf`; single scattering is not computed again."""
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         if 0 in axes.shape:
             return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
                         theta_out_deg=theta_out_deg, part=part)  # fmt: skip
-        return exact_brdf(self._solved, self.wavelengths_nm, self._single, axes, part, self._call)
+        return exact_brdf(
+            self._solved,
+            self.wavelengths_nm,
+            self._single,
+            axes,
+            part,
+            self._call,
+            self._scene_attributes(),
+        )
 
     def mueller(
         self,
@@ -133,7 +145,7 @@ class Brdf(Albedos):
         *,
         theta_in_deg: ArrayLike | None = None,
         theta_out_deg: ArrayLike | None = None,
-    ) -> Any:
+    ) -> Values:
         """The Mueller matrix of the BRDF at these directions, exactly, as `Scene.mueller`.
 
         Of (I, Q, U), or with ``stokes=4`` in `Scene.solve` of (I, Q, U, V); solved with
@@ -142,15 +154,26 @@ class Brdf(Albedos):
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         components = 4 if str(self._method.get("stokes")) == "4" else 3
         return exact_mueller(
-            self._solved, self.wavelengths_nm, self._single, axes, components, self._call
+            self._solved,
+            self.wavelengths_nm,
+            self._single,
+            axes,
+            components,
+            self._call,
+            self._scene_attributes(),
         )
+
+    @property
+    def is_tabulated(self) -> bool:
+        """Whether the table for all directions has been made."""
+        return "total" in self._tables
 
     @property
     def report(self) -> Report:
         """How well the scene is solved, at directions of all kinds."""
         return self._report_of(self._table("total"))
 
-    def sample(self, mu_in: ArrayLike, u1: ArrayLike, u2: ArrayLike) -> tuple[Any, Any, Any]:
+    def sample(self, mu_in: ArrayLike, u1: ArrayLike, u2: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """Draw outgoing directions about as the BRDF times the cosine, mean of all wavelengths.
 
         Parameters
@@ -188,7 +211,7 @@ class Brdf(Albedos):
         largest_error: float = 0.0,
         accept_error: bool = False,
         **extra: int,
-    ) -> list[dict[str, Any]]:
+    ) -> list[ExportedFile]:
         """Write files for renderers and tools, whole or not at all.
 
         Parameters
@@ -227,20 +250,17 @@ class Brdf(Albedos):
         TooCoarse
             When a file would be further from the BRDF than accepted.
         """
-        if format is None:
-            format = format_of(Path(path))
-        lists = [
-            numbers(name, values).reshape(-1).tolist()
-            for name, values in (("mu_in", mu_in), ("mu_out", mu_out), ("azimuth_deg", azimuth_deg))
-        ]
-        whole_matrix = needs_whole_matrix(format)
+        chosen = format_of(Path(path)) if format is None else format
         with Call(*self._call) as options:
+            table = self._solved.table(
+                part, options, needs_whole_matrix(chosen), " ".join(["Python:", *sys.argv])
+            )
             return _core.export_table(
-                self._solved.table(part, options, whole_matrix, " ".join(["Python:", *sys.argv])),
+                table,
                 path,
-                format,
+                chosen,
                 resolution,
-                _core.Directions(*lists),
+                listed(mu_in, mu_out, azimuth_deg),
                 rgb,
                 largest_error,
                 accept_error,
@@ -299,12 +319,13 @@ class Brdf(Albedos):
                 "call": (self._call + (None,) * 3)[:1]}  # fmt: skip
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        Brdf.__init__(self, **state, with_table=False)
+        Brdf.__init__(self, **state)
 
     def _table(self, part: str) -> _core.SolvedTable:
         if part not in self._tables:
             with Call(*self._call) as options:
                 self._tables[part] = self._solved.table(part, options)
+            self._report_of(self._tables[part]).warn()
         return self._tables[part]
 
     def _report_of(self, table: _core.SolvedTable) -> Report:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Axes, Floats, broadcast, labelled, numbers, varying_axes, wavelength_list
+from ._arrays import Axes, Floats, Values, broadcast, labelled, numbers, varying_axes, wavelength_list
+from ._keywords import unknown
 from ._options import Call
 from ._version import __version__
 from .errors import NotConverged, UsageError
@@ -141,7 +142,7 @@ def solver_options(method: Mapping[str, Any]) -> _core.SolverOptions:
             value = _stokes(value)
         if not hasattr(options, name):
             allowed = [known for known in dir(options) if not known.startswith("_")]
-            raise UsageError(f"unknown option '{name}'; allowed: {', '.join(allowed)}")
+            raise UsageError(unknown("option", name, allowed))
         if name in kinds:
             value = choice(kinds[name], name, value)
         try:
@@ -219,7 +220,7 @@ def at_wavelengths(
     attributes: dict[str, Any],
     name: str = "brdf",
     stokes: int = 0,
-) -> Any:
+) -> Values:
     """A result of values of shape (wavelengths, *axes.shape); `single`: without the first axis."""
     if single:
         return labelled(values[0], name, wavelengths[0], axes, attributes, stokes)
@@ -233,7 +234,8 @@ def exact_brdf(
     axes: Axes,
     part: str,
     call: tuple[Any, ...],
-) -> Any:
+    scene: Mapping[str, str],
+) -> Values:
     """`Brdf.exact`."""
     with Call(*call) as options:
         values, report = evaluate_exactly(
@@ -241,7 +243,7 @@ def exact_brdf(
             axes,
         )
     report.warn()
-    attributes = {**BRDF_ATTRIBUTES, "part": part, **report.attributes()}
+    attributes = {**BRDF_ATTRIBUTES, "part": part, **scene, **report.attributes()}
     return at_wavelengths(values, wavelengths, single, axes, attributes)
 
 
@@ -259,7 +261,8 @@ def exact_mueller(
     axes: Axes,
     components: int,
     call: tuple[Any, ...],
-) -> Any:
+    scene: Mapping[str, str],
+) -> Values:
     """`Brdf.mueller`."""
     if not wavelengths or 0 in axes.shape:
         values: Floats = np.empty((len(wavelengths), *axes.shape, components, components))
@@ -272,7 +275,7 @@ def exact_mueller(
             )
         report.warn()
         facts = report.attributes()
-    attributes = {**MUELLER_ATTRIBUTES, **facts}
+    attributes = {**MUELLER_ATTRIBUTES, **scene, **facts}
     return at_wavelengths(values, wavelengths, single, axes, attributes, "mueller", components)
 
 
@@ -283,13 +286,13 @@ def direct_brdf(
     part: str,
     call: tuple[Any, ...],
     method: Mapping[str, Any],
-) -> Any:
+) -> Values:
     """`Scene.brdf`."""
     wavelengths, single = wavelength_list(wavelengths_nm)
     axes = axes_of(directions)
     if not wavelengths or 0 in axes.shape:
         empty: Floats = np.empty((len(wavelengths), *axes.shape))
-        attributes = {**BRDF_ATTRIBUTES, "part": part}
+        attributes = {**BRDF_ATTRIBUTES, "part": part, **scene.attributes()}
         return at_wavelengths(empty, wavelengths, single, axes, attributes)
     solved = _core.SolvedScene(scene._core, wavelengths, solver_options(method))
-    return exact_brdf(solved, wavelengths, single, axes, part, call)
+    return exact_brdf(solved, wavelengths, single, axes, part, call, scene.attributes())

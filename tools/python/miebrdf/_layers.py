@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._arrays import Floats, broadcast, numbers
 from ._directions import cosine
+from ._keywords import checked
 from ._options import Call, Progress
 
 
@@ -24,6 +25,7 @@ class LayerAlbedos(NamedTuple):
     converged: Any  #: whether that is within the tolerance
 
 
+@checked()
 def layer_albedos(
     single_scattering_albedo: ArrayLike,
     asymmetry: ArrayLike = 0.0,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import labelled, numbers, wavelength_list
+from ._arrays import Values, labelled, numbers, wavelength_list
 from .errors import UsageError
 
 
@@ -50,7 +50,7 @@ class Material:
         self.longest_nm = index.longest_nm
         self.k_known = index.k_known
 
-    def nk(self, wavelengths_nm: ArrayLike) -> Any:
+    def nk(self, wavelengths_nm: ArrayLike) -> Values:
         """n + ik.
 
         Parameters

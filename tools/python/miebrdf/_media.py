@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 from numpy.typing import ArrayLike
 
 from . import _core
 from ._arrays import complexes, numbers
 from ._core import Depth, Layer, Medium, Substrate
+from ._keywords import OfMedium, checked
 from .errors import UsageError
 
 MediumLike = str | Medium
@@ -42,6 +43,7 @@ def host_words(host: str | complex) -> str:
     return f"index:{index.real!r},{index.imag!r}"
 
 
+@checked()
 def medium(
     words: MediumLike | None = None,
     *,
@@ -67,7 +69,8 @@ def medium(
         own (``"TiO2,radius=0.13,volume=15% in PMMA"``), several joined by ``" + "``.
         `media_forms` lists them all.
     radius_um : float, optional
-        Effective radius <r^3>/<r^2> in um, > 0, of the last species; default: that of the scene.
+        Effective radius <r^3>/<r^2> in um, > 0, of the last species; default: that of the scene,
+        which is 50 um unless `Scene` is told another.
     variance : float, optional
         Effective variance, > 0 and up to 10.
     distribution : str, optional
@@ -149,13 +152,14 @@ def _of_index(index: Any, wavelengths_nm: ArrayLike | None, name: str) -> Medium
     return Medium.of_table(name, wavelengths.tolist(), values.tolist())
 
 
+@checked(OfMedium)
 def coat(
     what: MediumLike | Layer | None = None,
     depth: DepthLike | None = None,
     *,
     grey: bool = False,
     thickness_um: float | None = None,
-    **of_medium: Any,
+    **of_medium: Unpack[OfMedium],
 ) -> Layer:
     """A layer of some depth.
 

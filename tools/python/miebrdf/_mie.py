@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import Axes, Floats, broadcast, complexes, labelled, numbers, wavelength_list
+from ._arrays import Axes, Floats, Values, broadcast, complexes, labelled, numbers, wavelength_list
+from ._keywords import checked
 from ._options import Call, Progress
 from .errors import UsageError
 
@@ -129,6 +130,7 @@ def _indices(material: Any, wavelengths: list[float]) -> list[complex]:
     return [complex(value) for value in values]
 
 
+@checked()
 def ensemble(
     material: Any,
     wavelengths_nm: ArrayLike,
@@ -153,7 +155,8 @@ def ensemble(
     wavelengths_nm : float or array of one dimension
         In vacuum.
     radius_um, variance : float
-        Effective radius in um, > 0, and effective variance, > 0 and up to 10.
+        Effective radius in um, > 0 (default: 50, as everywhere), and effective variance, > 0 and up
+        to 10.
     distribution : str
         power-law, gamma, log-normal, rosin-rammler, mono.
     sizes : (radii_um, number_density), optional
@@ -204,7 +207,27 @@ def ensemble(
     return Ensemble(**{name: column[0] if single else column for name, column in columns.items()})
 
 
-def phase(material: Any, wavelengths_nm: ArrayLike, angles_deg: ArrayLike, **options: Any) -> Any:
+class OfEnsemble(TypedDict, total=False):
+    """Keyword arguments of `ensemble` but the angles."""
+
+    radius_um: float
+    variance: float
+    distribution: str
+    sizes: tuple[ArrayLike, ArrayLike] | None
+    host_index: float
+    highest_moment: int
+    tolerance: float
+    phase_tolerance: float
+    progress: Progress
+
+
+@checked(OfEnsemble)
+def phase(
+    material: Any,
+    wavelengths_nm: ArrayLike,
+    angles_deg: ArrayLike,
+    **options: Unpack[OfEnsemble],
+) -> Values:
     """Phase function P of an ensemble of spheres; its mean over the sphere is 1.
 
     Parameters

@@ -6,19 +6,31 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from . import _core
+from ._keywords import unknown
 from .errors import UsageError
 
 ProgressCallback = Callable[[str, int, int], Any]
 Progress = bool | ProgressCallback | None
 
 _FIRST_SHOWN_S = 0.5
-_settings: dict[str, Any] = {"xarray": None, "progress": None, "threads": 0, "cache": False}
 
 
-def set_options(**options: Any) -> dict[str, Any]:
+class Options(TypedDict, total=False):
+    """Those of `set_options`."""
+
+    xarray: bool | None
+    progress: Progress
+    threads: int
+    cache: bool
+
+
+_settings: Options = {"xarray": None, "progress": None, "threads": 0, "cache": False}
+
+
+def set_options(**options: Unpack[Options]) -> Options:
     """Change defaults of the whole package.
 
     Parameters
@@ -46,8 +58,8 @@ def set_options(**options: Any) -> dict[str, Any]:
     """
     for name in options:
         if name not in _settings:
-            raise UsageError(f"unknown option '{name}'; allowed: {', '.join(_settings)}")
-    before = dict(_settings)
+            raise UsageError(unknown("option", name, list(_settings)))
+    before = _settings.copy()
     _settings.update(options)
     return before
 

@@ -13,6 +13,7 @@ from .errors import MissingPackage
 if TYPE_CHECKING:
     from ._brdf import Brdf
     from ._materials import Material
+    from ._scene import Scene
 
 _MOST_CURVES = 9
 
@@ -125,24 +126,47 @@ def _svg(brdf: Brdf) -> str:
     return "".join([*parts, "</svg>"])
 
 
-def html(brdf: Brdf) -> str:
-    """A picture and the facts, for notebooks."""
-    report = brdf.report
-    nm = brdf.wavelengths_nm
-    facts = {
-        "scene": str(brdf.scene),
-        "wavelengths": f"{len(nm)}: {min(nm):g} to {max(nm):g} nm",
-        "error estimate": f"{report.error_estimate:.2g} (tolerance {report.tolerance:g}"
-        + (")" if report.converged else ", not converged)"),
-        "picture": "BRDF in the plane of incidence, light from the left at 45°",
-    }
-    rows = "".join(
-        f"<tr><th style='text-align:left'>{key}</th>"
-        f"<td style='text-align:left'>{markup.escape(value)}</td></tr>"
+def _rows(facts: dict[str, str]) -> str:
+    return "".join(
+        f"<tr><th style='text-align:left;vertical-align:top'>{key}</th>"
+        f"<td style='text-align:left'>{'<br>'.join(markup.escape(value).splitlines())}</td></tr>"
         for key, value in facts.items()
     )
-    sources = "".join(f"<li>{markup.escape(source)}</li>" for source in report.sources)
+
+
+def scene_html(scene: Scene) -> str:
+    """What lies on what, from the top down, and the sizes, for notebooks."""
+    layers = [str(layer) for layer in reversed(scene.coats)]
+    below = scene.base if scene.base is not None else f"substrate {scene.substrate}"
+    facts = {
+        "from the top": "\n".join([*layers, str(below)]),
+        "particles": scene.attributes()["particles"],
+        "all": repr(scene),
+    }
+    if scene.roughness or scene.boundary:
+        surface = scene.boundary or f"surface of roughness {scene.roughness:g}"
+        facts["from the top"] = f"{surface}\n{facts['from the top']}"
+    return f"<table>{_rows({key: value for key, value in facts.items() if value})}</table>"
+
+
+def html(brdf: Brdf) -> str:
+    """A picture and the facts, for notebooks; without the table, which nobody has asked for, the
+    facts alone."""
+    nm = brdf.wavelengths_nm
+    facts = {"scene": str(brdf.scene), **brdf.scene.attributes()}
+    facts["wavelengths"] = f"{len(nm)}: {min(nm):g} to {max(nm):g} nm"
+    if not brdf.is_tabulated:
+        facts["state"] = "nothing computed for directions yet: ask b(mu_in, mu_out, azimuth_deg)"
+        return f"<table>{_rows({key: value for key, value in facts.items() if value})}</table>"
+    report = brdf.report
+    facts["error estimate"] = (
+        f"{report.error_estimate:.2g} (tolerance {report.tolerance:g}"
+        f"{')' if report.converged else ', not converged)'}"
+    )
+    facts["sources"] = "\n".join(report.sources)
+    facts["picture"] = "BRDF in the plane of incidence, light from the left at 45°"
+    rows = _rows({key: value for key, value in facts.items() if value})
     return (
         "<div style='display:flex;gap:1em;align-items:center'>"
-        f"{_svg(brdf)}<div><table>{rows}</table><ul>{sources}</ul></div></div>"
+        f"{_svg(brdf)}<table>{rows}</table></div>"
     )

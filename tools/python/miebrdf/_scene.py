@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, Unpack
 
 from numpy.typing import ArrayLike
 
+from ._albedos import LayerFacts
+from ._arrays import Values
 from ._brdf import Brdf
-from ._core import Layer, Substrate
+from ._core import Layer, Medium, Substrate
 from ._directions import direct_brdf
+from ._keywords import CallAndMethod, Method, checked
 from ._media import MediumLike
 from ._options import Progress
-from ._scene_arguments import core_scene, settled
+from ._scene_arguments import DEFAULTS, SceneArguments, core_scene, particles, settled, words
 
 
 class Scene:
     """A half-space or a ground, layers on it and, if wanted, a rough surface above them.
 
     A scene does not change once it is made, and nothing is looked up or computed until it is
-    asked. It can be compared, copied and pickled.
+    asked. It can be compared, copied and pickled. Its arguments are attributes by the same names;
+    `repr` shows those that are not the defaults.
 
     Parameters
     ----------
@@ -47,7 +51,8 @@ class Scene:
         Refracting boundary between air and the host of the top layer: smooth, rough:ALPHA,
         rough:ALPHA,beckmann; ALPHA in [0.02, 1]. Not together with `roughness`.
     effective_radius_um : float
-        Of the particles that do not say their own: <r^3>/<r^2> in um, > 0.
+        Of the particles that do not say their own: <r^3>/<r^2> in um, > 0. Default: 50, that of
+        the paper's coarse powders; pigments have .1 to .3.
     effective_variance : float
         Of the same, > 0 and up to 10.
     size_distribution : str or (radii_um, number_density)
@@ -93,7 +98,30 @@ class Scene:
     """
 
     _arguments: dict[str, Any]
+    base: Medium | None
+    substrate: Substrate | None
+    coats: tuple[Layer, ...]
+    roughness: float
+    surface_distribution: str
+    shadowing: str
+    fresnel: str
+    coupling: str | None
+    surface_index: complex | None
+    effective_radius_um: float
+    effective_variance: float
+    size_distribution: str | tuple[list[float], list[float]]
+    host: str | complex
+    k_floor: float
+    mie_tolerance: float
+    layer_density_kg_m3: float | None
+    packing: str
+    boundary: str | None
+    interpolation: str
+    extrapolate: str
+    missing_k_zero: bool
+    database: str
 
+    @checked()
     def __init__(
         self,
         base: MediumLike | None = None,
@@ -124,8 +152,26 @@ class Scene:
         self._arguments = settled(given)
         self._core = core_scene(self._arguments)
 
-    def replace(self, **changes: Any) -> Scene:
-        """The same scene with other arguments, e.g. ``scene.replace(roughness=0.3)``."""
+    def __getattr__(self, name: str) -> Any:
+        arguments = self.__dict__.get("_arguments", {})
+        if name not in arguments:
+            raise AttributeError(f"a Scene has no '{name}'")
+        return arguments[name]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise AttributeError(f"scenes do not change; scene.replace({name}=...) is another one")
+        object.__setattr__(self, name, value)
+
+    @checked(SceneArguments)
+    def replace(self, **changes: Unpack[SceneArguments]) -> Scene:
+        """The same scene with other arguments, e.g. ``scene.replace(roughness=0.3)``.
+
+        Parameters
+        ----------
+        **changes
+            As of `Scene`.
+        """
         arguments = {**self._arguments, **changes}
         if "base" in changes and changes["base"] is not None:
             arguments["substrate"] = changes.get("substrate")
@@ -133,6 +179,7 @@ class Scene:
             arguments["base"] = changes.get("base")
         return Scene(**arguments)
 
+    @checked(Method)
     def brdf(
         self,
         wavelengths_nm: ArrayLike,
@@ -146,8 +193,8 @@ class Scene:
         threads: int | None = None,
         progress: Progress = None,
         cache: bool | None = None,
-        **method: Any,
-    ) -> Any:
+        **method: Unpack[Method],
+    ) -> Values:
         """The BRDF at these directions, exactly: nothing is interpolated.
 
         For more than some thousand directions, `solve` once and ask the result.
@@ -198,6 +245,7 @@ class Scene:
             method,
         )
 
+    @checked(Method)
     def mueller(
         self,
         wavelengths_nm: ArrayLike,
@@ -210,8 +258,8 @@ class Scene:
         threads: int | None = None,
         progress: Progress = None,
         cache: bool | None = None,
-        **method: Any,
-    ) -> Any:
+        **method: Unpack[Method],
+    ) -> Values:
         """The Mueller matrix of the BRDF at these directions: light with its polarisation.
 
         Parameters
@@ -236,36 +284,36 @@ class Scene:
             Also for scenes that polarised light cannot be computed of, with the reason.
         """
         call = (threads, progress, cache)
-        solved = Brdf(self, wavelengths_nm, method, call, with_table=False)
+        solved = Brdf(self, wavelengths_nm, method, call)
         return solved.mueller(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
                               theta_out_deg=theta_out_deg)  # fmt: skip
 
+    @checked(Method)
     def solve(
         self,
         wavelengths_nm: ArrayLike,
         *,
-        tolerance: float = 1e-3,
         threads: int | None = None,
         progress: Progress = None,
         cache: bool | None = None,
-        table: bool = True,
-        **method: Any,
+        **method: Unpack[Method],
     ) -> Brdf:
         """Solve once, to be asked at any number of directions.
+
+        Names are looked up and everything is checked at once; nothing is computed before it is
+        asked for: albedos and layers take a fraction of the time of the table for all directions,
+        which is made when directions are first asked for.
 
         Parameters
         ----------
         wavelengths_nm : float or array of one dimension
             In vacuum.
-        tolerance : float
-            Largest error relative to the largest value at the same incidence, in (0, 1).
         threads, progress, cache
-            As in `set_options`.
-        table : bool
-            False: the table is made when it is first asked for, which albedos and layers never do.
+            As in `set_options`; also of what the result is asked.
         **method
-            stokes ("auto", 1, 3, 4: components of light), streams (2 to 256; 0: by the
-            tolerance), grid (auto, gauss, mapped-gauss, paper), half_space_method (auto,
+            tolerance (largest error relative to the largest value at the same incidence, in (0, 1);
+            default 1e-3), stokes ("auto", 1, 3, 4: components of light), streams (2 to 256; 0: by
+            the tolerance), grid (auto, gauss, mapped-gauss, paper), half_space_method (auto,
             fixed-point, doubling), coat_method (auto, first-order, first-order-patched,
             exponential), coat_substeps, delta_m, single_scattering_correction.
 
@@ -278,17 +326,17 @@ class Scene:
         UsageError, InputError
             As `brdf`.
         """
-        method = {"tolerance": tolerance, **method}
-        return Brdf(self, wavelengths_nm, method, (threads, progress, cache), table)
+        return Brdf(self, wavelengths_nm, method, (threads, progress, cache))
 
+    @checked(CallAndMethod)
     def albedo(
         self,
         wavelengths_nm: ArrayLike,
         mu_in: ArrayLike | None = None,
         *,
         theta_in_deg: ArrayLike | None = None,
-        **options: Any,
-    ) -> Any:
+        **options: Unpack[CallAndMethod],
+    ) -> Values:
         """Plane albedo, the share of the light from one direction that is reflected.
 
         Without a direction: the spherical albedo, of light from all directions alike.
@@ -308,12 +356,15 @@ class Scene:
         xarray.DataArray or numpy.ndarray
             Of shape ``(wavelengths, *shape of mu_in)``.
         """
-        solved = self._without_table(wavelengths_nm, options)
+        solved = self._solved(wavelengths_nm, options)
         if mu_in is None and theta_in_deg is None:
             return solved.spherical_albedo()
         return solved.albedo(mu_in, theta_in_deg=theta_in_deg)
 
-    def layers(self, wavelengths_nm: ArrayLike, **options: Any) -> list[dict[str, Any]]:
+    @checked(CallAndMethod)
+    def layers(
+        self, wavelengths_nm: ArrayLike, **options: Unpack[CallAndMethod]
+    ) -> list[LayerFacts]:
         """Single scattering by every layer at every wavelength, from the lowest up.
 
         Returns
@@ -324,23 +375,42 @@ class Scene:
             (Kubelka-Munk's, 1/um), mass_extinction_m2_per_kg; None where amounts or densities are
             not known. Albedo and asymmetry of a layer without depth are NaN: nothing is there.
         """
-        return self._without_table(wavelengths_nm, options).layers()
+        return self._solved(wavelengths_nm, options).layers()
 
-    def _without_table(self, wavelengths_nm: ArrayLike, options: dict[str, Any]) -> Brdf:
-        call = tuple(options.pop(name, None) for name in ("threads", "progress", "cache"))
-        return Brdf(self, wavelengths_nm, options, call, with_table=False)
+    def _solved(self, wavelengths_nm: ArrayLike, options: Mapping[str, Any]) -> Brdf:
+        method = dict(options)
+        call = tuple(method.pop(name, None) for name in ("threads", "progress", "cache"))
+        return Brdf(self, wavelengths_nm, method, call)
+
+    def attributes(self) -> dict[str, str]:
+        """What results say of their scene in their attributes: scene, host, particles."""
+        return {
+            "scene": str(self),
+            "host": str(self._arguments["host"]),
+            "particles": "\n".join(particles(self._arguments)),
+        }
 
     def __str__(self) -> str:
         return str(self._core)
 
     def __repr__(self) -> str:
-        return f"<miebrdf.Scene: {self}>"
+        given = [
+            f"{name}={words(value)}"
+            for name, value in self._arguments.items()
+            if value is not None and value != DEFAULTS[name]
+        ]
+        return f"miebrdf.Scene({', '.join(given)})"
+
+    def _repr_html_(self) -> str:
+        from ._plots import scene_html
+
+        return scene_html(self)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self._arguments == other._arguments
 
     def __hash__(self) -> int:
-        return hash(str(self))
+        return hash(repr(self))
 
     def __reduce__(self) -> Any:
         return _scene_of, (self._arguments,)

@@ -2,13 +2,110 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypedDict
+
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._arrays import complexes, numbers
-from ._core import Layer, Substrate
-from ._media import choice, coat, host_words, lambertian, medium_of_words, number, optional
+from ._core import Layer, Medium, Substrate
+from ._media import (
+    MediumLike,
+    choice,
+    coat,
+    host_words,
+    lambertian,
+    medium_of_words,
+    number,
+    optional,
+)
 from .errors import UsageError
+
+
+class SceneArguments(TypedDict, total=False):
+    """Those of `Scene`."""
+
+    base: MediumLike | None
+    substrate: str | float | Substrate | None
+    coats: Iterable[str | Layer]
+    roughness: float
+    surface_distribution: str
+    shadowing: str
+    fresnel: str
+    coupling: str | None
+    surface_index: complex | None
+    effective_radius_um: float
+    effective_variance: float
+    size_distribution: str | tuple[ArrayLike, ArrayLike]
+    host: str | complex
+    k_floor: float
+    mie_tolerance: float
+    layer_density_kg_m3: float | None
+    packing: str
+    boundary: str | None
+    interpolation: str
+    extrapolate: str
+    missing_k_zero: bool
+    database: str
+
+
+#: As `settled` has them.
+DEFAULTS: dict[str, Any] = {
+    "base": None,
+    "substrate": None,
+    "coats": (),
+    "roughness": 0.0,
+    "surface_distribution": "beckmann",
+    "shadowing": "smith-correlated",
+    "fresnel": "exact",
+    "coupling": None,
+    "surface_index": None,
+    "effective_radius_um": 50.0,
+    "effective_variance": 0.2,
+    "size_distribution": "power-law",
+    "host": 1 + 0j,
+    "k_floor": 0.0,
+    "mie_tolerance": 0.0,
+    "layer_density_kg_m3": None,
+    "packing": "independent",
+    "boundary": None,
+    "interpolation": "pchip",
+    "extrapolate": "refuse",
+    "missing_k_zero": False,
+    "database": "",
+}
+
+
+def words(value: Any) -> str:
+    """A value of an argument as one would write it."""
+    if isinstance(value, (Medium, Layer, Substrate)):
+        return repr(str(value))
+    if isinstance(value, tuple):
+        return "[" + ", ".join(words(each) for each in value) + "]"
+    return repr(value)
+
+
+def particles(of: dict[str, Any]) -> list[str]:
+    """The sizes of every kind of particle, one line each, and which of them are the defaults."""
+    media = [] if of["base"] is None else [of["base"]]
+    media += [layer.medium for layer in of["coats"]]
+    own_law = not isinstance(of["size_distribution"], str)
+    lines = []
+    for name, radius, variance, law in dict.fromkeys(
+        each for medium in media for each in medium.particles
+    ):
+        if radius is None and own_law:
+            lines.append(f"{name}: a table of sizes")
+            continue
+        shown = of["effective_radius_um"] if radius is None else radius
+        default = radius is None and shown == DEFAULTS["effective_radius_um"]
+        lines.append(
+            f"{name}: effective radius {shown:g} um{' (the default)' if default else ''}, "
+            f"effective variance {of['effective_variance'] if variance is None else variance:g}, "
+            f"{law or ('power-law' if own_law else of['size_distribution'])}"
+        )
+    return lines
 
 
 def settled(given: dict[str, Any]) -> dict[str, Any]:
