@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "pipeline/render/path.h"
@@ -74,6 +75,7 @@ struct Statistics {
     double squared_error = 0.0;
     double sum = 0.0;
     double pixels = 0.0;
+    double all = 0.0, clamped = 0.0;  ///< light of all paths, and what was taken away of it
 };
 
 class TileRenderer {
@@ -85,7 +87,8 @@ class TileRenderer {
           picture_(picture),
           tracer_(scene, options),
           half_{std::vector<double>(std::size_t(picture.radiance.channels)),
-                std::vector<double>(std::size_t(picture.radiance.channels))} {}
+                std::vector<double>(std::size_t(picture.radiance.channels))},
+          path_(half_[0].size()) {}
 
     Statistics render(int tile_x, int tile_y) {
         Statistics statistics;
@@ -107,7 +110,15 @@ class TileRenderer {
             const Ray ray = camera_.ray((x + in_pixel[0]) / options_.width,
                                         (y + in_pixel[1]) / options_.height);
             // The first and the second half of the samples are each well spread.
-            met += tracer_.trace(ray, sampler, half_[2 * s < options_.samples ? 0 : 1]);
+            std::fill(path_.begin(), path_.end(), 0.0);
+            met += tracer_.trace(ray, sampler, path_);
+            const double brought = std::accumulate(path_.begin(), path_.end(), 0.0);
+            const double most = options_.clamp * double(path_.size());
+            const double factor = most > 0.0 && brought > most ? most / brought : 1.0;
+            statistics.all += brought;
+            statistics.clamped += (1.0 - factor) * brought;
+            auto& half = half_[2 * s < options_.samples ? 0 : 1];
+            for (std::size_t w = 0; w < path_.size(); ++w) half[w] += factor * path_[w];
         }
         *picture_.coverage.pixel(x, y) = float(met) / float(options_.samples);
         float* pixel = picture_.radiance.pixel(x, y);
@@ -129,6 +140,7 @@ class TileRenderer {
     SpectralPicture& picture_;
     PathTracer tracer_;
     std::array<std::vector<double>, 2> half_;
+    std::vector<double> path_;
 };
 
 }  // namespace
@@ -139,6 +151,10 @@ SpectralPicture render_picture(const RenderScene& scene, const Camera& camera,
     require("height", options.height, 1, kLongestSide);
     require("samples", options.samples, 1, 1 << 24);
     require("bounces", options.bounces, 1, 1000);
+    if (!(options.clamp >= 0.0 && std::isfinite(options.clamp))) {
+        throw std::invalid_argument(
+            fmt::format("clamp {}; allowed: 0 (none) or a radiance above", options.clamp));
+    }
     require_spectra(scene);
 
     SpectralPicture picture;
@@ -159,7 +175,10 @@ SpectralPicture render_picture(const RenderScene& scene, const Camera& camera,
         total.squared_error += tile.squared_error;
         total.sum += tile.sum;
         total.pixels += tile.pixels;
+        total.all += tile.all;
+        total.clamped += tile.clamped;
     }
+    if (total.all > 0.0) picture.clamped = total.clamped / total.all;
     if (total.sum > 0.0) {
         picture.noise = std::sqrt(total.squared_error / total.pixels) / (total.sum / total.pixels);
     }

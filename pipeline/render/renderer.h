@@ -50,10 +50,13 @@ struct RenderScene {
 inline constexpr int kLongestSide = 16384;
 
 struct RenderOptions {
-    int width = 512;                   ///< in [1, kLongestSide]
-    int height = 512;                  ///< likewise
-    int samples = 64;                  ///< paths for each pixel; powers of two are spread best
-    int bounces = 4;                   ///< most reflections of a path; 1: direct light only
+    int width = 512;   ///< in [1, kLongestSide]
+    int height = 512;  ///< likewise
+    int samples = 64;  ///< paths for each pixel; powers of two are spread best
+    int bounces = 4;   ///< most reflections of a path; 1: direct light only
+    /// Largest mean radiance (over the wavelengths) that one path may bring, > 0: rare paths that
+    /// bring more are weakened to it, which takes away fireflies and darkens; 0: none is.
+    double clamp = 0.0;
     bool environment_visible = false;  ///< behind the object; else nothing is there
     std::uint32_t seed = 0;
 };
@@ -66,6 +69,7 @@ struct SpectralPicture {
                      ///< fills
     double noise = 0.0;  ///< estimated rms error of a pixel's sum over wavelengths relative to its
                          ///< mean over the object, from the difference of two halves of the samples
+    double clamped = 0.0;  ///< share of the light that RenderOptions::clamp took away
 };
 
 /// Paths start at the camera; at each reflection lights are sampled directly and the BRDF is

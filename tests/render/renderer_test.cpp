@@ -80,6 +80,25 @@ TEST_CASE("a white knot, lit by its own reflections, disappears", "[render][furn
     CHECK(std::abs(mean_radiance(picture) - 1.0) <= 1e-3);
 }
 
+TEST_CASE("clamping takes away just what it says, and nothing below it", "[render][clamp]") {
+    RenderScene scene = knot_scene(lambertian({0.9}));
+    scene.lighting.directional = {{direction_from_angles(40.0, 50.0), {kPi}}};
+    RenderOptions options{.width = 32, .height = 32, .samples = 64, .bounces = 4};
+    const SpectralPicture all = render_picture(scene, parallel_camera(scene), options);
+    REQUIRE(all.clamped == 0.0);
+    options.clamp = 1e6;
+    CHECK(mean_radiance(render_picture(scene, parallel_camera(scene), options)) ==
+          mean_radiance(all));
+    options.clamp = mean_radiance(all);  // of paths: about half of those that meet light bring more
+    const SpectralPicture less = render_picture(scene, parallel_camera(scene), options);
+    CHECK(less.clamped > 0.05);
+    // Pixels are stored in single precision.
+    CHECK(std::abs(mean_radiance(less) / mean_radiance(all) - (1.0 - less.clamped)) <= 1e-6);
+    options.clamp = -1.0;
+    CHECK_THROWS_WITH(render_picture(scene, parallel_camera(scene), options),
+                      Catch::Contains("clamp -1"));
+}
+
 TEST_CASE("a Lambertian sphere shows Lambert's phase curve", "[render][sphere]") {
     // Mean radiance over the disc under unit irradiance: (2/3) (albedo/pi) (sin a + (pi-a) cos
     // a)/pi (Lambert 1760), phase angle a between light and observer.

@@ -240,6 +240,7 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
                           notes, shell.common().output);
     }
     Table files{.facts = {{"noise", rounded(picture.noise, 3)},
+                          {"clamped", rounded(picture.clamped, 3)},
                           {"converged", std::string(converged ? "yes" : "no")}},
                 .columns = {"file"}};
     for (const std::string& file : {shell.common().output, arguments.exr}) {
@@ -248,9 +249,13 @@ int run_render(const RenderArguments& arguments, const Shell& shell) {
     shell.tell_written(std::move(files));
     shell.note(
         fmt::format("{} wavelength{}; solution {:.1f} s, picture {:.1f} s; noise {:.1e} of the "
-                    "mean radiance; solver {}",
+                    "mean radiance{}; solver {}",
                     wavelength_nm.size(), wavelength_nm.size() == 1 ? "" : "s", solve_s, render_s,
-                    picture.noise, converged ? "converged" : "NOT converged"));
+                    picture.noise,
+                    picture.clamped > 0.0
+                        ? fmt::format(", --clamp took {:.2g} % of the light", 100 * picture.clamped)
+                        : std::string(),
+                    converged ? "converged" : "NOT converged"));
     return converged ? kGood : kNotConverged;
 }
 
