@@ -50,11 +50,12 @@ void Axis::span(const std::vector<double>& values) {
         throw std::invalid_argument(
             fmt::format("axis '{}': no {}value to show", options_.label, log ? "positive " : ""));
     }
-    if (lowest_ == highest_ &&
-        !(options_.lowest && options_.highest)) {  // a constant in the middle
-        const double half = log ? 0.0 : (lowest_ == 0 ? 1.0 : 0.1 * std::abs(lowest_));
-        lowest_ = log ? lowest_ / 2 : lowest_ - half;
-        highest_ = log ? highest_ * 2 : highest_ + half;
+    if (lowest_ == highest_ && !(options_.lowest && options_.highest)) {
+        // A constant is shown from zero, so that nobody takes it for a small change: a quarter below
+        // the top, or on zero itself.
+        const double constant = lowest_;
+        lowest_ = log ? constant / 2 : std::min(1.25 * constant, 0.0);
+        highest_ = log ? constant * 2 : std::max(1.25 * constant, constant == 0.0 ? 1.0 : 0.0);
     }
     if (!(lowest_ < highest_) || (log && !(lowest_ > 0))) {
         throw std::invalid_argument(fmt::format("axis '{}' from {} to {}; allowed: ascending{}",

@@ -17,7 +17,8 @@ Picture draw_spectrum(const std::vector<Spectrum>& spectra, const std::string& v
                       const Caption& caption, Scale scale) {
     Panel panel{wavelength_axis(), {value_label, scale}, {}, 260.0};
     for (const Spectrum& s : spectra) {
-        panel.curves.push_back({s.label, s.wavelength_nm, s.value, s.mark, {}, s.swatch, s.shade});
+        panel.curves.push_back(
+            {s.label, s.wavelength_nm, s.value, s.mark, s.colour, s.swatch, s.shade});
     }
     return draw_chart({panel}, caption);
 }

@@ -16,6 +16,7 @@ struct Spectrum {
     std::optional<LinearSrgb> swatch = {};  ///< the colour of it, shown in the legend
     std::optional<double> shade = {};       ///< of the members of a family (panel.h)
     Mark mark = Mark::line;
+    std::optional<int> colour = {};  ///< as of a curve; empty: next in order
 };
 
 /// Albedos, or a BRDF in a few directions.

@@ -53,9 +53,12 @@ TEST_CASE("a logarithmic axis ends at powers of ten and ignores what it cannot s
     CHECK(labels(narrow) == std::vector<std::string>{"2", "3", "4", "5", "6", "7"});
 }
 
-TEST_CASE("a constant lies in the middle of its axis", "[plot][axis]") {
-    CHECK(Axis({"g"}, {0.75, 0.75}).position(0.75) == Approx(0.5).margin(0.3));
-    CHECK(Axis({"g"}, {0.0}).position(0.0) == Approx(0.5));
+TEST_CASE("a constant is shown from zero, not as a small change", "[plot][axis]") {
+    const Axis constant({"g"}, {0.75, 0.75});
+    CHECK(constant.position(0.0) == Approx(0.0).margin(1e-12));
+    CHECK(constant.position(0.75) == Approx(0.75).margin(0.15));
+    CHECK(Axis({"g"}, {-0.75}).position(0.0) == Approx(1.0));
+    CHECK(Axis({"g"}, {0.0}).position(0.0) == Approx(0.0).margin(1e-12));
     const Axis log({"P", Scale::logarithmic}, {3.0});
     CHECK(log.position(3.0) == Approx(0.5).epsilon(1e-12));
 }

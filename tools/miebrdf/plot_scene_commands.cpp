@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include <miebrdf/colour.h>
+#include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/lobe.h"
 #include "pipeline/plot/spectra.h"
 #include "pipeline/scene/number_list.h"
@@ -134,12 +135,15 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     const ObserverWeights weights = observer_weights(request.wavelength_nm);
 
     std::vector<plot::Spectrum> spectra;
-    const auto add = [&](const ShownScene& shown, const std::string& what,
+    // Scenes have colours, the kinds of light dashes.
+    int scene = 0;
+    const auto add = [&](const ShownScene& shown, const std::string& what, int kind,
                          std::vector<double> values) {
         const LinearSrgb colour = to_linear_srgb(to_xyz(weights, values));
         const std::string joint = shown.label.empty() || what.empty() ? "" : "; ";
         spectra.push_back({shown.label + joint + what, request.wavelength_nm, std::move(values),
-                           colour, shown.shade});
+                           colour, shown.shade, plot::Mark::line,
+                           scene % plot::kCurveColours + plot::kCurveColours * kind});
     };
     bool converged = true;
     const std::vector<ShownScene> all_scenes = shown_scenes(arguments, request);
@@ -148,15 +152,17 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
             solved(shown.request, shell.control()).albedo(cosines_of(incidence_deg));
         converged = converged && values.converged();
         if (shown.shade) {
-            add(shown, "", values.spherical_albedo);
+            add(shown, "", 0, values.spherical_albedo);
             continue;
         }
-        add(shown, "spherical", values.spherical_albedo);
+        add(shown, "spherical", 0, values.spherical_albedo);
         for (std::size_t i = 0; i < incidence_deg.size(); ++i) {
             std::vector<double> plane;
             for (const std::vector<double>& at : values.plane_albedo) plane.push_back(at[i]);
-            add(shown, fmt::format("incidence {:.3g}\u00b0", incidence_deg[i]), std::move(plane));
+            add(shown, fmt::format("incidence {:.3g}\u00b0", incidence_deg[i]), int(i) + 1,
+                std::move(plane));
         }
+        ++scene;
     }
     for (const std::string& path : arguments.points) {
         for (plot::Spectrum& points : measured_points(path, request.wavelength_nm))
