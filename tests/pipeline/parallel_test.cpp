@@ -1,5 +1,6 @@
 #include "pipeline/solve/parallel.h"
 
+#include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 
 #include <atomic>
@@ -8,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "rte/math/interruption.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -72,6 +74,42 @@ TEST_CASE("what asks to be cancelled stops the jobs that have not begun", "[pipe
                                  }),
                     Cancelled);
     CHECK(calls <= threads);  // those that had passed the check on their thread
+}
+
+TEST_CASE("what asks to be cancelled stops a job between its steps, too", "[pipeline][parallel]") {
+    const int threads = GENERATE(1, 2);
+    std::atomic<int> asked = 0;
+    const Control control{.threads = threads, .is_cancelled = [&] { return ++asked > 20; }};
+    CHECK_THROWS_AS(run_parallel("count", 1, control,
+                                 [](std::size_t) {
+                                     for (;;) math::interruption_point();
+                                 }),
+                    Cancelled);
+    asked = 0;
+    const auto pieces = pieces_of_job(control);
+    CHECK_THROWS_AS(
+        run_parallel("count", 1, control, [&](std::size_t) { pieces(1000, [](int) {}); }),
+        Cancelled);
+    CHECK(asked <= 20 + 2 * threads);
+    CHECK_NOTHROW(math::interruption_point());  // outside of jobs nobody asks
+}
+
+TEST_CASE("a single wavelength is cancelled in the middle of its solution",
+          "[pipeline][parallel]") {
+    // Radiative transfer of many orders, and Mie theory of large spheres: each asks often.
+    std::atomic<int> asked = 0;
+    const Control count{.threads = 1, .is_cancelled = [&] { return ++asked < 0; }};
+    const Scene scene =
+        GENERATE(Scene{.base = medium("hg:0.9,0.9")}, Scene{.base = medium("H2O_ice,radius=50")});
+    const auto ask = [&](const Control& control) {
+        (void)solve(scene, {550}, {.tolerance = 1e-2}, control).evaluate({{0.5}, {0.4}, {0, 90}});
+    };
+    ask(count);
+    const int all = asked;
+    CHECK(all > 30);
+    asked = 0;
+    const Control stop{.threads = 1, .is_cancelled = [&] { return ++asked > all / 2; }};
+    CHECK_THROWS_AS(ask(stop), Cancelled);
 }
 
 TEST_CASE("when one job fails, no other goes on with pieces that were left out",

@@ -205,3 +205,35 @@ def test_nothing_leaks():
     assert after == references
     # 300 rounds of 16 to 48 kB arrays: one lost in each would be 5 to 15 MB.
     assert _resident_kb() - before <= 4000
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda: Scene(medium("H2O", radius_um=1000.0, variance=0.01)).brdf(
+            550, 0.5, np.linspace(0.1, 1, 20)[:, None], np.linspace(0, 180, 91)
+        ),
+        lambda: miebrdf.phase("H2O", 550, np.linspace(0, 180, 1801), radius_um=1000, variance=1e-3),
+        lambda: Scene("hg:0.99,0.95", coats="hg:0.99,0.9@20").brdf(
+            550, 0.5, 0.5, streams=128, coat_method="first-order", coat_substeps=100000
+        ),
+    ],
+    ids=["many values", "phase function", "steps of a coat"],
+)
+def test_ctrl_c_ends_one_wavelength(work):
+    """Each takes ten seconds and more."""
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 1.0)
+        begin = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        # Half a second on a machine with nothing else to do; a busy one may take a while to wake up.
+        assert time.monotonic() - begin <= 1.0 + 0.5 * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

@@ -9,6 +9,7 @@
 
 #include <pybind11/complex.h>
 #include <pybind11/stl.h>
+#include "pipeline/solve/parallel.h"
 #include "tools/python/bindings.h"
 #include "tools/python/long_call.h"
 
@@ -89,20 +90,19 @@ py::dict ensemble(const Complexes& index, const Numbers& wavelength_nm,
                   const CallOptions& options) {
     LongCall call(options);
     const auto all = call.run([&] {
-        std::vector<EnsembleOptics> spectra;
-        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-            if (call.control().is_cancelled()) break;
-            spectra.push_back(average_over_sizes({.sizes = sizes,
-                                                  .refractive_index = index[w],
-                                                  .host_index = host_index,
-                                                  .wavelength_nm = wavelength_nm[w],
-                                                  .highest_moment = highest_moment,
-                                                  .angles_deg = angles_deg,
-                                                  .tolerance = tolerance,
-                                                  .phase_tolerance = phase_tolerance}));
-            if (call.control().progress)
-                call.control().progress("Mie theory", w + 1, wavelength_nm.size());
-        }
+        std::vector<EnsembleOptics> spectra(wavelength_nm.size());
+        const Executor pieces = pieces_of_job(call.control());
+        run_parallel("Mie theory", spectra.size(), call.control(), [&](std::size_t w) {
+            spectra[w] = average_over_sizes({.sizes = sizes,
+                                             .refractive_index = index[w],
+                                             .host_index = host_index,
+                                             .wavelength_nm = wavelength_nm[w],
+                                             .highest_moment = highest_moment,
+                                             .angles_deg = angles_deg,
+                                             .tolerance = tolerance,
+                                             .phase_tolerance = phase_tolerance},
+                                            pieces);
+        });
         return spectra;
     });
     const auto rows = static_cast<py::ssize_t>(all.size());

@@ -150,9 +150,10 @@ py::list particles_of(const Medium& medium) {
 }
 
 void bind_media(py::module_& module) {
-    py::class_<Medium>(
-        module, "Medium",
-        "What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture.")
+    py::class_<Medium>(module, "Medium",
+                       "What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a "
+                       "mixture.\n\nExamples\n--------\n>>> Medium(\"TiO2,volume=10%\") + "
+                       "Medium(\"SiO2,volume=1%\")")
         .def(py::init([](const std::string& words) { return medium(words); }), py::arg("words"))
         .def_static("of_table", &medium_of_table, py::arg("name"), py::arg("wavelength_nm"),
                     py::arg("index"))
@@ -209,7 +210,8 @@ void bind_media(py::module_& module) {
         .def(py::pickle([](const Medium& self) { return state_of(self); }, &medium_of));
 
     py::class_<Depth>(module, "Depth",
-                      "How deep a layer is: words as in `miebrdf.coat`, or an optical depth.")
+                      "How deep a layer is: words as in `miebrdf.coat`, or an optical depth >= "
+                      "0.\n\nExamples\n--------\n>>> Depth(\"40um\"), Depth(0.1), Depth.grey(0.1)")
         .def(py::init([](const std::string& words) { return depth(words); }), py::arg("words"))
         .def(py::init([](double optical_depth) { return Depth(optical_depth); }),
              py::arg("optical_depth"))
@@ -228,7 +230,9 @@ void bind_media(py::module_& module) {
                              state[1].cast<double>(), state[2].cast<double>());
             }));
 
-    py::class_<Layer>(module, "Layer", "A medium of some depth; `miebrdf.coat` makes one.")
+    py::class_<Layer>(module, "Layer",
+                      "A medium of some depth; `miebrdf.coat` makes "
+                      "one.\n\nExamples\n--------\n>>> Layer(\"hg:0.9,0.4@0.1[grey]\").medium")
         .def(py::init([](const std::string& words) { return layer(words); }), py::arg("words"))
         .def(py::init([](const Medium& medium, const Depth& depth) {
                  return Layer{medium, depth};
@@ -253,7 +257,8 @@ void bind_media(py::module_& module) {
 void bind_ground(py::module_& module) {
     py::class_<Substrate>(module, "Substrate",
                           "What lies below the layers where there is no base: words as in "
-                          "`miebrdf.Scene`, or `miebrdf.lambertian`.")
+                          "`miebrdf.Scene`, or `miebrdf.lambertian`.\n\nExamples\n--------\n>>> "
+                          "Substrate(\"lambert:0.05\"), Substrate(\"mirror:Au\")")
         .def(py::init([](const std::string& words) { return substrate(words); }), py::arg("words"))
         .def(py::init([](std::vector<double> albedo, std::vector<double> wavelength_nm) {
                  Substrate ground;

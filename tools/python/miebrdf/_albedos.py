@@ -64,6 +64,18 @@ class Albedos:
         -------
         xarray.DataArray or numpy.ndarray
             Of shape ``(wavelengths, *shape of mu_in)``.
+
+        Raises
+        ------
+        UsageError
+            For cosines out of range, and a transmittance where there is none.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.albedo([0.2, 0.5, 1.0]).shape
+        (3, 3)
         """
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         name = "plane_transmittance" if transmitted else "plane_albedo"
@@ -81,6 +93,26 @@ class Albedos:
         a mirror have one.
 
         Parameters and result are those of `albedo`.
+
+        Parameters
+        ----------
+        mu_in, theta_in_deg : float or array
+            Cosines of incidence in (0, 1], or angles in [0, 90).
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape ``(wavelengths, *shape of mu_in)``.
+
+        Raises
+        ------
+        UsageError
+            For scenes without a smooth boundary or a mirror.
+
+        Examples
+        --------
+        >>> varnish = Scene("hg:0.9,0.4", host=1.5, boundary="smooth").solve(550)
+        >>> varnish.mirror_reflectance(theta_in_deg=[0, 60])
         """
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         return self._albedo("mirror_reflectance", axes.arrays[0].reshape(-1).tolist(), axes)
@@ -89,6 +121,27 @@ class Albedos:
         """Share that is reflected of light from all directions alike; one for each wavelength.
 
         `transmitted`: the spherical transmittance instead.
+
+        Parameters
+        ----------
+        transmitted : bool
+            The spherical transmittance: of films.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            In [0, 1], one for each wavelength.
+
+        Raises
+        ------
+        UsageError
+            For a transmittance where there is none.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.spherical_albedo()
         """
         name = "spherical_transmittance" if transmitted else "spherical_albedo"
         return self._albedo(name, [1.0], Axes([], [], {}, ()))
@@ -112,6 +165,18 @@ class Albedos:
         return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes, name)
 
     def layers(self) -> list[LayerFacts]:
-        """Single scattering by every layer; see `Scene.layers`."""
+        """Single scattering by every layer; see `Scene.layers`.
+
+        Returns
+        -------
+        list of dict
+            As of `Scene.layers`.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.layers()[0]["single_scattering_albedo"]
+        """
         with Call(*self._call) as options:
             return self._solved.layers(options)

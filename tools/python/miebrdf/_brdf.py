@@ -43,6 +43,14 @@ class Brdf(Albedos):
     ----------
     scene : Scene
     wavelengths_nm : list of float
+
+    Examples
+    --------
+    >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+    >>> b = scene.solve([450, 550, 650])
+    >>> b(0.5, [0.3, 0.9], azimuth_deg=180.0).shape
+    (3, 2)
+    >>> b.albedo(theta_in_deg=60), b.report.error_estimate
     """
 
     def __init__(
@@ -122,7 +130,30 @@ class Brdf(Albedos):
         theta_out_deg: ArrayLike | None = None,
         part: str = "total",
     ) -> Values:
-        """The same without a table, as `Scene.brdf`; single scattering is not computed again."""
+        """The same without a table, as `Scene.brdf`; single scattering is not computed again.
+
+        Parameters
+        ----------
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg, part
+            As of `Brdf`: cosines in (0, 1], azimuths in degrees, 0 = mirror side, or angles in [0, 90).
+            `part`: total, subsurface, surface.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            1/sr, of shape ``(wavelengths, *broadcast directions)``.
+
+        Raises
+        ------
+        UsageError
+            For directions out of range.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.exact(0.5, 0.9, 180.0)
+        """
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         if 0 in axes.shape:
             return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
@@ -150,6 +181,28 @@ class Brdf(Albedos):
 
         Of (I, Q, U), or with ``stokes=4`` in `Scene.solve` of (I, Q, U, V); solved with
         ``stokes=1`` or "auto", it is that of three components all the same.
+
+        Parameters
+        ----------
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg
+            As of `Brdf`: cosines in (0, 1], azimuths in degrees, 0 = mirror side, or angles in [0, 90).
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            As of `Scene.mueller`.
+
+        Raises
+        ------
+        UsageError
+            Also for scenes that polarised light cannot be computed of, with the reason.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.mueller(0.5, 0.9, 180.0).shape
+        (3, 3, 3)
         """
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         components = 4 if str(self._method.get("stokes")) == "4" else 3
@@ -188,12 +241,49 @@ class Brdf(Albedos):
         mu_out, azimuth_deg, pdf : numpy.ndarray
             Cosines in (0, 1], azimuths in [0, 360), densities per unit of solid angle. The mean of
             ``b(mu_in, mu_out, azimuth_deg) * mu_out / pdf`` estimates the albedo without bias.
+
+        Raises
+        ------
+        UsageError
+            For cosines and numbers out of range.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> draw = np.random.default_rng(1)
+        >>> mu_out, azimuth_deg, pdf = b.sample(0.5, draw.random(1000), draw.random(1000))
+        >>> estimate = (b(0.5, mu_out, azimuth_deg) * mu_out / pdf).mean(axis=-1)  # of the albedos
         """
         axes = broadcast({"mu_in": mu_in, "u1": u1, "u2": u2})
         return self._directions().sample(*axes.arrays)
 
     def pdf(self, mu_in: ArrayLike, mu_out: ArrayLike, azimuth_deg: ArrayLike) -> Floats:
-        """Density of `sample` at a direction, per unit of solid angle; integrates to 1."""
+        """Density of `sample` at a direction, per unit of solid angle; integrates to 1.
+
+        Parameters
+        ----------
+        mu_in, mu_out : float or array
+            Cosines in (0, 1].
+        azimuth_deg : float or array
+            0 = mirror side.
+
+        Returns
+        -------
+        numpy.ndarray
+            1/sr, > 0.
+
+        Raises
+        ------
+        UsageError
+            For directions out of range.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.pdf(0.5, [0.2, 0.9], 180.0)
+        """
         axes = broadcast({"mu_in": mu_in, "mu_out": mu_out, "azimuth_deg": azimuth_deg})
         return self._directions().density(*axes.arrays)
 
@@ -249,6 +339,12 @@ class Brdf(Albedos):
             When a file cannot be written.
         TooCoarse
             When a file would be further from the BRDF than accepted.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> [file["path"] for file in b.export("paint.npz")]
         """
         chosen = format_of(Path(path)) if format is None else format
         with Call(*self._call) as options:
@@ -297,6 +393,12 @@ class Brdf(Albedos):
         ------
         MissingPackage
             Without matplotlib.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.plot_lobe(theta_in_deg=30)  # doctest: +SKIP
         """
         from ._plots import plot_lobe
 

@@ -130,7 +130,12 @@ def layer_albedos(
 
 # scenes
 class Medium:
-    """What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture."""
+    """What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture.
+
+    Examples
+    --------
+    >>> Medium("TiO2,volume=10%") + Medium("SiO2,volume=1%")
+    """
 
     def __init__(self, words: str) -> None: ...
     @staticmethod
@@ -154,7 +159,12 @@ class Medium:
     def in_host(self, words: str) -> Medium: ...
 
 class Depth:
-    """How deep a layer is; `miebrdf.coat` makes one of its words."""
+    """How deep a layer is: words as in `miebrdf.coat`, or an optical depth >= 0.
+
+    Examples
+    --------
+    >>> Depth("40um"), Depth(0.1), Depth.grey(0.1)
+    """
 
     def __init__(self, words: str | float) -> None: ...
     @staticmethod
@@ -163,7 +173,12 @@ class Depth:
     def thickness_um(value: float) -> Depth: ...
 
 class Layer:
-    """A medium of some depth; `miebrdf.coat` makes one."""
+    """A medium of some depth; `miebrdf.coat` makes one.
+
+    Examples
+    --------
+    >>> Layer("hg:0.9,0.4@0.1[grey]").medium
+    """
 
     def __init__(self, medium: str | Medium, depth: Depth = ...) -> None: ...
     @property
@@ -172,7 +187,13 @@ class Layer:
     def depth(self) -> Depth: ...
 
 class Substrate:
-    """What lies below the layers where there is no base."""
+    """What lies below the layers where there is no base: words
+    as in `miebrdf.Scene`, or `miebrdf.lambertian`.
+
+    Examples
+    --------
+    >>> Substrate("lambert:0.05"), Substrate("mirror:Au")
+    """
 
     def __init__(
         self, albedo: str | Sequence[float], wavelength_nm: Sequence[float] = ...

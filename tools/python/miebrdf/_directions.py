@@ -50,6 +50,13 @@ class Report:
         Of each wavelength: error_estimate, mie_error_estimate, phase_noise, optical_depths,
         stokes (components of light), polarisation_left_out, streams, moments, fourier_orders,
         iterations, method, converged.
+
+    Examples
+    --------
+    >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+    >>> b = scene.solve(550)
+    >>> report = b.report
+    >>> report.converged, report.error_estimate, report.wavelengths[0]["streams"]
     """
 
     tolerance: float
@@ -63,7 +70,14 @@ class Report:
     wavelengths: list[dict[str, Any]]
 
     def attributes(self) -> dict[str, Any]:
-        """For the attributes of a DataArray."""
+        """For the attributes of a DataArray.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.report.attributes()["sources"]
+        """
         return {
             "version": f"miebrdf {__version__}",
             "sources": list(self.sources),
@@ -73,7 +87,14 @@ class Report:
         }
 
     def warn(self) -> None:
-        """Warn of what has not converged, at the line of the caller of this package."""
+        """Warn of what has not converged, at the line of the caller of this package.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve([450, 550, 650])
+        >>> b.report.warn()  # nothing: it has converged
+        """
         if not self.converged:
             warnings.warn(self.shortfall, NotConverged, stacklevel=_level_of_caller())
 

@@ -55,6 +55,11 @@ class FileCheck:
         Directions without a value, and those that were looked at.
     sampled_albedo_error : float or None
         Of albedos by the file's own importance sampling.
+
+    Examples
+    --------
+    >>> Scene("hg:0.9,0.4").solve(550).export("grey.npz")
+    >>> check("grey.npz").largest_albedo
     """
 
     reciprocity_rms: float | None
@@ -75,6 +80,20 @@ def check(path: str | Path) -> FileCheck:
     ------
     InputError
         For an unknown, damaged or truncated file.
+
+    Parameters
+    ----------
+    path : str or Path
+        What it is, is recognised by its content.
+
+    Returns
+    -------
+    FileCheck
+
+    Examples
+    --------
+    >>> Scene("hg:0.9,0.4").solve(550).export("grey.npz")
+    >>> check("grey.npz").least_value
     """
     return FileCheck(**_core.check(str(path)))
 
@@ -166,7 +185,7 @@ def export(
     --------
     >>> def lambertian(mu_in, mu_out, azimuth_deg):
     ...     return np.full((3, mu_in.size), 0.8 / np.pi)
-    >>> miebrdf.export(lambertian, [450, 550, 650], "white.bsdf")
+    >>> miebrdf.export(lambertian, [450, 550, 650], "white.npz")
     """
     chosen = format_of(Path(path)) if format is None else format
     nm, _ = wavelength_list(wavelengths_nm)
@@ -223,7 +242,8 @@ class BrdfFile:
 
     Examples
     --------
-    >>> file = miebrdf.BrdfFile("gold_spec.bsdf")
+    >>> Scene("hg:0.9,0.4").solve([450, 650]).export("grey.npz")
+    >>> file = miebrdf.BrdfFile("grey.npz")
     >>> file(0.5, [0.3, 0.9], azimuth_deg=180.0)
     """
 

@@ -15,8 +15,15 @@ from ._options import Call, Progress
 
 
 class LayerAlbedos(NamedTuple):
-    """Of each layer; arrays of the layers' common shape, directional ones with the axes of `mu_in`
-    behind it."""
+    """Of each layer.
+
+    Arrays of the layers' common shape, directional ones with the axes of `mu_in` behind it.
+
+    Examples
+    --------
+    >>> found = layer_albedos([0.5, 0.9], 0.7, optical_depth=2, mu_in=0.5)
+    >>> found.plane_albedo, found.error_estimate, found.converged
+    """
 
     plane_albedo: Any
     spherical_albedo: Any

@@ -28,6 +28,11 @@ class Material:
     k_known : bool
         False: k was not measured, and counts as 0.
     density_g_cm3 : float or None
+
+    Examples
+    --------
+    >>> gold = miebrdf.materials["Au"]
+    >>> gold.title, gold.shortest_nm, gold.nk(550)
     """
 
     name: str
@@ -67,6 +72,10 @@ class Material:
         ------
         InputError
             Outside the data, with the valid range.
+
+        Examples
+        --------
+        >>> miebrdf.materials["TiO2"].nk([450, 550])
         """
         wavelengths, single = wavelength_list(wavelengths_nm)
         values: Any = self._index.at(wavelengths)
@@ -77,11 +86,38 @@ class Material:
         return labelled(values, "refractive_index", nm, None, attributes)
 
     def table(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64] | None]:
-        """Native wavelengths in nm, n and k (None where it is unknown); never resampled."""
+        """Native wavelengths in nm, n and k (None where it is unknown); never resampled.
+
+        Returns
+        -------
+        wavelengths_nm, n, k : numpy.ndarray
+
+        Examples
+        --------
+        >>> nm, n, k = miebrdf.materials["TiO2"].table()
+        """
         return self._index.table()
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw n and k over the wavelength (needs matplotlib)."""
+        """Draw n and k over the wavelength (needs matplotlib).
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        MissingPackage
+            Without matplotlib.
+
+        Examples
+        --------
+        >>> miebrdf.materials["TiO2"].plot()  # doctest: +SKIP
+        """
         from ._plots import plot_nk
 
         return plot_nk(self, ax)
@@ -107,6 +143,12 @@ class Materials:
     database : str or Path, optional
         The user's file; default: ``$MIEBRDF_DATABASE``, else
         ``~/.local/share/miebrdf/materials.sqlite``. It need not exist.
+
+    Examples
+    --------
+    >>> materials = Materials("mine.sqlite")
+    >>> len(materials), "TiO2" in materials
+    >>> materials["bruggeman(TiO2:30%,SiO2)"].nk(550)
     """
 
     def __init__(self, database: str | Path | None = None) -> None:
@@ -148,6 +190,14 @@ class Materials:
         ------
         UnknownMaterial
             A KeyError too; with the nearest names.
+
+        Returns
+        -------
+        Material
+
+        Examples
+        --------
+        >>> miebrdf.materials.get("TiO2", interpolation="linear").nk(551)
         """
         from ._media import choice
 
@@ -203,11 +253,34 @@ class Materials:
         -------
         list of dict
             name, title, formula, source, reference, aliases, shortest_nm, longest_nm, k_known, ...
+
+        Examples
+        --------
+        >>> [found["name"] for found in miebrdf.materials.search("oxide", covers_nm=(400, 700))]
         """
         return self._open().search(text, covers_nm, needs_k)
 
     def datasets(self, name: str) -> list[dict[str, Any]]:
-        """All datasets of a material, the default first."""
+        """All datasets of a material, the default first.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        list of dict
+            label, source, key, reference, shortest_nm, longest_nm, ...
+
+        Raises
+        ------
+        UnknownMaterial
+            With the nearest names.
+
+        Examples
+        --------
+        >>> [each["label"] for each in miebrdf.materials.datasets("TiO2")]
+        """
         return self._open().datasets(name)
 
     def add(
@@ -249,6 +322,12 @@ class Materials:
             For figures that are not physical.
         MaterialFileError
             When the label is taken by other figures and `replace` is not set.
+
+        Examples
+        --------
+        >>> mine = Materials("mine.sqlite")
+        >>> mine.add("ink", [400, 700], [1.6, 1.5], [0.01, 0.02], reference="measured", replace=True)
+        >>> mine["ink"].nk(550)
         """
         allowed = ("title", "formula", "source", "reference", "note", "density_g_cm3")
         for fact in facts:
@@ -285,6 +364,27 @@ class Materials:
         -------
         list of dict
             file, dataset, accepted, reason, corrections.
+
+        Parameters
+        ----------
+        files : str, Path or list of them
+            A file that is named must be right; of folders what is wrong is left out and said.
+        format : str
+            Empty: by content.
+        name, label : str
+            Of the material and its dataset; empty: from the file.
+        replace : bool
+            Another table of this label gives way.
+
+        Raises
+        ------
+        MaterialFileError
+            With file, line and reason.
+
+        Examples
+        --------
+        >>> mine = Materials("mine.sqlite")
+        >>> mine.import_files("ink.csv")  # doctest: +SKIP
         """
         if isinstance(files, (str, Path)):
             files = [files]
@@ -293,7 +393,17 @@ class Materials:
         )
 
     def remove(self, name: str) -> bool:
-        """Remove a material from the user's file; False when it is not there."""
+        """Remove a material from the user's file; False when it is not there.
+
+        Parameters
+        ----------
+        name : str
+
+        Examples
+        --------
+        >>> mine = Materials("mine.sqlite")
+        >>> mine.remove("ink")
+        """
         return _core.remove_material(self.database, name)
 
     def __repr__(self) -> str:

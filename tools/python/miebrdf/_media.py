@@ -224,6 +224,19 @@ def lambertian(albedo: ArrayLike, wavelengths_nm: ArrayLike | None = None) -> Su
         In [0, 1]; one for each of `wavelengths_nm`, linear between them.
     wavelengths_nm : array, optional
         nm in vacuum, ascending.
+
+    Returns
+    -------
+    Substrate
+
+    Raises
+    ------
+    UsageError
+        For albedos outside of [0, 1], and lists of different lengths.
+
+    Examples
+    --------
+    >>> Scene(substrate=lambertian([0.1, 0.3], [400, 700]), coats="hg:0.9,0.4@1")
     """
     values = numbers("albedo", albedo).reshape(-1).tolist()
     nm = [] if wavelengths_nm is None else numbers("wavelengths_nm", wavelengths_nm).tolist()
@@ -233,5 +246,14 @@ def lambertian(albedo: ArrayLike, wavelengths_nm: ArrayLike | None = None) -> Su
 
 
 def media_forms() -> list[tuple[str, str, str]]:
-    """How media are written in words: (form, example, what it is)."""
+    """How media are written in words: (form, example, what it is).
+
+    Returns
+    -------
+    list of (str, str, str)
+
+    Examples
+    --------
+    >>> [form for form, example, meaning in media_forms()]
+    """
     return _core.media()

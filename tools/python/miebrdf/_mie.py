@@ -15,7 +15,13 @@ from .errors import UsageError
 
 
 class Sphere(NamedTuple):
-    """Efficiencies (cross-sections over pi r^2) of single spheres, arrays of one shape."""
+    """Efficiencies (cross-sections over pi r^2) of single spheres, arrays of one shape.
+
+    Examples
+    --------
+    >>> one = sphere(1.5 + 0.01j, [1.0, 10.0])
+    >>> one.q_ext - one.q_sca - one.q_abs
+    """
 
     q_ext: Any  #: extinction, q_sca + q_abs
     q_sca: Any  #: scattering
@@ -85,6 +91,16 @@ def amplitudes(
     -------
     s1, s2 : numpy.ndarray
         Complex, of the shape of `angles_deg`; time factor exp(-i omega t).
+
+    Raises
+    ------
+    UsageError
+        For arguments out of range.
+
+    Examples
+    --------
+    >>> s1, s2 = amplitudes(1.5, 10.0, [0, 90, 180])
+    >>> abs(s1) ** 2, abs(s2) ** 2
     """
     angles = numbers("angles_deg", angles_deg)
     s1, s2 = _core.amplitudes(complex(m), float(x), angles.reshape(-1).tolist())
@@ -92,12 +108,39 @@ def amplitudes(
 
 
 def coefficients(m: complex, x: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Mie coefficients a_n (electric) and b_n (magnetic), n = 1, 2, ... of one sphere."""
+    """Mie coefficients a_n (electric) and b_n (magnetic), n = 1, 2, ... of one sphere.
+
+    Parameters
+    ----------
+    m, x
+        As for `sphere`; one number each.
+
+    Returns
+    -------
+    a, b : numpy.ndarray
+        Complex; time factor exp(-i omega t).
+
+    Raises
+    ------
+    UsageError
+        For arguments out of range.
+
+    Examples
+    --------
+    >>> a, b = coefficients(1.5, 10.0)
+    >>> 2 / 10.0**2 * sum((2 * n + 1) * (a[n - 1] + b[n - 1]).real for n in range(1, len(a) + 1))  # q_ext
+    """
     return _core.coefficients(complex(m), float(x))
 
 
 class Ensemble(NamedTuple):
-    """Averages over a size distribution by cross-section, one entry for each wavelength."""
+    """Averages over a size distribution by cross-section, one entry for each wavelength.
+
+    Examples
+    --------
+    >>> optics = ensemble("TiO2", [450, 550], radius_um=0.2, highest_moment=8)
+    >>> optics.single_scattering_albedo, optics.chi.shape
+    """
 
     single_scattering_albedo: Any  #: scattering / extinction
     one_minus_albedo: Any  #: absorption / extinction, summed by itself
@@ -180,6 +223,10 @@ def ensemble(
     ------
     UsageError
         For an index, wavelength, angle or distribution out of range.
+
+    Examples
+    --------
+    >>> ensemble("TiO2", [450, 550, 650], radius_um=0.2, host_index=1.5).asymmetry
     """
     wavelengths, single = wavelength_list(wavelengths_nm)
     if sizes is None:
@@ -243,6 +290,16 @@ def phase(
     -------
     xarray.DataArray or numpy.ndarray
         Of shape ``(wavelengths, *shape of angles_deg)``.
+
+    Raises
+    ------
+    UsageError
+        For arguments out of range.
+
+    Examples
+    --------
+    >>> phase("TiO2", 550, np.arange(0, 181, 10), radius_um=0.2).shape
+    (19,)
     """
     wavelengths, single = wavelength_list(wavelengths_nm)
     axes: Axes = broadcast({"angle_deg": angles_deg})

@@ -55,6 +55,11 @@ def set_options(**options: Unpack[Options]) -> Options:
     ------
     UsageError
         For an option that there is not.
+
+    Examples
+    --------
+    >>> before = set_options(xarray=False, threads=1)
+    >>> set_options(**before)
     """
     for name in options:
         if name not in _settings:

@@ -91,7 +91,10 @@ class Scene:
 
     Examples
     --------
-    >>> scene = Scene(base="TiO2", coats=[coat("Au", depth=0.5, radius_um=0.03)])
+    >>> scene = Scene(
+    ...     base=medium("TiO2", radius_um=0.2), coats=[coat("Au", depth=0.5, radius_um=0.03)]
+    ... )
+    >>> mu_out, azimuth_deg = np.linspace(0.1, 1, 10), np.array([0.0, 90.0, 180.0])
     >>> scene.brdf(550, 0.5, mu_out[:, None], azimuth_deg[None, :])
     >>> b = scene.solve([450, 550, 650])
     >>> b(0.5, mu_out, 0.0)
@@ -171,6 +174,22 @@ class Scene:
         ----------
         **changes
             As of `Scene`.
+
+        Returns
+        -------
+        Scene
+            Another one; this one does not change.
+
+        Raises
+        ------
+        UsageError
+            For arguments that `Scene` does not have or take.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> scene.replace(roughness=0.3) == scene
+        False
         """
         arguments = {**self._arguments, **changes}
         if "base" in changes and changes["base"] is not None:
@@ -235,6 +254,12 @@ class Scene:
             For unknown names and wavelengths that a material does not cover.
         KeyboardInterrupt
             Ctrl-C ends the computation.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> scene.brdf([450, 550], mu_in=0.5, mu_out=[0.3, 0.9], azimuth_deg=180.0)
+        >>> scene.brdf(550, theta_in_deg=60, theta_out_deg=np.arange(0, 90, 10), streams=32)
         """
         return direct_brdf(
             self,
@@ -282,6 +307,12 @@ class Scene:
         ------
         UsageError
             Also for scenes that polarised light cannot be computed of, with the reason.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> scene.mueller(550, 0.5, 0.9, 180.0, stokes=4).shape
+        (4, 4)
         """
         call = (threads, progress, cache)
         solved = Brdf(self, wavelengths_nm, method, call)
@@ -325,6 +356,12 @@ class Scene:
         ------
         UsageError, InputError
             As `brdf`.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> b = scene.solve(np.arange(400, 701, 20), tolerance=1e-3)
+        >>> b.albedo(0.5)
         """
         return Brdf(self, wavelengths_nm, method, (threads, progress, cache))
 
@@ -355,6 +392,17 @@ class Scene:
         -------
         xarray.DataArray or numpy.ndarray
             Of shape ``(wavelengths, *shape of mu_in)``.
+
+        Raises
+        ------
+        UsageError, InputError
+            As `brdf`.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> scene.albedo([450, 550, 650], theta_in_deg=60)
+        >>> scene.albedo(550)  # spherical
         """
         solved = self._solved(wavelengths_nm, options)
         if mu_in is None and theta_in_deg is None:
@@ -374,6 +422,22 @@ class Scene:
             scattering_per_um, absorption_per_um, reduced_scattering_per_um, k_km and s_km
             (Kubelka-Munk's, 1/um), mass_extinction_m2_per_kg; None where amounts or densities are
             not known. Albedo and asymmetry of a layer without depth are NaN: nothing is there.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+            In vacuum.
+        **options
+            As of `solve`.
+
+        Raises
+        ------
+        UsageError, InputError
+            As `brdf`.
+
+        Examples
+        --------
+        >>> Scene(substrate="black", coats="TiO2,radius=0.13,volume=15% in index:1.5@40um").layers(550)[0]["s_km"]
         """
         return self._solved(wavelengths_nm, options).layers()
 
@@ -383,7 +447,13 @@ class Scene:
         return Brdf(self, wavelengths_nm, method, call)
 
     def attributes(self) -> dict[str, str]:
-        """What results say of their scene in their attributes: scene, host, particles."""
+        """What results say of their scene in their attributes: scene, host, particles.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
+        >>> scene.attributes()["particles"]
+        """
         return {
             "scene": str(self),
             "host": str(self._arguments["host"]),

@@ -14,7 +14,13 @@ from .errors import UsageError
 
 
 class LookedUp(NamedTuple):
-    """A variable of a table, interpolated."""
+    """A variable of a table, interpolated.
+
+    Examples
+    --------
+    >>> found = miebrdf.lookup("snow.nc", radius=220, soot=3e-8, mu_in=0.5, wavelength=510)  # doctest: +SKIP
+    >>> found.value, found.interpolation_error, found.unit  # doctest: +SKIP
+    """
 
     value: Any  #: a number, or an array over the axes that nothing was asked of
     #: Absolute, from nodes that the interpolation leaves out; NaN where an axis has none to leave
@@ -62,8 +68,8 @@ def lookup(
 
     Examples
     --------
-    >>> found = miebrdf.lookup("snow.nc", radius_um=220, soot=3e-8, mu_in=0.55, wavelength_nm=510)
-    >>> found.value, found.interpolation_error
+    >>> found = miebrdf.lookup("snow.nc", radius_um=220, soot=3e-8, mu_in=0.55, wavelength_nm=510)  # doctest: +SKIP
+    >>> found.value, found.interpolation_error  # doctest: +SKIP
     """
     asked = {name: _as_text(name, value) for name, value in values.items()}
     wanted = [variables] if isinstance(variables, str) else list(variables or [])

@@ -87,6 +87,12 @@ def xyz(
     ------
     UsageError
         For another illuminant or observer, and wavelengths that are no colour.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> xyz(green, nm)
     """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(0, 3))
 
@@ -94,14 +100,28 @@ def xyz(
 def lab(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
-    """CIE 1976 L*, a*, b*; white is (100, 0, 0). Arguments as for `xyz`."""
+    """CIE 1976 L*, a*, b*; white is (100, 0, 0). Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> lab(green, nm, illuminant="d50,10")
+    """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(3, 6))
 
 
 def lch(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
-    """Lab in polar form: L*, chroma, hue angle in degrees. Arguments as for `xyz`."""
+    """Lab in polar form: L*, chroma, hue angle in degrees. Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> lch(green, nm)
+    """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(9, 12))
 
 
@@ -111,6 +131,12 @@ def colour_error(
     """What the wavelengths leave, at most: dE76 to the colour from every other one of them.
 
     Of shape ``(*other axes)``. Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> colour_error(green, nm)
     """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(12, 13))[..., 0]
 
@@ -138,24 +164,64 @@ def delta_e_76(first: ArrayLike, second: ArrayLike) -> Floats:
     ----------
     first, second : array
         L*, a*, b* as the last axis (`lab`); the other axes broadcast.
+
+    Returns
+    -------
+    numpy.ndarray or float
+
+    Raises
+    ------
+    UsageError
+        For arrays without a last axis of three.
+
+    Examples
+    --------
+    >>> delta_e_76([50, 0, 0], [52, 1, 0])
     """
     return _difference(_core.delta_e_76, first, second)
 
 
 def delta_e_2000(first: ArrayLike, second: ArrayLike) -> Floats:
-    """CIEDE2000 (ISO/CIE 11664-6) with all weights 1. Arguments as for `delta_e_76`."""
+    """CIEDE2000 (ISO/CIE 11664-6) with all weights 1. Arguments as for `delta_e_76`.
+
+    Examples
+    --------
+    >>> delta_e_2000([50, 2.6772, -79.7751], [50, 0, -82.7485])  # Sharma et al. 2005: 2.0425
+    """
     return _difference(_core.delta_e_2000, first, second)
 
 
 def linear_srgb(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
-    """Linear light in the primaries of sRGB, not clipped. Arguments as for `xyz`."""
+    """Linear light in the primaries of sRGB, not clipped. Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> linear_srgb(green, nm)
+    """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(6, 9))
 
 
 def encode_srgb(linear: ArrayLike) -> Floats:
-    """The transfer curve of sRGB (IEC 61966-2-1), [0, 1] to [0, 1]; values are clipped first."""
+    """The transfer curve of sRGB (IEC 61966-2-1), [0, 1] to [0, 1]; values are clipped first.
+
+    Parameters
+    ----------
+    linear : float or array
+        In [0, 1].
+
+    Returns
+    -------
+    numpy.ndarray
+        Of the same shape.
+
+    Examples
+    --------
+    >>> encode_srgb([0.0, 0.18, 1.0])
+    """
     light = np.clip(numbers("linear", linear), 0.0, 1.0)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
@@ -163,5 +229,12 @@ def encode_srgb(linear: ArrayLike) -> Floats:
 def srgb(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
 ) -> Floats:
-    """Encoded sRGB in [0, 1], clipped, for display. Arguments as for `xyz`."""
+    """Encoded sRGB in [0, 1], clipped, for display. Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> srgb(green, nm)
+    """
     return encode_srgb(linear_srgb(reflectance, wavelengths_nm, illuminant=illuminant))
