@@ -23,7 +23,7 @@ class TableWriter {
 
 /// A file says this of itself, the same from run to run: no times, no command lines.
 struct Origin {
-    std::string program;               ///< "miebrdf 0.1.0"
+    std::string program;               ///< "miebrdf 1.0.0"
     std::string identity;              ///< of the sweep
     std::vector<std::string> sources;  ///< of refractive indices, one line for each
 };

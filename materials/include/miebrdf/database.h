@@ -37,7 +37,7 @@ class UnknownMaterial : public InputError {
                     std::vector<std::string> candidate_names)
         : InputError(message), name(std::move(asked)), candidates(std::move(candidate_names)) {}
 
-    std::string name;
+    std::string name;                     ///< as it was asked for
     std::vector<std::string> candidates;  ///< nearest first; may be empty
 };
 
@@ -50,8 +50,8 @@ class ImportError : public InputError {
           line_(line),
           reason_(reason) {}
 
-    int line() const { return line_; }
-    const std::string& reason() const { return reason_; }
+    int line() const { return line_; }                     ///< counted from 1; 0: the whole file
+    const std::string& reason() const { return reason_; }  ///< without file and line
 
   private:
     int line_;
@@ -60,42 +60,43 @@ class ImportError : public InputError {
 
 /// All that is known of one dataset besides its figures.
 struct DatasetInfo : DatasetOrigin {
-    std::string layer;  ///< "embedded", or the file it is stored in
-    std::string content_sha256;
-    std::string imported;  ///< when: UTC, ISO 8601; empty: not known
-    bool n_known = true;
-    bool k_known = true;
-    int n_formula = 0;  ///< 0: a table
-    int rows = 0;       ///< of n's table, or k's when n is unknown; 0 for formulas
-    Unit unit = Unit::nanometre;
-    double n_shortest_nm = 0.0, n_longest_nm = 0.0;
-    double k_shortest_nm = 0.0, k_longest_nm = 0.0;
+    std::string layer;            ///< "embedded", or the file it is stored in
+    std::string content_sha256;   ///< of its figures
+    std::string imported;         ///< when: UTC, ISO 8601; empty: not known
+    bool n_known = true;          ///< false: the source gives k only
+    bool k_known = true;          ///< false: k was not measured
+    int n_formula = 0;            ///< 0: a table
+    int rows = 0;                 ///< of n's table, or k's when n is unknown; 0 for formulas
+    Unit unit = Unit::nanometre;  ///< of the stored table
+    double n_shortest_nm = 0.0, n_longest_nm = 0.0;  ///< where n is known
+    double k_shortest_nm = 0.0, k_longest_nm = 0.0;  ///< where k is known
     /// Where n + ik is known; shortest > longest when n and k do not overlap.
-    double shortest_nm = 0.0, longest_nm = 0.0;
+    double shortest_nm = 0.0, longest_nm = 0.0;  ///< vacuum
 };
 
 /// A material, seen through its default dataset.
 struct MaterialInfo {
-    std::string name;       ///< canonical key, e.g. "AlGaAs_70"
-    std::string title;      ///< e.g. "Titanium dioxide (rutile, extraordinary index)"
-    std::string formula;    ///< chemical, may be empty
-    std::string source;     ///< collection it came from, e.g. "SOPRA"
-    std::string reference;  ///< publication or file
-    std::string note;
-    std::vector<std::string> aliases;
-    double shortest_nm = 0.0;
-    double longest_nm = 0.0;
-    int rows = 0;
-    bool k_known = true;
+    std::string name;                  ///< canonical key, e.g. "AlGaAs_70"
+    std::string title;                 ///< e.g. "Titanium dioxide (rutile, extraordinary index)"
+    std::string formula;               ///< chemical, may be empty
+    std::string source;                ///< collection it came from, e.g. "SOPRA"
+    std::string reference;             ///< publication or file
+    std::string note;                  ///< from the source; may be empty
+    std::vector<std::string> aliases;  ///< other names
+    double shortest_nm = 0.0;          ///< vacuum; of the dataset described
+    double longest_nm = 0.0;           ///< as shortest_nm
+    int rows = 0;                      ///< of its table; 0: a formula
+    bool k_known = true;               ///< false: k was not measured
     std::string default_dataset;  ///< label of the dataset described; empty when a material has
                                   ///< aliases only
-    int datasets = 0;
+    int datasets = 0;             ///< how many there are
     /// The density of the dataset described, else that of the first of the material's that has one:
     /// a density belongs to the substance more than to its table.
     std::optional<double> density_g_cm3;
-    std::string density_source;
+    std::string density_source;  ///< where the density is from
 };
 
+/// What a material must fit; all conditions hold together.
 struct SearchFilter {
     std::string
         text;  ///< words, all of which must occur (as beginnings of words); empty: everything
@@ -125,6 +126,7 @@ class Database {
     std::vector<MaterialInfo> list() const;
     /// Best match first; every word must occur in name, alias, title, formula or provenance.
     std::vector<MaterialInfo> search(const std::string& text) const;
+    /// The same for a filter.
     std::vector<MaterialInfo> search(const SearchFilter& filter) const;
 
     /// Finds a material by name, alias or normalised form (case, spaces, '_', '-' ignored). An
@@ -199,6 +201,7 @@ std::filesystem::path default_user_database();
 
 enum class AddOutcome { added, unchanged, replaced };
 
+/// How DatabaseWriter::add treats what is there already.
 struct AddOptions {
     /// Another dataset of the same label gives way instead of being an error.
     bool replace = false;
@@ -230,9 +233,11 @@ class DatabaseWriter {
     /// @returns false when there was none
     bool remove_alias(const std::string& alias);
 
+    /// The dataset that the name alone stands for. @throws UnknownMaterial
     void set_default(const std::string& material, const std::string& label);
     /// A whole material, or one of its datasets. @returns false when it is not in this file
     bool remove_material(const std::string& material);
+    /// @returns false when it is not in this file
     bool remove_dataset(const std::string& material, const std::string& label);
 
   private:
@@ -250,6 +255,7 @@ struct MaterialFormat {
 /// All formats, in the order in which their contents are tried.
 std::vector<MaterialFormat> material_formats();
 
+/// How files are read; everything may be left as it is.
 struct ImportOptions {
     std::string format{};                ///< by name; empty: recognised by content
     std::string material{};              ///< name of the material; empty: from the file
@@ -263,12 +269,13 @@ struct ImportOptions {
     bool skip_bad_rows = false;
 };
 
+/// What became of one file.
 struct ImportItem {
-    std::string file;
-    std::string dataset;                ///< "material/label"; empty when refused
-    std::optional<AddOutcome> outcome;  ///< nothing: refused
-    std::string reason;                 ///< of a refusal
-    std::vector<std::string> corrections;
+    std::string file;                      ///< as it was given or found
+    std::string dataset;                   ///< "material/label"; empty when refused
+    std::optional<AddOutcome> outcome;     ///< nothing: refused
+    std::string reason;                    ///< of a refusal
+    std::vector<std::string> corrections;  ///< what the reader changed, in words
 };
 
 /// Reads files and folders and adds what they hold to the user's database, in one transaction. The
@@ -290,15 +297,17 @@ std::vector<ImportItem> import_files(const std::filesystem::path& database,
 /// One file without a database: its figures, corrections and provenance. @throws ImportError
 Dataset read_file(const std::filesystem::path& file, const ImportOptions& options = {});
 
+/// How datasets are written as files.
 struct ExportOptions {
     /// Formats that need k write 0 for an unknown one instead of refusing.
     /// The file, read back, then has a known k = 0.
     bool unknown_k_as_zero = false;
 };
 
+/// One file that an export consists of.
 struct ExportFile {
     std::string suffix;  ///< put after the file's base name: ".nk", ".eta.spd", ".k.spd"
-    std::string text;
+    std::string text;    ///< of the whole file
 };
 
 /// The dataset in a format, figures in the shortest decimals that read back to the same doubles.
@@ -314,11 +323,12 @@ struct ExportFile {
 std::vector<ExportFile> export_dataset(const Dataset& dataset, std::string_view format,
                                        const ExportOptions& options = {});
 
+/// Something that verification noticed.
 struct Finding {
     enum class Severity { note, warning, error };
-    Severity severity = Severity::note;
-    std::string dataset;  ///< "material/label"; empty when it concerns the database
-    std::string text;
+    Severity severity = Severity::note;  ///< how bad it is
+    std::string dataset;                 ///< "material/label"; empty when it concerns the database
+    std::string text;                    ///< one sentence
 };
 
 /// Checks of the figures alone: order, signs and finiteness (errors); values far off both

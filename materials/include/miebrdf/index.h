@@ -30,8 +30,8 @@ struct Series {
     double shortest_nm = 0.0;  ///< first valid wavelength
     double longest_nm = 0.0;   ///< last valid wavelength
 
-    bool tabulated() const { return formula == 0; }
-    std::vector<double> wavelengths_nm() const;
+    bool tabulated() const { return formula == 0; }  ///< not a formula
+    std::vector<double> wavelengths_nm() const;      ///< of x, nm in vacuum
     bool operator==(const Series&) const = default;
 };
 
@@ -44,27 +44,28 @@ struct DatasetOrigin {
     std::string label;     ///< unique within the material: "material/label" names the dataset
     std::string source;    ///< collection, e.g. "SOPRA", "refractiveindex.info"
     std::string key;  ///< its name there, e.g. "GAP", "main/GaP/Bond"; "source:key" finds it too
-    std::string reference;  ///< publication or file
-    std::string doi;
-    std::string licence;
-    std::string ray;  ///< "o", "e" or empty
-    std::string composition;
-    std::string note;
-    std::string format;       ///< of the file it was read from
-    std::string file;         ///< name of that file
-    std::string file_sha256;  ///< of that file's bytes
-    std::optional<double> temperature_k;
+    std::string reference;                 ///< publication or file
+    std::string doi;                       ///< may be empty
+    std::string licence;                   ///< of the data, e.g. "CC0 1.0"
+    std::string ray;                       ///< "o", "e" or empty
+    std::string composition;               ///< as the source says; may be empty
+    std::string note;                      ///< may be empty
+    std::string format;                    ///< of the file it was read from
+    std::string file;                      ///< name of that file
+    std::string file_sha256;               ///< of that file's bytes
+    std::optional<double> temperature_k;   ///< nothing: not given
     std::optional<double> density_g_cm3;   ///< of the solid or liquid; nothing: not given
     std::string density_source;            ///< where the density is from
     std::vector<std::string> corrections;  ///< what the reader changed, in words
 };
 
+/// One table or formula of n and k with all that is known of it.
 struct Dataset : DatasetOrigin {
-    std::string title;    ///< e.g. "Titanium dioxide"
-    std::string formula;  ///< chemical formula, may be empty
-    std::vector<std::string> aliases;
-    std::optional<Series> n;  ///< nothing: the source gives k only
-    std::optional<Series> k;  ///< nothing: k is unknown, which is not the same as k = 0
+    std::string title;                 ///< e.g. "Titanium dioxide"
+    std::string formula;               ///< chemical formula, may be empty
+    std::vector<std::string> aliases;  ///< other names
+    std::optional<Series> n;           ///< nothing: the source gives k only
+    std::optional<Series> k;           ///< nothing: k is unknown, which is not the same as k = 0
 };
 
 /// A table of n and k on its own grid, never resampled.
@@ -82,8 +83,9 @@ enum class Interpolation {
 };
 enum class Extrapolation { refuse, clamp };
 
+/// How n and k are read from a dataset.
 struct IndexOptions {
-    Interpolation interpolation = Interpolation::pchip;
+    Interpolation interpolation = Interpolation::pchip;   ///< between rows
     Extrapolation extrapolation = Extrapolation::refuse;  ///< clamp: the value at the nearer end
     /// Where n is known and k is not: true gives k = 0 instead of an error. Has no effect when k is
     /// unknown everywhere: then k is 0 and `k_known()` is false.
@@ -92,17 +94,17 @@ struct IndexOptions {
 
 /// Where else to look when a wavelength is not covered; only used in the message.
 struct Coverage {
-    std::string name;
-    double shortest_nm = 0.0;
-    double longest_nm = 0.0;
+    std::string name;          ///< of the other dataset
+    double shortest_nm = 0.0;  ///< nm, vacuum
+    double longest_nm = 0.0;   ///< nm, vacuum
 };
 
 /// n + ik as a function of the wavelength: a model, a formula, an interpolation between datasets.
 struct IndexFunction {
     /// Called for wavelengths of the range, from several threads.
     std::function<std::complex<double>(double wavelength_nm)> at = {};
-    double shortest_nm = 0.0;
-    double longest_nm = 0.0;
+    double shortest_nm = 0.0;          ///< nm, vacuum
+    double longest_nm = 0.0;           ///< nm, vacuum
     std::vector<double> grid_nm = {};  ///< where it is tabulated for those who want a table
     bool k_known = true;               ///< false: k is 0 because nobody gave it
     /// Ends the message about a wavelength without a value: "; range=FROM:TO leaves it out".
@@ -135,9 +137,9 @@ class RefractiveIndex {
 
     /// First and last wavelength at which both n and k are given (n alone when k is unknown).
     double shortest_nm() const;
-    double longest_nm() const;
-    bool covers(double wavelength_nm) const;
-    bool k_known() const;
+    double longest_nm() const;                ///< nm, vacuum
+    bool covers(double wavelength_nm) const;  ///< whether `at` has a value there
+    bool k_known() const;                     ///< false: k is 0 because nobody measured it
     /// Whether k is known there, which is not the same as within the range of n.
     bool k_known_at(double wavelength_nm) const;
 

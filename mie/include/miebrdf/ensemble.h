@@ -105,10 +105,13 @@ class PhaseTable {
     /// scattered light and not to its own integral: noise at wide angles, where half of the light
     /// is, would else change the forward peak.
     double mean() const { return parts_.mean; }
+    /// Relative to P at each angle.
     double interpolation_error() const { return parts_.interpolation_error; }
+    /// Likewise, of the quadrature over sizes.
     double size_error() const { return parts_.size_error; }
+    /// How many angles it is stored at.
     int angle_count() const { return kPanelNodes * (static_cast<int>(parts_.edges.size()) - 1); }
-    const Parts& parts() const { return parts_; }
+    const Parts& parts() const { return parts_; }  ///< to store it
 
     /// chi_0 = mean() ... chi_highest: integrals of the polynomials against P_l by Gauss rules
     /// dense enough for order l. Absolute error about that of the table times the share of the
@@ -123,11 +126,11 @@ class PhaseTable {
     Parts parts_;
 };
 
-/// Averages by cross-section: albedo = <C_sca>/<C_ext>, chi_l = <C_sca chi_l>/<C_sca>.
+/// Averages by cross-section: albedo = \<C_sca>/\<C_ext>, chi_l = \<C_sca chi_l>/\<C_sca>.
 struct EnsembleOptics {
     double single_scattering_albedo = 0.0;  ///< in [0, 1]; exactly 1 for k = 0
     double one_minus_albedo = 1.0;          ///< absorption / extinction, summed, never a difference
-    double q_ext = 0.0;                     ///< <C_ext> / <pi r^2>, r the radius of the core
+    double q_ext = 0.0;                     ///< \<C_ext> / <pi r^2>, r the radius of the core
     double q_sca = 0.0;
     double q_abs = 0.0;
     double asymmetry = 0.0;                         ///< g = chi_1
@@ -169,6 +172,7 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca,
 /// waves of the largest sphere.
 int highest_moment_of(const EnsembleRequest& request);
 
+/// Single scattering with its polarisation, averaged over sizes.
 struct MatrixOptics {
     /// Albedo, efficiencies and g as average_over_sizes gives them, all chi_l = a1_l / (2l + 1),
     /// and P of the same spheres as a table. Errors, size_nodes and converged are those of both

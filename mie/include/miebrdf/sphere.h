@@ -12,15 +12,15 @@ namespace miebrdf::mie {
 
 /// Efficiencies are cross-sections over pi r^2.
 struct SphereOptics {
-    double q_ext = 0.0;  ///< q_sca + q_abs
-    double q_sca = 0.0;
-    double q_abs = 0.0;   ///< summed, never extinction minus scattering; exactly 0 for k = 0
-    double q_back = 0.0;  ///< radar backscattering, 4 |S(180)|^2 / x^2
-    double asymmetry = 0.0;
-    int terms = 0;          ///< partial waves summed
-    double accuracy = 0.0;  ///< estimated relative error of the efficiencies from rounding
-    bool reached = false;   ///< accuracy <= 1e-12
-    std::string status;     ///< empty, or what was not reached and why
+    double q_ext = 0.0;      ///< q_sca + q_abs
+    double q_sca = 0.0;      ///< scattering / pi r^2
+    double q_abs = 0.0;      ///< summed, never extinction minus scattering; exactly 0 for k = 0
+    double q_back = 0.0;     ///< radar backscattering, 4 |S(180)|^2 / x^2
+    double asymmetry = 0.0;  ///< g, mean cosine of the scattering angle
+    int terms = 0;           ///< partial waves summed
+    double accuracy = 0.0;   ///< estimated relative error of the efficiencies from rounding
+    bool reached = false;    ///< accuracy <= 1e-12
+    std::string status;      ///< empty, or what was not reached and why
 };
 
 /// Lorenz-Mie theory of one sphere; the arguments of mie_coefficients.
@@ -46,7 +46,7 @@ SphereOptics scatter_by_sphere(std::span<const SphereLayer> layers);
 /// S1 (electric field perpendicular to the scattering plane) and S2 (parallel), one entry per
 /// angle. Time factor exp(-i omega t): tables for exp(+i omega t) hold the complex conjugates.
 struct Amplitudes {
-    std::vector<std::complex<double>> s1, s2;
+    std::vector<std::complex<double>> s1, s2;  ///< dimensionless
 };
 
 /// S1 = sum (2n+1)/(n(n+1)) (a_n pi_n + b_n tau_n), S2 with pi_n and tau_n exchanged

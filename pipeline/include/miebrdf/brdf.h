@@ -33,9 +33,9 @@ const char* name_of(BrdfPart part);
 
 /// A set of parts; the others are neither computed nor returned.
 struct BrdfParts {
-    bool subsurface = true;
-    bool surface = true;  ///< there is none without Scene::surface
-    bool total = true;
+    bool subsurface = true;  ///< R / pi of the layers
+    bool surface = true;     ///< there is none without Scene::surface
+    bool total = true;       ///< both, coupled
 };
 
 /// What physics says about computed values, as numbers: reciprocity, energy and sign.
@@ -52,16 +52,16 @@ struct PhysicsReport {
 /// An rms relative to the largest value at its incidence, and the direction where it is largest:
 /// what a finite number of sphere sizes leaves in the phase function at single angles.
 struct PhaseNoise {
-    double largest = 0.0;
-    double mu_in = 0.0;  ///< 0: there is no noise
-    double mu_out = 0.0;
-    double azimuth_deg = 0.0;
+    double largest = 0.0;      ///< relative, see above
+    double mu_in = 0.0;        ///< 0: there is no noise
+    double mu_out = 0.0;       ///< where it is
+    double azimuth_deg = 0.0;  ///< where it is
 };
 
 /// How the values at one wavelength came about.
 struct WavelengthReport {
-    double wavelength_nm = 0.0;
-    rte::SolverReport solver;
+    double wavelength_nm = 0.0;  ///< vacuum
+    rte::SolverReport solver;    ///< of radiative transfer
     /// Of the layers, the lowest first; empty where nothing had to be computed.
     std::vector<double> optical_depths;
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
@@ -76,12 +76,12 @@ struct WavelengthReport {
 
 /// What all results have in common: one report for each wavelength, and the worst of them.
 struct ResultReport {
-    double tolerance = 0.0;
-    std::vector<WavelengthReport> wavelengths;
+    double tolerance = 0.0;                     ///< as asked for
+    std::vector<WavelengthReport> wavelengths;  ///< in the order asked for
     std::vector<std::string> sources;  ///< where the figures come from, one line for each medium
     std::vector<std::string> notes;    ///< what holds within limits only, one line each
 
-    bool converged() const;
+    bool converged() const;                    ///< all wavelengths are
     double error_estimate() const;             ///< largest over the wavelengths
     const WavelengthReport& worst() const;     ///< of the error estimate
     const WavelengthReport& noisiest() const;  ///< of phase_noise
@@ -98,18 +98,18 @@ struct ResultReport {
 /// Values of the BRDF, 1/sr without the cosine, at every combination of directions.
 class BrdfValues : public ResultReport {
   public:
-    Directions directions;
+    Directions directions;  ///< as asked for
     /// Of one wavelength, [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]; parts that
     /// were not asked for are empty.
     struct Slice {
-        std::vector<double> subsurface, surface, total;
+        std::vector<double> subsurface, surface, total;  ///< 1/sr
         /// At each mu_in, what a smooth boundary or a mirror below sends into the mirror direction
         /// and nowhere else: a delta that the values are without. Empty: there is none.
         std::vector<double> mirror_reflectance;
         PhysicsReport layers_physics;  ///< of subsurface
         PhysicsReport physics;         ///< of total, or of the one part that was asked for
 
-        const std::vector<double>& of(BrdfPart part) const;
+        const std::vector<double>& of(BrdfPart part) const;  ///< one of the three
     };
     std::vector<Slice> slices;  ///< one for each wavelength
 
@@ -124,8 +124,8 @@ class BrdfValues : public ResultReport {
 /// docs/polarisation.md.
 class MuellerValues : public ResultReport {
   public:
-    Directions directions;
-    int components = 3;  ///< 3: I, Q, U; 4: with V
+    Directions directions;  ///< as asked for
+    int components = 3;     ///< 3: I, Q, U; 4: with V
     /// [wavelength][(((in * mu_out.size() + out) * azimuth_deg.size() + azimuth) * components +
     /// row)
     /// * components + column]; row = outgoing, column = incident component
@@ -154,7 +154,7 @@ class MuellerValues : public ResultReport {
 /// Plane and spherical albedos. With a surface both are those of the whole: rho + (1 - rho) A.
 class AlbedoValues : public ResultReport {
   public:
-    std::vector<double> mu_in;
+    std::vector<double> mu_in;                      ///< as asked for, in (0, 1]
     std::vector<std::vector<double>> plane_albedo;  ///< [wavelength][mu_in]
     std::vector<double> spherical_albedo;           ///< [wavelength]
     /// With polarisation asked for: as of MuellerValues. Empty: not asked for.
@@ -178,8 +178,8 @@ class AlbedoValues : public ResultReport {
 /// Hemispherical-directional reflectance factors under a sky of sun and uniform diffuse light.
 class HdrfValues : public ResultReport {
   public:
-    Directions directions;
-    double diffuse_fraction = 0.0;
+    Directions directions;          ///< as asked for
+    double diffuse_fraction = 0.0;  ///< in [0, 1]
     /// [wavelength][(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]
     std::vector<std::vector<double>> hdrf;
 };
@@ -189,8 +189,8 @@ class HdrfValues : public ResultReport {
 /// (docs/derivatives.md).
 template <typename Values>
 struct WithDerivatives {
-    Values values;
-    std::vector<std::string> parameters;
+    Values values;                        ///< as without derivatives
+    std::vector<std::string> parameters;  ///< names, in the order of derivatives
     /// [parameter], laid out as `values`, per unit in which the number is written; without reports.
     std::vector<Values> derivatives;
 };
@@ -201,9 +201,9 @@ struct LayerOptics {
     std::size_t wavelength = 0;  ///< index
     std::string layer;           ///< "base", "coat 1", ...
     double optical_depth = 0.0;  ///< infinite for a base
-    /// Not a number, as the asymmetry, of a layer without depth: nothing is there.
+    /// In [0, 1]; not a number, as the asymmetry, of a layer without depth: nothing is there.
     double single_scattering_albedo = 0.0;
-    double asymmetry = 0.0;
+    double asymmetry = 0.0;                           ///< g in [-1, 1]
     std::optional<double> scattering_per_um;          ///< mu_s
     std::optional<double> absorption_per_um;          ///< mu_a, of particles and host
     std::optional<double> reduced_scattering_per_um;  ///< mu_s' = mu_s (1 - g)
@@ -215,9 +215,10 @@ struct LayerOptics {
 
 struct SolvedTable;
 
+/// What a table is made for; everything may be left as it is.
 struct TableOptions {
-    BrdfPart part = BrdfPart::total;
-    std::string command_line = {};  ///< for Provenance; empty: the scene and the function called
+    BrdfPart part = BrdfPart::total;  ///< what the table holds
+    std::string command_line = {};    ///< for Provenance; empty: the scene and the function called
     /// Of a surface; empty: the scene's, else the reciprocal one.
     std::optional<rte::SurfaceCoupling> coupling = {};
     /// With SolverOptions::stokes = 0 (auto): 4 components instead of what the intensity needs, for
@@ -234,7 +235,11 @@ class BrdfTable : public BrdfSource {
   public:
     const std::vector<std::string>& channels() const override;
     const std::vector<double>& wavelength_nm() const override;
-    const Provenance& provenance() const override;
+    const Provenance& provenance() const override;  ///< for the files made of it
+    /// As of BrdfSource: cosines up to 1 + 1e-6 count as 1 (unit vectors in single precision).
+    /// @throws UsageError  with field, value and range for any other cosine outside of (0, 1], also
+    ///         NaN, for an azimuth that is not finite, and for too few values; nothing is written
+    ///         then
     void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
     std::unique_ptr<ChannelMix> mix(const ColourWeights& weights) const override;
     int components() const override;
@@ -246,7 +251,7 @@ class BrdfTable : public BrdfSource {
 
     /// For the library itself.
     explicit BrdfTable(std::shared_ptr<const SolvedTable> solved) : solved_(std::move(solved)) {}
-    const SolvedTable& solved() const { return *solved_; }
+    const SolvedTable& solved() const { return *solved_; }  ///< for the library itself
 
   private:
     std::shared_ptr<const SolvedTable> solved_;
@@ -261,9 +266,10 @@ class BrdfDerivatives {
     ///         half-space that absorbs nothing
     WithDerivatives<BrdfValues> evaluate(const Directions& directions,
                                          const BrdfParts& parts = {}) const;
+    /// As Brdf::albedo.
     WithDerivatives<AlbedoValues> albedo(const std::vector<double>& mu_in) const;
 
-    const std::vector<std::string>& parameters() const;
+    const std::vector<std::string>& parameters() const;  ///< names
 
   private:
     friend class Brdf;
@@ -322,10 +328,10 @@ class Brdf {
     /// @throws UsageError  for a parameter that the scene does not have
     BrdfDerivatives derivatives(const std::vector<std::string>& parameters) const;
 
-    const Scene& scene() const;
-    const std::vector<double>& wavelength_nm() const;
-    const SolverOptions& options() const;
-    const std::vector<std::string>& sources() const;
+    const Scene& scene() const;                        ///< as given to solve()
+    const std::vector<double>& wavelength_nm() const;  ///< nm, as given to solve()
+    const SolverOptions& options() const;              ///< as given to solve()
+    const std::vector<std::string>& sources() const;   ///< one line for each medium
 
   private:
     friend struct BrdfState;

@@ -16,14 +16,14 @@ namespace miebrdf {
 /// One pair of directions: cosines in (0, 1] (up to 1 + 1e-6 counts as 1: unit vectors in single
 /// precision), azimuth_deg 0 = mirror side, any finite number.
 struct Direction {
-    double mu_in = 1.0;
-    double mu_out = 1.0;
-    double azimuth_deg = 0.0;
+    double mu_in = 1.0;        ///< of the light
+    double mu_out = 1.0;       ///< of the viewer
+    double azimuth_deg = 0.0;  ///< degrees
 };
 
 /// What every export says about where its numbers come from.
 struct Provenance {
-    std::string version = {};         ///< "miebrdf 0.1.0"
+    std::string version = {};         ///< "miebrdf 1.0.0"
     std::string command_line = {};    ///< as typed; may be empty
     std::string title = {};           ///< the scene in one line
     std::string component = "total";  ///< total, subsurface or surface
@@ -55,7 +55,7 @@ class BrdfSource {
     virtual const std::vector<std::string>& channels() const = 0;
     /// Of each channel; empty when the channels are colours.
     virtual const std::vector<double>& wavelength_nm() const = 0;
-    virtual const Provenance& provenance() const = 0;
+    virtual const Provenance& provenance() const = 0;  ///< for the files made of it
 
     /// values[d * channels().size() + c] for direction d. Directions in sequence that share
     /// (mu_in, mu_out) may be evaluated faster.

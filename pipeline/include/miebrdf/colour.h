@@ -18,8 +18,9 @@ namespace miebrdf {
 inline constexpr double kObserverShortest_nm = 360.0;
 inline constexpr double kObserverLongest_nm = 830.0;
 
+/// Colour-matching functions at one wavelength.
 struct ColourMatching {
-    double x, y, z;
+    double x, y, z;  ///< dimensionless
 };
 
 enum class Observer {
@@ -48,8 +49,8 @@ double relative_power(Illuminant illuminant, double wavelength_nm);
 
 /// Under which light and by which eye a colour is seen.
 struct Viewing {
-    Illuminant illuminant = Illuminant::d65;
-    Observer observer = Observer::two_degrees;
+    Illuminant illuminant = Illuminant::d65;    ///< light
+    Observer observer = Observer::two_degrees;  ///< eye
 
     Viewing(Illuminant light = Illuminant::d65, Observer eye = Observer::two_degrees)
         : illuminant(light), observer(eye) {}
@@ -64,23 +65,23 @@ std::string describe(const Viewing& viewing);
 
 /// Tristimulus values; a reflectance of 1 everywhere has y = 1.
 struct Xyz {
-    double x = 0.0, y = 0.0, z = 0.0;
+    double x = 0.0, y = 0.0, z = 0.0;  ///< Y = 1: white
 };
 
 /// CIE 1976 L*a*b* (ISO/CIE 11664-4): white is (100, 0, 0).
 struct Lab {
-    double l = 0.0, a = 0.0, b = 0.0;
+    double l = 0.0, a = 0.0, b = 0.0;  ///< L* in 0 to 100
 };
 
 /// Lab in polar form: chroma and hue angle, in [0, 360) degrees.
 struct Lch {
-    double l = 0.0, c = 0.0, h_deg = 0.0;
+    double l = 0.0, c = 0.0, h_deg = 0.0;  ///< h in [0, 360)
 };
 
 /// Linear light in the primaries of sRGB (IEC 61966-2-1). Colours outside its gamut have
 /// components below 0 or above 1; nothing is clipped here.
 struct LinearSrgb {
-    double red = 0.0, green = 0.0, blue = 0.0;
+    double red = 0.0, green = 0.0, blue = 0.0;  ///< in [0, 1] if displayable
 };
 
 /// Whether a colour can be told from these wavelengths: eight or more, in ascending order, from
@@ -139,10 +140,10 @@ std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour);
 
 /// The colour of a reflectance.
 struct Colour {
-    Xyz xyz;
-    Lab lab;
-    Lch lch;
-    LinearSrgb srgb;
+    Xyz xyz;          ///< Y = 1: white
+    Lab lab;          ///< CIE 1976
+    Lch lch;          ///< of lab
+    LinearSrgb srgb;  ///< linear
     /// delta_e_76 to the colour from every other wavelength. What the wavelengths in between leave
     /// is less, as long as the spectrum has no features narrower than two of their steps.
     double error_estimate = 0.0;
@@ -159,7 +160,7 @@ class Colorimeter {
     /// @throws UsageError  when the lengths differ
     Colour operator()(const std::vector<double>& reflectance) const;
 
-    const Viewing& viewing() const { return viewing_; }
+    const Viewing& viewing() const { return viewing_; }  ///< light and observer
 
   private:
     Viewing viewing_;
@@ -174,8 +175,9 @@ class Colorimeter {
 /// take .80.
 inline constexpr double kWhiteChartAlbedo = 0.8;
 
+/// The two grounds of a drawdown, and the light.
 struct DrawdownOptions {
-    Substrate dark = {.kind = Substrate::Kind::black};
+    Substrate dark = {.kind = Substrate::Kind::black};  ///< below the film
     Substrate light = {.kind = Substrate::Kind::lambertian, .albedo = {kWhiteChartAlbedo}};
     double hiding_contrast_ratio =
         0.98;              ///< that counts as complete hiding (ASTM D2805), in (0, 1)
@@ -191,12 +193,13 @@ struct Hiding {
     std::optional<double> relative_depth;
     /// The same in um where the scene's layers are thicknesses, and what one litre of dry film
     /// covers at it, m2.
-    std::optional<double> thickness_um, spreading_rate_m2_per_l;
+    std::optional<double> thickness_um, spreading_rate_m2_per_l;  ///< nothing: it never hides
 };
 
+/// A film over two grounds.
 struct Drawdown {
-    AlbedoValues over_dark, over_light;
-    std::vector<Hiding> hiding;  ///< of light incident at each mu_in, then of uniform light
+    AlbedoValues over_dark, over_light;  ///< albedos, 1 = all
+    std::vector<Hiding> hiding;          ///< of light incident at each mu_in, then of uniform light
 };
 
 /// Solves a film over both grounds and finds the depth at which it hides them. Single scattering is

@@ -22,8 +22,9 @@ struct Control {
     /// many pieces there will be is not known): they show that work goes on. From any thread,
     /// several at a time.
     std::function<void(const std::string& stage, std::size_t total)> job_begun = {};
-    std::function<void()> piece_done = {};
-    /// Asked before each job, from any thread; true ends the computation with Cancelled.
+    std::function<void()> piece_done = {};  ///< see job_begun
+    /// Asked before each job and every tenth of a second or so within it, from any thread; true
+    /// ends the computation with Cancelled.
     std::function<bool()> is_cancelled = {};
     /// Results of earlier runs (open_cache); none: everything is computed.
     std::shared_ptr<ResultCache> cache = {};

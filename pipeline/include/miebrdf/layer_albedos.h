@@ -25,12 +25,12 @@ struct LayerBatch {
 
 /// Of each layer, in their order.
 struct LayerAlbedos {
-    std::vector<double> plane_albedo;  ///< [layer * mu_in.size() + i], with the mirror's part
-    std::vector<double> spherical_albedo;
+    std::vector<double> plane_albedo;      ///< [layer * mu_in.size() + i], with the mirror's part
+    std::vector<double> spherical_albedo;  ///< in [0, 1]
     /// Net flux into the ground, as plane_albedo; 0 below a layer of infinite depth.
     std::vector<double> plane_transmittance;
-    std::vector<double> error_estimate;  ///< relative to the largest value at that incidence
-    std::vector<unsigned char> converged;
+    std::vector<double> error_estimate;    ///< relative to the largest value at that incidence
+    std::vector<unsigned char> converged;  ///< 1: within the tolerance
 };
 
 /// Solves all layers; threads share them. Results are those of solving each alone, to the last bit.

@@ -11,27 +11,30 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
+/// A stage of the computation.
 struct PlannedStep {
-    std::string stage;
-    std::string what;
-    std::size_t jobs = 0;
+    std::string stage;     ///< as progress names it
+    std::string what;      ///< in words
+    std::size_t jobs = 0;  ///< how many, in parallel
     double seconds = 0.0;  ///< estimate for one thread (docs/command-line.md#plan: how good)
 };
 
+/// Something that is not computed, and why.
 struct Omission {
     std::string rule;      ///< its name, the same for every request
     std::string reason;    ///< why it holds here
     double saved_s = 0.0;  ///< estimate for one thread
 };
 
+/// What would be done; nothing of it is.
 struct Plan {
-    std::vector<PlannedStep> steps;
-    std::vector<Omission> omissions;
+    std::vector<PlannedStep> steps;   ///< in their order
+    std::vector<Omission> omissions;  ///< what is not computed
     /// The most that a process with one thread holds at once, the program included; an estimate.
     double memory_bytes = 0.0;
 
-    double seconds() const;
-    bool leaves_out(const std::string& rule) const;
+    double seconds() const;                          ///< sum over the steps, one thread
+    bool leaves_out(const std::string& rule) const;  ///< whether the rule of this name holds
 };
 
 /// What the results of one run have done before the next one is planned (Control::memo).

@@ -14,6 +14,7 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
+/// How fine the table of directions is.
 struct SamplerOptions {
     /// Weight of each channel of the source, >= 0, not all 0; empty: all alike.
     std::vector<double> weights = {};

@@ -91,7 +91,7 @@ struct MixedPhase {
     std::vector<Optics> components;
     std::vector<double> share;  ///< adds up to 1
 
-    double operator()(double cos_theta) const;
+    double operator()(double cos_theta) const;  ///< P at a scattering angle's cosine
 };
 
 /// Several scatterers in one layer: albedos average by extinction, moments, phase functions and

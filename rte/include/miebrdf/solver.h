@@ -16,15 +16,16 @@ enum class GridKind { automatic, gauss, mapped_gauss, paper };
 enum class HalfSpaceMethod { automatic, fixed_point, doubling };
 enum class CoatMethod { automatic, first_order, first_order_patched, exponential };
 
+/// How the equations are solved; `automatic` meets the tolerance.
 struct SolverOptions {
     double tolerance = 1e-3;  ///< in (0, 1), relative to the largest value at that incidence
-    GridKind grid = GridKind::automatic;
+    GridKind grid = GridKind::automatic;  ///< of the zenith nodes
     int streams = 0;  ///< zenith nodes per hemisphere, 2 to 256; 0: from the tolerance
-    HalfSpaceMethod half_space_method = HalfSpaceMethod::automatic;
-    CoatMethod coat_method = CoatMethod::automatic;
-    int coat_substeps = 1;  ///< of the stepwise coat methods, 1 to 1000000
-    bool delta_m = true;
-    bool single_scattering_correction = true;
+    HalfSpaceMethod half_space_method = HalfSpaceMethod::automatic;  ///< of the base
+    CoatMethod coat_method = CoatMethod::automatic;                  ///< of the coats
+    int coat_substeps = 1;                     ///< of the stepwise coat methods, 1 to 1000000
+    bool delta_m = true;                       ///< truncates the forward peak
+    bool single_scattering_correction = true;  ///< light scattered once is exact
     /// Components of light: 1 (the intensity I alone), 3 (I, Q, U) or 4 (with V); 0: 3 where
     /// polarisation shows in the intensity (docs/polarisation.md), else 1. Brdf looks at it, the
     /// solvers of rte do not.
@@ -40,7 +41,7 @@ struct Directions {
 
 /// How a result came about; numbers to read, not exceptions.
 struct SolverReport {
-    int streams = 0;
+    int streams = 0;              ///< nodes of a hemisphere
     int moments = 0;              ///< Legendre moments kept
     int fourier_orders = 0;       ///< summed, m = 0 included
     int iterations = 0;           ///< most of any order, for iterative methods
@@ -48,12 +49,12 @@ struct SolverReport {
     /// Share of the values whose own estimate meets the tolerance, and the index of the worst one:
     /// a peak on the horizon may be wrong where everything else has long converged.
     double share_within_tolerance = 1.0;
-    std::size_t worst_value = 0;
-    double worst_mu_in = 0.0;   ///< its directions; 0: none is worse than another
-    double worst_mu_out = 0.0;  ///< 0 for albedos
-    double worst_azimuth_deg = 0.0;
-    bool converged = false;  ///< error_estimate <= tolerance, and so has every step
-    std::string method;
+    std::size_t worst_value = 0;     ///< place in the values
+    double worst_mu_in = 0.0;        ///< its directions; 0: none is worse than another
+    double worst_mu_out = 0.0;       ///< 0 for albedos
+    double worst_azimuth_deg = 0.0;  ///< degrees
+    bool converged = false;          ///< error_estimate <= tolerance, and so has every step
+    std::string method;              ///< in words
 };
 
 }  // namespace miebrdf::rte

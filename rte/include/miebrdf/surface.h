@@ -28,11 +28,12 @@ enum class FresnelKind {
     schlick,  ///< Schlick 1994 with the exact reflectance at normal incidence
 };
 
+/// A surface of microfacets.
 struct SurfaceOptions {
     double beckmann_alpha = 0.3;  ///< slope parameter of the distribution, in [1e-4, 4]
-    MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
-    Shadowing shadowing = Shadowing::smith_correlated;
-    FresnelKind fresnel = FresnelKind::exact;
+    MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;  ///< D
+    Shadowing shadowing = Shadowing::smith_correlated;                       ///< G
+    FresnelKind fresnel = FresnelKind::exact;                                ///< F
     /// The distribution whose Lambda the Smith forms use. Empty: that of `distribution`, the only
     /// choice for which the visible mirrors add up to the surface that is seen.
     std::optional<MicrofacetDistribution> shadowing_distribution = {};
@@ -59,10 +60,10 @@ enum class BoundaryMatrices {
 struct Boundary {
     /// Slope parameter of the microfacets, in [0.02, 1]; 0: smooth.
     double roughness = 0.0;
-    MicrofacetDistribution distribution = MicrofacetDistribution::ggx;
+    MicrofacetDistribution distribution = MicrofacetDistribution::ggx;  ///< of the microfacets
     BoundaryMatrices matrices = BoundaryMatrices::followed;
 
-    bool is_rough() const { return roughness > 0.0; }
+    bool is_rough() const { return roughness > 0.0; }  ///< has a roughness
     bool operator==(const Boundary&) const = default;
 };
 
@@ -71,7 +72,7 @@ void validate(const Boundary& boundary);
 
 /// An integral and how it came about.
 struct IntegralResult {
-    double value = 0.0;
+    double value = 0.0;           ///< of the integral
     double error_estimate = 0.0;  ///< absolute, from the last two doublings of the nodes
     int nodes = 0;                ///< for each of the two dimensions
     bool converged = false;       ///< error_estimate <= tolerance
@@ -133,8 +134,8 @@ class SurfaceLobe {
     /// Chen et al. 2013, Table 1.
     double averaged_diffuse_reflectance_factor() const;
 
-    std::complex<double> refractive_index() const;
-    const SurfaceOptions& options() const;
+    std::complex<double> refractive_index() const;  ///< n + ik
+    const SurfaceOptions& options() const;          ///< as given
 
   private:
     struct Model;
@@ -164,11 +165,12 @@ struct SurfaceWeights {
 /// illumination may differ from the paper's, up to max(1 - rho) / T (docs/maths-surface.md).
 class SurfaceTransmission {
   public:
+    /// The weights of this lobe.
     SurfaceTransmission(const SurfaceLobe& lobe, SurfaceCoupling coupling);
 
     /// @param mu  in (0, 1]
     double in(double mu) const;
-    double out(double mu) const;
+    double out(double mu) const;              ///< weight, >= 0
     SurfaceWeights weights(double mu) const;  ///< both, from one rho
 
   private:

@@ -75,6 +75,7 @@ struct ReflectionTable {
     SolverReport report;
 };
 
+/// Albedos of a stack.
 struct AlbedoTable {
     std::vector<double> plane_albedo;            ///< as of ReflectionTable
     std::vector<double> polarised_plane_albedo;  ///< as of ReflectionTable

@@ -46,25 +46,26 @@ enum class FormatContent {
 struct Fineness {
     std::string unit = {};  ///< what is counted
     int standard = 0;       ///< by default
-    int lowest = 0;
-    int highest = 0;  ///< as lowest: there is nothing to choose
-    int finest = 0;   ///< largest that is worth its bytes
+    int lowest = 0;         ///< least that is allowed
+    int highest = 0;        ///< as lowest: there is nothing to choose
+    int finest = 0;         ///< largest that is worth its bytes
 };
 
 /// An option of one format alone: a whole number, or a switch (0 or 1).
 struct FormatOption {
-    std::string name = {};  ///< key of ExportOptions::extra
-    std::string help = {};
-    int standard = 0;
-    int lowest = 0;
-    int highest = 1;
-    bool is_switch = false;
+    std::string name = {};   ///< key of ExportOptions::extra
+    std::string help = {};   ///< one line
+    int standard = 0;        ///< by default
+    int lowest = 0;          ///< least that is allowed
+    int highest = 1;         ///< largest that is allowed
+    bool is_switch = false;  ///< 0 or 1
 };
 
 /// One of the files that an export writes.
 struct FormatFile {
     std::string suffix = {};  ///< after the stem of the name
     bool colours = false;     ///< holds R, G, B instead of the wavelengths
+    /// Writes the file; null: others of the format hold everything.
     void (*write)(const ExportJob& job, std::ostream& out) = nullptr;
 };
 
@@ -87,10 +88,11 @@ enum class RegionKind {
 
 /// Largest rms errors, by kind of region.
 struct AcceptedErrors {
-    double plain = 0.05;
-    double peaks = 0.5;
+    double plain = 0.05;   ///< relative rms
+    double peaks = 0.5;    ///< relative rms
     double grazing = 2.0;  ///< as if all values were three times too large
 
+    /// That of one kind.
     double of(RegionKind kind) const {
         return kind == RegionKind::plain ? plain : kind == RegionKind::peaks ? peaks : grazing;
     }
@@ -100,34 +102,35 @@ struct AcceptedErrors {
 
 /// All that is known of a format: export, check, help and messages read it from here.
 struct Format {
-    std::string name = {};
-    std::string readers = {};               ///< programs that read it
-    std::string holds = {};                 ///< in words
-    std::vector<std::string> endings = {};  ///< of file names, the usual one first
-    FormatContent content = FormatContent::table;
+    std::string name = {};                         ///< as ExportOptions and --format say it
+    std::string readers = {};                      ///< programs that read it
+    std::string holds = {};                        ///< in words
+    std::vector<std::string> endings = {};         ///< of file names, the usual one first
+    FormatContent content = FormatContent::table;  ///< what such files hold
 
     // What it takes of ExportOptions.
-    Fineness resolution = {};
-    bool takes_directions = false;
-    bool takes_colours = false;
-    bool whole_matrix = false;  ///< holds Mueller matrices: TableOptions::whole_matrix
-    std::vector<FormatOption> extra = {};
+    Fineness resolution = {};              ///< of ExportOptions::resolution
+    bool takes_directions = false;         ///< ExportOptions::directions
+    bool takes_colours = false;            ///< ExportOptions::rgb
+    bool whole_matrix = false;             ///< holds Mueller matrices: TableOptions::whole_matrix
+    std::vector<FormatOption> extra = {};  ///< ExportOptions::extra
 
-    AcceptedErrors accepted = {};  ///< by default
-    bool needs_ascending_wavelengths = false;
-    bool seeks = false;            ///< goes back in its file: pipes get it from memory
-    std::string not_checked = {};  ///< why check_file does not know it; empty: it does
+    AcceptedErrors accepted = {};              ///< by default
+    bool needs_ascending_wavelengths = false;  ///< else any order will do
+    bool seeks = false;                        ///< goes back in its file: pipes get it from memory
+    std::string not_checked = {};              ///< why check_file does not know it; empty: it does
 
     /// Bytes of its largest file, about, for options that are complete; null: not known before.
     std::uintmax_t (*expected_bytes)(const ExportOptions& options,
                                      std::size_t wavelengths) = nullptr;
 
     // The functions of the format, with types of the library's inside: formats are added there.
-    std::vector<FormatFile> files = {};
+    std::vector<FormatFile> files = {};                      ///< at least one
     std::string (*sidecar)(const ExportJob& job) = nullptr;  ///< text of FILE.json, if any
+    /// For formats of spectra and of scattering alone.
     void (*write_spectrum)(const ReflectanceSpectrum& spectrum, std::ostream& out) = nullptr;
     void (*write_scattering)(const ScatteringTable& table, std::ostream& out) = nullptr;
-    FormatReader reader = {};
+    FormatReader reader = {};  ///< empty: not read
 };
 
 /// In the order in which people are told of them.
@@ -158,14 +161,14 @@ struct ExportOptions {
 
 /// How far a file is from the BRDF in one kind of directions.
 struct RegionDeviation {
-    const char* name = "";
-    RegionKind kind = RegionKind::plain;
+    const char* name = "";                ///< e.g. "mu > 0.2"
+    RegionKind kind = RegionKind::plain;  ///< which bound holds
     /// Root mean square of relative errors; about mirror directions, where a lobe ranges over many
     /// decades, that of the errors over that of the values.
     double rms = 0.0;
     /// Relative error with its sign, and the directions, of the value that is worst.
     double worst = 0.0;
-    Direction where;
+    Direction where;  ///< it is
 };
 
 /// How far a file, read as its program reads it, is from the BRDF that it was made from: root mean
@@ -180,7 +183,7 @@ struct Deviation {
     double lobe = 0.0;
     double largest = 0.0;        ///< of all directions, relative to the BRDF's mean over directions
     std::size_t directions = 0;  ///< compared; those where the file has no value are left out
-    std::size_t missing = 0;
+    std::size_t missing = 0;     ///< directions without a value
     /// The three bands of `rms`; then, with 500 directions each, those about the mirror direction
     /// (`lobe`), about it within mu < 0.2, about retro-reflection, and about the zenith. Of tables
     /// that no program interpolates the bands alone.
@@ -194,8 +197,9 @@ inline constexpr std::array<const char*, 3> kDeviationBands = {"mu > 0.2", "mu 0
 /// The region of a deviation that misses its bound by the largest factor; null when none does.
 const RegionDeviation* worst_region(const Deviation& deviation, const AcceptedErrors& accepted);
 
+/// One file that was written.
 struct ExportedFile {
-    std::filesystem::path path;
+    std::filesystem::path path;          ///< of the file
     std::uintmax_t bytes = 0;            ///< 0: a pipe or device
     std::optional<Deviation> deviation;  ///< of what was read back; tables are exact
 };
@@ -226,19 +230,19 @@ std::uintmax_t expected_bytes(const Format& format, const ExportOptions& options
 
 /// A reflectance at each wavelength.
 struct ReflectanceSpectrum {
-    std::vector<double> wavelength_nm;
-    std::vector<double> value;
+    std::vector<double> wavelength_nm;  ///< vacuum
+    std::vector<double> value;          ///< reflectance, 1 = all
     std::vector<std::string> comments;  ///< version, command line, sources, what the value is
 };
 
 /// Single scattering at each wavelength.
 struct ScatteringTable {
-    std::vector<double> wavelength_nm;
-    std::vector<double> single_scattering_albedo;
-    std::vector<double> asymmetry;
-    std::vector<double> q_ext;             ///< not a number for media without particles
-    std::vector<std::vector<double>> chi;  ///< chi_0 = 1, ...; lists may differ in length
-    std::string metadata;                  ///< JSON
+    std::vector<double> wavelength_nm;             ///< vacuum
+    std::vector<double> single_scattering_albedo;  ///< in [0, 1]
+    std::vector<double> asymmetry;                 ///< g in [-1, 1]
+    std::vector<double> q_ext;                     ///< not a number for media without particles
+    std::vector<std::vector<double>> chi;          ///< chi_0 = 1, ...; lists may differ in length
+    std::string metadata;                          ///< JSON
 };
 
 /// @throws UsageError  for a format of another content, or wavelengths that do not suit it
@@ -279,13 +283,15 @@ class BrdfFile {
     void evaluate(const Direction& direction, std::span<double> values) const;
     /// Mueller matrices as of BrdfSource, of one direction; 1 component: none.
     virtual int components() const { return 1; }
+    /// Of components() x components() values for each channel.
+    /// @throws UsageError  for a direction out of range and too few values
     void evaluate_mueller(const Direction& direction, std::span<double> values) const;
     /// Of tables over lists of directions.
     virtual std::optional<ListedDirections> listed() const { return {}; }
 
     /// Which cosine the format's importance sampling starts from; it draws the other one.
     enum class Sampling { none, from_mu_in, from_mu_out };
-    virtual Sampling sampling() const { return Sampling::none; }
+    virtual Sampling sampling() const { return Sampling::none; }  ///< none: it cannot be sampled
     /// Draws a direction with two uniform numbers in [0, 1), as the real program does. Empty when
     /// it fell below the horizon.
     virtual std::optional<Direction> sample(double mu_fixed, double u, double v) const;
@@ -295,6 +301,7 @@ class BrdfFile {
   protected:
     /// `evaluate`, its arguments checked.
     virtual void look_up(const Direction& direction, std::span<double> values) const = 0;
+    /// `evaluate_mueller`, its arguments checked.
     virtual void look_up_mueller(const Direction& direction, std::span<double> values) const {
         look_up(direction, values);
     }
@@ -322,11 +329,11 @@ struct FileCheck {
     /// Estimate of what integrating over a table's directions may err by, there; the albedo shown
     /// is the one that is largest without it.
     double largest_albedo_error = 0.0;
-    double largest_albedo_mu = 0.0;
-    std::string largest_albedo_channel;
-    double least_value = 0.0;    ///< of the BRDF, 1/sr
-    std::size_t missing = 0;     ///< directions without a value
-    std::size_t directions = 0;  ///< looked at for the above
+    double largest_albedo_mu = 0.0;      ///< its incidence
+    std::string largest_albedo_channel;  ///< its channel
+    double least_value = 0.0;            ///< of the BRDF, 1/sr
+    std::size_t missing = 0;             ///< directions without a value
+    std::size_t directions = 0;          ///< looked at for the above
     /// Largest relative difference of the albedo found by importance sampling from the integrated
     /// one; empty without sampling tables.
     std::optional<double> sampled_albedo_error;

@@ -1,5 +1,16 @@
 // Everything: from names of materials to a spectral BRDF and the files made of it.
+//
+//     const auto brdf = miebrdf::solve({.base = miebrdf::medium("TiO2,radius=0.2")}, {550});
+//     brdf.evaluate({{0.5}, {0.3, 0.9}, {0, 180}}).at(0, 0, 1, 0);   // 1/sr
+//
+// "docs/..." in comments is share/doc/miebrdf/docs of an installation. What a version promises:
+// docs/versions.md.
 #pragma once
+
+#if __cplusplus < 202002L
+#error \
+    "miebrdf needs C++20: compile with -std=c++20, or link to miebrdf::miebrdf, which asks for it"
+#else
 
 #include <miebrdf/brdf.h>
 #include <miebrdf/brdf_source.h>
@@ -26,3 +37,5 @@
 #include <miebrdf/table1.h>
 #include <miebrdf/transfer.h>
 #include <miebrdf/version.h>
+
+#endif

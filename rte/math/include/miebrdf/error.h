@@ -30,9 +30,10 @@ class Error : public std::runtime_error {
           value_(std::move(value)),
           allowed_(std::move(allowed)) {}
 
+    /// What was wrong, e.g. "mu_in"; may be empty, as may the other two.
     const std::string& field() const { return field_; }
-    const std::string& value() const { return value_; }
-    const std::string& allowed() const { return allowed_; }
+    const std::string& value() const { return value_; }      ///< as given; may be empty
+    const std::string& allowed() const { return allowed_; }  ///< what would be right
 
   private:
     /// The shortest text that reads back to the same number.
