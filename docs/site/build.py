@@ -256,7 +256,16 @@ def gather_python(build: Path) -> None:
         "version: str\nprocessor_path: str\n", f'version = "{version()}"\nprocessor_path = "x86-64"\n'))
     put(package / "_version.py", f'__version__ = "{version()}"\n')
     put(package / "_install.py", "def check() -> None: ...\n")
-    put(build / "source/reference/python.rst", (HERE / "python.rst").read_text())
+    pages = (HERE / "python.rst").read_text()
+    names = re.findall(r'^    "(\w+)",$', (package / "__init__.py").read_text(), re.MULTILINE)
+    named_elsewhere = (package / "errors.py").read_text()  # all of which the page has
+    names = [name for name in names if f'    "{name}",' not in named_elsewhere]
+    others = [name for name in names if not re.search(rf"\b{name}\b", pages) and not name.startswith("_")]
+    if others:  # a name that no section has is there all the same
+        pages += "\nMore\n----\n\n.. currentmodule:: miebrdf\n\n"
+        for name in others:
+            pages += f".. autoclass:: {name}\n   :members:\n" if name[0].isupper() else f".. autofunction:: {name}\n"
+    put(build / "source/reference/python.rst", pages)
 
 
 # ---------------------------------------------------------------- checks

@@ -42,6 +42,7 @@ enum class MeasuredGeometry {
     directions,     ///< mu_in, mu_out, azimuth
 };
 
+/// What was measured, and how.
 struct MeasuredKind {
     MeasuredQuantity quantity = MeasuredQuantity::reflectance;
     MeasuredGeometry geometry = MeasuredGeometry::unknown;
@@ -75,6 +76,7 @@ struct MeasuredValue {
     int line = 0;            ///< of the file; 0: it has none
 };
 
+/// What a file says.
 struct Measurements {
     std::string file, format;
     std::vector<std::string> samples;   ///< names of samples or columns, at least one
@@ -85,6 +87,7 @@ struct Measurements {
     std::vector<std::string> doubts = {};
 };
 
+/// How a file is read; everything may be left as it is.
 struct MeasuredOptions {
     std::string format = {};    ///< name of a format; empty: recognised
     std::string column = {};    ///< one sample or column alone; empty: all
