@@ -43,8 +43,7 @@ std::vector<double> lab_wavelengths() {
 
 /// Scenes look alike on both sides of the plane of incidence.
 double azimuth_of(const MeasuredValue& value) {
-    return std::isnan(value.azimuth_deg) ? 0.0
-                                         : std::abs(std::remainder(value.azimuth_deg, 360.0));
+    return std::isnan(value.azimuth_deg) ? 0.0 : std::abs(std::remainder(value.azimuth_deg, 360.0));
 }
 
 /// The place of a value in a list, which gets it if it is not there.
@@ -282,10 +281,12 @@ Model::Solved Model::solve_job(const Job& job, std::span<const double> numbers,
         fill(sun, [&](const BrdfValues& values, const Job::Use& use) {
             const double f = values.at(use.wavelength, use.in, use.out, use.azimuth);
             if (use.quantity == MeasuredQuantity::brdf) return f;
-            double factor = std::numbers::pi * f;
+            const double factor = std::numbers::pi * f;
             if (!sky) return factor;
-            const std::size_t p = std::size_t(&values - sun.derivatives.data());
-            const AlbedoValues& of_sky = &values == &sun.values ? sky->values : sky->derivatives[p];
+            const AlbedoValues& of_sky =
+                &values == &sun.values
+                    ? sky->values
+                    : sky->derivatives[std::size_t(&values - sun.derivatives.data())];
             return (1.0 - share) * factor + share * of_sky.plane_albedo[use.wavelength][use.out];
         });
         return solved;

@@ -1,4 +1,5 @@
 // Fits of values whose scene is known.
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include <miebrdf/fit.h>
 
@@ -186,6 +187,45 @@ TEST_CASE("unknowns of each wavelength are found there", "[fit]") {
     shared.data[0].values.back().value = 0.35;
     const FitResult together = fit(shared);
     CHECK(together.values.size() == 5);
+}
+
+TEST_CASE("a radius is found from a spectrum, a share from a colour", "[fit]") {
+    require_fit();
+    Scene spheres = support::scene_of("index:1.5,0.002,radius=0.6,variance=0.1");
+    const std::vector<double> nm = {400, 500, 600, 800, 1000};
+    const AlbedoValues truth = solve(spheres, nm, {.tolerance = 1e-5}).albedo({0.7});
+    FitData spectrum{.name = "spectrum"};
+    for (std::size_t w = 0; w < nm.size(); ++w)
+        spectrum.values.push_back({.wavelength_nm = nm[w],
+                                   .mu_in = 0.7,
+                                   .value = truth.plane_albedo[w][0],
+                                   .sigma = 2e-3});
+    const FitResult sizes = fit({.scene = {{"base", {"index:1.5,0.002,radius={r},variance=0.1"}}},
+                                 .unknowns = {unknown("r", "1 in 0.3:3 log")},
+                                 .data = {spectrum}});
+    CAPTURE(sizes.reason);
+    CHECK(sizes.converged);
+    CHECK(std::abs(value_of(sizes, "r").value / 0.6 - 1.0) <=
+          3.0 * value_of(sizes, "r").standard_error / 0.6);
+    CHECK(value_of(sizes, "r").standard_error <= 0.03);
+
+    std::vector<double> visible;
+    for (int i = 400; i <= 700; i += 10) visible.push_back(i);
+    Scene paint = support::scene_of("hg:0.95,0.3");
+    const double albedo = solve(paint, {550}, {.tolerance = 1e-5}).albedo({0.9}).plane_albedo[0][0];
+    const Lab lab = Colorimeter(visible)(std::vector<double>(visible.size(), albedo)).lab;
+    FitData colour{.name = "colour"};
+    const MeasuredQuantity parts[] = {MeasuredQuantity::lab_l, MeasuredQuantity::lab_a,
+                                      MeasuredQuantity::lab_b};
+    const double values[] = {lab.l, lab.a, lab.b};
+    for (int i = 0; i < 3; ++i)
+        colour.values.push_back(
+            {.quantity = parts[i], .mu_in = 0.9, .value = values[i], .sigma = 0.1});
+    const FitResult share = fit({.scene = {{"base", {"hg:{w},0.3"}}},
+                                 .unknowns = {unknown("w", "0.8 in 0.1:0.9999 log1m")},
+                                 .data = {colour}});
+    CHECK(share.converged);
+    CHECK(std::abs(value_of(share, "w").value - 0.95) <= 1e-3);
 }
 
 TEST_CASE("values known up to a factor give the factor, too", "[fit]") {

@@ -264,8 +264,9 @@ void add_fit(CLI::App& command, Shell& shell) {
         ->group(group);
     shell.add_common_options(command);
     command.footer(
-        "Example:\n  miebrdf fit docs/examples/fits/snow.toml --scene "
-        "fitted.toml");
+        "Example:\n  miebrdf fit docs/examples/fits/snow.toml --scene fitted.toml\n"
+        "  miebrdf fit --base \"H2O_ice,radius={r}\" --unknown \"r=100 in 20:2000 log\" "
+        "--measured snow.csv --quantity plane_albedo --mu-in 0.67");
     shell.on_prepare(command, [arguments, &shell]() -> Job {
         if (!has_fit())
             throw UsageError(
