@@ -122,30 +122,25 @@ Coefficients of_small_sphere(Number m, double x) {
     return c;
 }
 
-// Waves go through the layers for eight sizes at once; here all are alike.
-Coefficients of_layers(std::span<const SphereLayer> layers) {
-    const double x = layers.back().size_parameter;
-    const int terms = number_of_terms(x);
-    std::vector<LaneLayer> lanes;
-    bool absorbs = false;
-    for (const SphereLayer& layer : layers) {
-        lanes.push_back({layer.relative_index, Lanes::Constant(layer.size_parameter)});
-        absorbs = absorbs || layer.relative_index.imag() > 0;
-    }
-    const LayeredInside& inside = layered_inside(lanes, terms);
-    const auto surface = std::find_if(layers.begin(), layers.end(), [x](const SphereLayer& layer) {
-        return layer.size_parameter == x;
-    });
-    const Complex m = surface->relative_index;
+// One of eight spheres whose waves inside are known; m of the layer at their surface.
+Coefficients of_lane(const LayeredInside& inside, int lane, Complex m, double x, bool absorbs) {
     std::vector<Complex> Ha, Hb;
     std::vector<double> real_a, real_b;
-    for (int n = 0; n <= terms; ++n) {
-        Ha.emplace_back(inside.electric[n].re[0], inside.electric[n].im[0]);
-        Hb.emplace_back(inside.magnetic[n].re[0], inside.magnetic[n].im[0]);
+    for (int n = 0; n <= number_of_terms(x); ++n) {
+        Ha.emplace_back(inside.electric[n].re[lane], inside.electric[n].im[lane]);
+        Hb.emplace_back(inside.magnetic[n].re[lane], inside.magnetic[n].im[lane]);
         real_a.push_back(Ha.back().real());
         real_b.push_back(Hb.back().real());
     }
     return absorbs ? by_recurrence(m, x, Ha, Hb) : by_recurrence(m.real(), x, real_a, real_b);
+}
+
+// Waves go through the layers for eight sizes at once; here all are alike.
+Coefficients of_layers(std::span<const SphereLayer> layers) {
+    std::vector<LaneLayer> lanes;
+    for (const SphereLayer& layer : layers)
+        lanes.push_back({layer.relative_index, Lanes::Constant(layer.size_parameter)});
+    return layered_coefficients(lanes).front();
 }
 
 template <typename Number>
@@ -156,6 +151,22 @@ Coefficients coefficients_of(Number m, double x) {
 }
 
 }  // namespace
+
+std::array<Coefficients, kLaneCount> layered_coefficients(std::span<const LaneLayer> layers) {
+    const Lanes x = layers.back().size_parameter;
+    Complex m = layers.front().relative_index;  // of the outermost layer that is there
+    bool absorbs = m.imag() > 0;
+    for (std::size_t i = 1; i < layers.size(); ++i) {
+        if ((layers[i].size_parameter > layers[i - 1].size_parameter).all())
+            m = layers[i].relative_index;
+        absorbs = absorbs || layers[i].relative_index.imag() > 0;
+    }
+    const LayeredInside& inside = layered_inside(layers, number_of_terms(x.maxCoeff()));
+    std::array<Coefficients, kLaneCount> spheres;
+    for (int lane = 0; lane < kLaneCount; ++lane)
+        spheres[lane] = of_lane(inside, lane, m, x[lane], absorbs);
+    return spheres;
+}
 
 Coefficients mie_coefficients(Complex relative_index, double size_parameter) {
     validate_index(relative_index);

@@ -1,9 +1,11 @@
 // Waves inside spheres of layers, for eight sizes at once.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
+#include <miebrdf/sphere.h>
 #include "mie/sphere/lane_math.h"
 
 namespace miebrdf::mie {
@@ -27,5 +29,8 @@ struct LayeredInside {
 ///                without thickness in any lane are left out
 /// @return  valid until the thread calls this again
 const LayeredInside& layered_inside(std::span<const LaneLayer> layers, int terms);
+
+/// mie_coefficients of eight spheres of layers, one in each lane.
+std::array<Coefficients, kLaneCount> layered_coefficients(std::span<const LaneLayer> layers);
 
 }  // namespace miebrdf::mie

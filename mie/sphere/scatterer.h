@@ -61,14 +61,6 @@ struct Scatterer {
         return outer;
     }
     int terms(double x) const { return number_of_terms(outer_x(x)); }
-    std::vector<SphereLayer> layers(double x) const {
-        std::vector<SphereLayer> all = {{relative_index, x}};
-        for (const Coating& coating : coatings) {
-            const double outer = all.back().size_parameter + coating.thickness + coating.share * x;
-            all.push_back({coating.relative_index, outer});
-        }
-        return all;
-    }
 
     /// The distance in x after which the ripple of a transparent sphere repeats: atan(s)/s with
     /// s^2 = n^2 - 1 (Chylek 1990, J. Opt. Soc. Am. A 7, 1609, eq. 1); 1 where there is none.

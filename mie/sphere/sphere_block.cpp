@@ -111,14 +111,19 @@ LaneSums by_vectors(Number m, const Lanes& x, const BlockColumns<Scalar>& to) {
     return sums;
 }
 
-// Spheres of layers: as by_vectors, from logarithmic derivatives at the surface.
-template <typename Scalar>
-LaneSums layered_by_vectors(const Scatterer& scatterer, const Lanes& x,
-                            const BlockColumns<Scalar>& to) {
+std::vector<LaneLayer> lane_layers(const Scatterer& scatterer, const Lanes& x) {
     std::vector<LaneLayer> layers = {{scatterer.relative_index, x}};
     for (const Scatterer::Coating& coating : scatterer.coatings)
         layers.push_back({coating.relative_index,
                           layers.back().size_parameter + coating.thickness + coating.share * x});
+    return layers;
+}
+
+// Spheres of layers: as by_vectors, from logarithmic derivatives at the surface.
+template <typename Scalar>
+LaneSums layered_by_vectors(const Scatterer& scatterer, const Lanes& x,
+                            const BlockColumns<Scalar>& to) {
+    const std::vector<LaneLayer> layers = lane_layers(scatterer, x);
     Complex m = scatterer.relative_index;  // of the outermost layer that is there
     for (std::size_t i = 1; i < layers.size(); ++i) {
         if ((layers[i].size_parameter > layers[i - 1].size_parameter).all())
@@ -161,11 +166,12 @@ LaneSums layered_by_vectors(const Scatterer& scatterer, const Lanes& x,
 // The path of single spheres, for sizes where the vector formulas lose digits.
 template <typename Scalar>
 LaneSums one_by_one(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
-    Coefficients spheres[kLaneCount];
+    std::array<Coefficients, kLaneCount> spheres;
+    if (!scatterer.is_plain()) spheres = layered_coefficients(lane_layers(scatterer, x));
     std::size_t terms = 0;
     for (int lane = 0; lane < kLaneCount; ++lane) {
-        spheres[lane] = scatterer.is_plain() ? mie_coefficients(scatterer.relative_index, x[lane])
-                                             : mie_coefficients(scatterer.layers(x[lane]));
+        if (scatterer.is_plain())
+            spheres[lane] = mie_coefficients(scatterer.relative_index, x[lane]);
         terms = std::max(terms, spheres[lane].a.size());
     }
     LaneSums sums;

@@ -43,8 +43,23 @@ void require_ranges(const std::string& text, const MediumKind& kind,
 
 /// Sizes and amounts belong to spheres.
 void require_particles(const std::string& text, const MediumKind& kind, const Species& species) {
-    const std::string keys = describe_keys(species);
-    if (!kind.optics || keys.empty()) return;
+    if (!kind.optics) return;
+    Species other = species;
+    if (kind.has_extinction) {
+        other.sizes = {};
+        const bool sized = species.scattering.radius_um.size() > 1;
+        if (sized) other.density_g_cm3.reset();
+        if (sized || (species.amount && species.amount->kind == Amount::Kind::number_per_cm3))
+            other.amount.reset();
+    }
+    const std::string keys = describe_keys(other);
+    if (keys.empty()) return;
+    if (kind.has_extinction) {
+        throw UsageError(fmt::format(
+            "medium '{}': leave '{}' out; files of scattering take number=, those of single sizes "
+            "radius=, variance=, distribution=, volume=, mass= and density=, too",
+            text, keys));
+    }
     throw UsageError(
         fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes and amounts "
                     "belong to media that go through Mie theory: materials, source:KEY, index:N,K",
@@ -173,10 +188,11 @@ void require_amounts(const Medium& medium) {
     if (medium.species.size() == 1) return;
     std::size_t without = 0, by_mass = 0;
     for (const Species& species : medium.species) {
-        if (!needs_mie(species)) {
+        if (!has_extinction(species)) {
             throw UsageError(fmt::format(
                 "medium '{}': {} brings its optics and no extinction, so nobody knows how much of "
-                "it to mix; allowed in a mixture: materials, source:KEY, index:N,K",
+                "it to mix; allowed in a mixture: materials, source:KEY, index:N,K, "
+                "scattering:FILE",
                 text, describe(species)));
         }
         without += species.amount ? 0 : 1;
@@ -196,8 +212,9 @@ Species species(const std::string& text) {
     Species species;
     const MediumKind& kind = kind_of_text(text);
     const std::string before_keys = take_keys(text, !kind.optics, species);
-    require_particles(text, kind, species);
+    if (!kind.has_extinction) require_particles(text, kind, species);
     read_species(before_keys, kind, species);
+    require_particles(text, kind, species);  // what a file takes depends on what it has
     validate_keys(species, text);
     return species;
 }
@@ -301,6 +318,10 @@ std::string describe(const Medium& medium) {
 }
 
 bool needs_mie(const Species& species) { return !kind_of(species).optics; }
+
+bool has_extinction(const Species& species) {
+    return needs_mie(species) || kind_of(species).has_extinction;
+}
 
 bool needs_mie(const Medium& medium) {
     return std::any_of(medium.species.begin(), medium.species.end(),

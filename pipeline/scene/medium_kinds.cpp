@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "pipeline/scene/moments_file.h"
+#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
@@ -170,13 +171,30 @@ MediumKind matrix() {
                 }};
 }
 
+MediumKind scattering() {
+    return {.kind = Species::Kind::scattering,
+            .name = "scattering",
+            .form = "scattering:FILE",
+            .example = "scattering:suso00",
+            .help =
+                "single scattering from a file of OPAC, a T-matrix program, the databases of "
+                "ice and dust (isca.dat) or CSV",
+            .parameters = {kAlbedo},
+            .read = [](const std::string& values,
+                       Species& species) { read_scattering_file(values, species); },
+            .optics = optics_of_file,
+            .has_extinction = true,
+            .check = check_scattering};
+}
+
 }  // namespace
 
 const std::vector<MediumKind>& medium_kinds() {
     static const std::vector<MediumKind> kinds = {
-        material(),  index(),    table(),
-        isotropic(), rayleigh(), henyey_greenstein(),
-        moments(),   matrix(),   double_henyey_greenstein(),
+        material(),   index(),    table(),
+        isotropic(),  rayleigh(), henyey_greenstein(),
+        moments(),    matrix(),   double_henyey_greenstein(),
+        scattering(),
     };
     return kinds;
 }

@@ -36,6 +36,8 @@ struct MediumKind {
     /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
     /// theory. The first parameter is then the single-scattering albedo.
     std::function<rte::Optics(const Species& species, double wavelength_nm)> optics = {};
+    /// Whether its extinction is known beside its optics.
+    bool has_extinction = false;
     /// Refuses what no such medium can be, beyond ranges of parameters.
     std::function<void(const Species& species)> check = [](const Species&) {};
     /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.

@@ -197,8 +197,9 @@ void set_sizes(const SizeWords& words, Species& species, const std::string& text
     if (ways > 1 || sizes.effective_radius_um || (own_law && !read.has("ssa"))) {
         std::vector<std::string> names;
         for (const auto& [name, value] : words) names.push_back(name);
-        read.refuse(fmt::format("{} say all about the sizes", fmt::join(names, " and ")),
-                    "one of radius=, median=, d50=, junge=, ssa=, sizes=");
+        read.refuse(
+            fmt::format("{} say radius, variance and distribution", fmt::join(names, " and ")),
+            "one of radius=, median=, d50=, junge=, ssa=, sizes=");
     }
     if (quantiles) {
         set_quantiles(read, sizes);

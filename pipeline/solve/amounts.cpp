@@ -67,11 +67,15 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
 }
 
 double by_number(const ResolvedSpecies& species) {
+    const double per_um3 = species.species.amount->value / kUm3PerCm3;
+    if (species.species.kind == Species::Kind::scattering &&
+        species.species.scattering.radius_um.size() < 2)
+        return per_um3;
     try {
         const double volume_um3 = 4.0 / 3.0 * species.effective_radius_um *
                                   mie::mean_cross_section_um2(species.sizes) *
                                   species.volume_per_core;
-        return species.species.amount->value / kUm3PerCm3 * volume_um3;
+        return per_um3 * volume_um3;
     } catch (const UsageError& error) {
         throw UsageError(fmt::format("medium '{}': {}", describe(species.species), error.what()));
     }

@@ -27,7 +27,7 @@ LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     LayerOptics layer;
     layer.single_scattering_albedo = optics.optics.single_scattering_albedo;
     layer.asymmetry = optics.asymmetry;
-    if (!medium.needs_mie()) return layer;
+    if (!medium.has_extinction()) return layer;
     if (const auto mass = mass_per_um(medium))
         layer.mass_extinction_m2_per_kg = optics.extinction_per_um / *mass;
     if (!medium.has_amounts) return layer;

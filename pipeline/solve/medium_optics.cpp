@@ -93,7 +93,7 @@ double extinction_of(const ResolvedSpecies& species, const MediumOptics& optics)
 
 double extinction_per_um(const ResolvedMedium& medium, std::size_t w,
                          const std::vector<MediumOptics>& species) {
-    if (!medium.needs_mie()) return 0.0;
+    if (!medium.has_extinction()) return 0.0;
     double sum = medium.host_absorption[w];
     for (std::size_t s = 0; s < species.size(); ++s)
         sum += extinction_of(medium.species[s], species[s]);

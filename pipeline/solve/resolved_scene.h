@@ -40,8 +40,8 @@ struct ResolvedSpecies {
     double effective_radius_um = 0.0;  ///< of the spheres, or of their cores
     double outer_radius_um = 0.0;      ///< that of a core of this radius, with its coatings
     double volume_per_core = 1.0;      ///< mean volume of the particles over that of their cores
-    /// The share of the layer's volume; 1 of a single species without amount, as of the particles'
-    /// own.
+    /// The share of the layer's volume (of files without sizes the number in a um3); 1 of a single
+    /// species without amount, as of the particles' own.
     double volume_fraction = 1.0;
     std::optional<double> density_g_cm3 = {};
     bool crowded = false;  ///< Packing::percus_yevick
@@ -53,6 +53,7 @@ struct ResolvedSpecies {
     std::vector<std::string> key = {};
 
     bool needs_mie() const { return !particles.empty(); }
+    bool has_extinction() const { return miebrdf::has_extinction(species); }
 };
 
 /// A medium at every wavelength of its scene.
@@ -68,6 +69,7 @@ struct ResolvedMedium {
     std::vector<std::string> key = {};  ///< as of species
 
     bool needs_mie() const { return species.front().needs_mie(); }
+    bool has_extinction() const { return species.front().has_extinction(); }
 };
 
 /// How deep a layer is at every wavelength: `optical_depth` where it is the same at all; otherwise

@@ -11,6 +11,7 @@
 
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/amounts.h"
 #include "pipeline/solve/coated.h"
@@ -51,6 +52,30 @@ double radius_of_surface_um(const Species& species, std::optional<double> of_mat
     return 3.0 * kUmPerUnit / (*density * *species.sizes.specific_surface_m2_per_kg);
 }
 
+/// Sizes of what comes from a file; where it has none, a radius that makes 3 f Q / (4 r) the number
+/// in a um3 times the cross-section.
+void set_file_sizes(ResolvedSpecies& resolved) {
+    const bool sized = has_sizes(resolved.species.scattering);
+    resolved.effective_radius_um = sized ? effective_radius_of_file(resolved.species) : 0.75;
+    resolved.outer_radius_um = resolved.effective_radius_um;
+    resolved.density_g_cm3 = resolved.species.density_g_cm3;
+    if (sized) resolved.sizes = sizes_of(resolved.species, {});
+}
+
+/// A list of coefficients whose end is not small was cut.
+std::string cut_note(const Species& species) {
+    constexpr double kSmall = 0.01;
+    for (const MatrixCoefficients& matrix : species.matrices) {
+        if (species.kind != Species::Kind::scattering || std::abs(matrix.a1.back()) <= kSmall)
+            continue;
+        return fmt::format(
+            "{}: its coefficients end at l = {} with {:.3g}, which is not small: "
+            "they look cut, and the forward peak may be less than it is",
+            describe(species), matrix.a1.size() - 1, matrix.a1.back());
+    }
+    return "";
+}
+
 /// Only numbers count: two names for the same figures are the same species.
 std::string key_of(const ResolvedSpecies& species, std::size_t w) {
     JobKey key("species");
@@ -70,6 +95,13 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
     } else {
         key.add(species.species.kind).add(species.species.parameters);
         key.add(species.species.chi);
+        if (species.has_extinction()) {
+            const double nm = species.wavelength_nm[w];
+            const rte::Optics o = kind_of(species.species).optics(species.species, nm);
+            key.add(o.single_scattering_albedo).add(o.chi);
+            key.add(extinction_of_file(species.species, nm))
+                .add(species.species.scattering.phase.size());
+        }
         if (!species.species.matrices.empty()) {
             const rte::Optics o =
                 kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
@@ -90,8 +122,13 @@ std::string key_of(const ResolvedMedium& medium, std::size_t w) {
     return key.add(host).add(first.crowded).hash();
 }
 
-/// Notes beyond this: absorption of the host within a particle's size is no longer small.
-constexpr double kWeakHost = 0.01;
+/// Size parameters of the host's k. Mie theory takes the host's real part and leaves its absorption
+/// to the light between the particles. The far field of an absorbing host (Mishchenko & Yang 2018,
+/// J. Quant. Spectrosc. Radiat. Transfer 205, 241) has another scattering cross-section, by 1.6 k x
+/// to within 0.4 k x for x of 3 to 50 and indices of 1 to 2.7 in 1.33 and 1.5, and g changes by
+/// less than 0.3 k x: a note says so beyond 0.01, and beyond 0.1 a cross-section per particle no
+/// longer says what a layer scatters.
+constexpr double kWeakHost = 0.01, kOpaqueHost = 0.1, kChangePerDamping = 1.6;
 
 /// Beyond this share of the volume, what neighbours change is said.
 constexpr double kCrowded = 0.05;
@@ -140,12 +177,13 @@ Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexM
 ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                                 double optical_depth) {
     ResolvedMedium resolved{.medium = medium};
-    const bool needs_host = needs_mie(medium) || scene_.boundary || has_mirror(scene_);
+    const bool by_extinction = has_extinction(medium.species.front());
+    const bool needs_host = by_extinction || scene_.boundary || has_mirror(scene_);
     const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
     for (const Species& species : medium.species)
         resolved.species.push_back(this->species(species, wavelength_nm, host));
     set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
-    if (needs_mie(medium)) set_host_absorption(host, wavelength_nm, optical_depth, resolved);
+    if (by_extinction) set_host_absorption(host, wavelength_nm, optical_depth, resolved);
     resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
     for (const std::complex<double> index : host.index) resolved.host_index.push_back(index.real());
     set_packing(resolved);
@@ -176,7 +214,7 @@ ResolvedDepth Resolver::depth(const Layer& layer, const ResolvedMedium& medium) 
     if (depth.kind != Depth::Kind::optical_depth) {
         require_particles(layer);
         resolved.column_um = column_um(depth, medium);
-    } else if (medium.needs_mie() && depth.wavelength_nm > 0.0 && !std::isinf(depth.value)) {
+    } else if (medium.has_extinction() && depth.wavelength_nm > 0.0 && !std::isinf(depth.value)) {
         resolved.reference = reference(layer);
     }
     return resolved;
@@ -242,6 +280,8 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         require_grains(resolved);
     } else {
         add_source(describe(species));
+        if (has_extinction(species)) set_file_sizes(resolved);
+        if (std::string note = cut_note(species); !note.empty()) add_note(std::move(note));
     }
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
         resolved.key.push_back(key_of(resolved, w));
@@ -323,15 +363,35 @@ void Resolver::note_strong_host(const HostAt& host, double k, double nm,
     for (const ResolvedSpecies& species : medium.species) {
         const double kx = 2.0e3 * std::numbers::pi * species.outer_radius_um * k / nm;
         if (kx <= kWeakHost) continue;
-        add_once(notes_, fmt::format("host {} absorbs noticeably within the particles of {}: Mie "
-                                     "theory takes it as transparent (k x > {})",
-                                     host.name, describe(species.species), kWeakHost));
+        if (kx > kOpaqueHost) {
+            throw UsageError(fmt::format(
+                "medium '{}': its host {} absorbs so much within the size of {} that scattering by "
+                "single particles is not defined (k x = {:.3g} at {} nm, k {:.3g}); allowed: up to "
+                "{}; give smaller particles, a clearer host, or the optics of the layer from a "
+                "file (moments:, matrix:)",
+                describe(medium.medium), host.name, describe(species.species), kx, nm, k,
+                kOpaqueHost));
+        }
+        add_once(notes_,
+                 fmt::format(
+                     "host {} absorbs noticeably within the particles of {} (k x = {:.2g} "
+                     "at {} nm): Mie theory takes the real part of its index; the far field "
+                     "of an absorbing host scatters about {:.0f} % more",
+                     host.name, describe(species.species), kx, nm, 100.0 * kChangePerDamping * kx));
     }
 }
 
 void Resolver::set_packing(ResolvedMedium& medium) {
-    if (!medium.needs_mie()) return;
+    const bool all_mie = std::all_of(medium.species.begin(), medium.species.end(),
+                                     [](const auto& species) { return species.needs_mie(); });
     const bool asked = scene_.particles.packing == Packing::percus_yevick;
+    if (asked && !all_mie && medium.has_extinction()) {
+        throw UsageError(
+            fmt::format("medium '{}': packing percus-yevick is for spheres; what a "
+                        "file has of crowding nobody knows",
+                        describe(medium.medium)));
+    }
+    if (!all_mie) return;
     if (asked && !medium.has_amounts) {
         throw UsageError(fmt::format(
             "medium '{}': packing percus-yevick needs amounts; give volume=, mass= (with "
@@ -356,7 +416,7 @@ void Resolver::note_crowding(const ResolvedSpecies& species, double change) {
 }
 
 void Resolver::require_particles(const Layer& layer) {
-    if (needs_mie(layer.medium)) return;
+    if (has_extinction(layer.medium.species.front())) return;
     throw UsageError(
         fmt::format("coat {}@{}: its optics are given without an extinction; give an optical depth",
                     describe(layer.medium), describe(layer.depth)));

@@ -37,10 +37,10 @@ bool only_across(const Directions& directions) {
 bool is_symmetric(const Directions& directions) { return directions.mu_in == directions.mu_out; }
 
 bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w) {
-    if (!medium.needs_mie()) return medium.species.front().species.parameters[0] == 1.0;
     return medium.host_absorption[w] == 0.0 &&
            std::all_of(
                medium.species.begin(), medium.species.end(), [w](const ResolvedSpecies& species) {
+                   if (!species.needs_mie()) return species.species.parameters[0] == 1.0;
                    return all_layers(species.particles[w],
                                      [](std::complex<double> n) { return n.imag() == 0.0; });
                });

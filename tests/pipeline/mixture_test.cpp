@@ -3,6 +3,7 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -334,4 +335,21 @@ TEST_CASE("without amounts a host that hardly absorbs is left out, and said so",
         CAPTURE(coat);
         CHECK_THROWS_WITH(resolved_over(coat), Catch::Contains("give amounts"));
     }
+}
+
+TEST_CASE("a host that absorbs within a particle's size is said, and refused beyond",
+          "[pipeline][mixture]") {
+    // k x = 2 pi r k / lambda: at 500 nm and r = 0.5 um it is 6.283 k.
+    const auto notes = [](const std::string& host) {
+        return resolve(scene_of("TiO2,radius=0.5,volume=10% in " + host), {500}).notes;
+    };
+    const auto says = [](const std::vector<std::string>& all, const std::string& what) {
+        return std::any_of(all.begin(), all.end(), [&](const std::string& note) {
+            return note.find(what) != std::string::npos;
+        });
+    };
+    CHECK_FALSE(says(notes("index:1.5,0.001"), "absorbs noticeably"));
+    CHECK(says(notes("index:1.5,0.008"), "about 8 % more"));  // 1.6 * 0.0503
+    CHECK_THROWS_WITH(notes("index:1.33,0.3"),
+                      Catch::Contains("1.88") && Catch::Contains("up to 0.1"));
 }

@@ -41,8 +41,10 @@ LONG_NM = np.arange(400, 701, 2)
         Scene(substrate=miebrdf.lambertian([0.1, 0.2], [400, 700]), coats="hg:0.9,0.1@1"),
         Scene(medium(index=[1.6 + 0.01j, 1.5 + 0.01j], wavelengths_nm=[400, 700], radius_um=0.2)),
         Scene("TiO2", size_distribution=([0.1, 0.2, 0.3], [0.0, 1.0, 0.0])),
+        Scene("TiO2,radius=0.12,coating=SiO2@5nm,coating=index:1.5,0.01@10%"),
+        Scene("TiO2,junge=4,from=0.1,to=1", coats="H2O_ice,ssa=60m2/kg,shape=koch,aspect=2@0.1"),
     ],
-    ids=["paint", "ground", "own index", "own sizes"],
+    ids=["paint", "ground", "own index", "own sizes", "coated", "grains"],
 )
 def test_scenes_are_copied_and_pickled(thing, twice):
     other = twice(thing)

@@ -21,6 +21,9 @@ TEST_CASE("columns are those that scripts depend on", "[program]") {
                   "error_estimate", "chi_0", "chi_1", "chi_2"});
     CHECK(csv_of("phase hg:0.9,0.5 --wavelengths 550 --angles 0,180").columns() ==
           Columns{"wavelength_nm", "angle_deg", "phase", "error_estimate"});
+    CHECK(csv_of("phase hg:0.9,0.5 --wavelengths 550 --angles 0,180 --stokes").columns() ==
+          Columns{"wavelength_nm", "angle_deg", "f11", "f22", "f33", "f44", "f12", "f34",
+                  "error_estimate"});
     CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1").columns() ==
           Columns{"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "brdf"});
     CHECK(csv_of("brdf --base isotropic:0.9 --mu-in 1 --mu-out 1 --quantity reflection")
@@ -31,6 +34,27 @@ TEST_CASE("columns are those that scripts depend on", "[program]") {
     CHECK(csv_of("table1 SiO2").columns() == Columns{"material", "channel", "wavelength_nm",
                                                      "diffuse_reflectance_factor", "paper",
                                                      "difference"});
+}
+
+TEST_CASE("a printed scattering matrix is that of a sphere's amplitudes", "[program]") {
+    // Bohren & Huffman (1983), eq. 4.77: f12 / f11 and f34 / f11 of S1 and S2; one size.
+    const std::string angles = " --angles 0,30,100,180";
+    const auto matrix = csv_of(
+        "phase index:1.5,0.01,radius=0.3,distribution=mono --stokes --wavelengths 600" + angles);
+    const auto sphere =
+        csv_of("sphere --index 1.5,0.01 --size-parameter 3.14159265358979" + angles);
+    for (std::size_t row = 0; row < 4; ++row) {
+        const auto f = [&](const char* name) { return matrix.number(row, name); };
+        const auto s = [&](const char* name) { return sphere.number(row, name); };
+        const double one = std::pow(s("s1_re"), 2) + std::pow(s("s1_im"), 2),
+                     two = std::pow(s("s2_re"), 2) + std::pow(s("s2_im"), 2);
+        CAPTURE(row);
+        CHECK(f("f22") == Approx(f("f11")).epsilon(1e-12));
+        CHECK(f("f44") == Approx(f("f33")).epsilon(1e-12).margin(1e-12));
+        CHECK(std::abs(f("f12") / f("f11") - (two - one) / (two + one)) <= 1e-9);
+        const double cross = s("s2_im") * s("s1_re") - s("s2_re") * s("s1_im");
+        CHECK(std::abs(f("f34") / f("f11") - 2 * cross / (two + one)) <= 1e-9);
+    }
 }
 
 TEST_CASE("a half-space that absorbs nothing reflects 1, printed as 1", "[program]") {

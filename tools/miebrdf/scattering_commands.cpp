@@ -4,6 +4,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
 #include "pipeline/scene/number_list.h"
+#include "rte/phase/polarisation.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/scene_options.h"
 
@@ -45,10 +46,11 @@ Table efficiencies(const Particle& particle, const std::vector<double>& size_par
     const std::complex<double> index = particle.index;
     Table table;
     std::string status;  // a word on rounding, the same for all sizes above the smallest
-    if (!particle.coatings.empty())
-        table.facts.emplace_back("units",
-                                 "size_parameter of the core; efficiencies over the cross-section "
-                                 "of the whole particle");
+    table.facts.emplace_back(
+        "units", std::string(particle.coatings.empty() ? "" : "size_parameter of the core; ") +
+                     "efficiencies: cross-sections over the section of the "
+                     "whole particle; q_back: radar backscattering, 4 pi "
+                     "times the cross-section per steradian straight back");
     table.columns = {"n", "k", "size_parameter", "q_ext", "q_sca", "q_abs", "q_back", "asymmetry"};
     for (const double x : size_parameters) {
         const mie::SphereOptics sphere = particle.coatings.empty()
@@ -98,12 +100,14 @@ struct MediumArguments {
     std::string medium;
     int highest_moment = -1;
     std::string angles;
+    bool matrix = false;
     MediaArguments media;
 
     MediaSpectra look_up(const std::vector<double>& angles_deg) const {
         return media.look_up({medium}, {.highest_moment = highest_moment,
                                         .angles_deg = angles_deg,
-                                        .tolerance = kDefaultMieTolerance});
+                                        .tolerance = kDefaultMieTolerance,
+                                        .polarisation = matrix});
     }
 };
 
@@ -168,6 +172,30 @@ int write_phase(MediaSpectra spectra, const Shell& shell) {
     return spectra.converged() ? kGood : kNotConverged;
 }
 
+/// The scattering matrix: of unpolarised media its first element alone.
+int write_matrix(MediaSpectra spectra, const std::vector<double>& angles_deg, const Shell& shell) {
+    spectra.compute(shell.control());
+    Table table;
+    add_facts(table, spectra,
+              "wavelength_nm: nm in vacuum; angle_deg: degrees; f11 ... f34: scattering matrix of "
+              "randomly oriented particles, mean of f11 over the sphere = 1, Stokes vectors "
+              "I,Q,U,V with the scattering plane as reference, f12 = f21, f43 = -f34; "
+              "error_estimate: of albedo and coefficients");
+    table.columns = {"wavelength_nm", "angle_deg", "f11", "f22",           "f33",
+                     "f44",           "f12",       "f34", "error_estimate"};
+    for (std::size_t w = 0; w < spectra.optics.size(); ++w) {
+        const MediumOptics& optics = spectra.optics[w].front();
+        for (const double angle : angles_deg) {
+            const rte::ScatteringMatrix f =
+                rte::exact_matrix(optics.optics, mie::cosine_of_scattering_angle(angle));
+            table.rows.push_back({spectra.scene.wavelength_nm[w], angle, f.a1, f.a2, f.a3, f.a4,
+                                  f.b1, f.b2, optics.error_estimate});
+        }
+    }
+    shell.write(std::move(table));
+    return spectra.converged() ? kGood : kNotConverged;
+}
+
 void add_medium_options(CLI::App& command, Shell& shell, MediumArguments& arguments) {
     command.add_option("medium", arguments.medium, forms_of_media())
         ->type_name("MEDIUM")
@@ -223,11 +251,19 @@ void add_phase(CLI::App& command, Shell& shell) {
     command.add_option("--angles", arguments->angles, "scattering angles in degrees")
         ->type_name("LIST")
         ->capture_default_str();
+    command.add_flag("--stokes", arguments->matrix,
+                     "print the scattering matrix f11, f22, f33, f44, f12, f34 in place of the "
+                     "phase function f11");
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf phase water --wavelengths 550 --angles 0:180:1");
     shell.on_prepare(command, [arguments, &shell]() -> Job {
         const auto angles_deg =
             parse_number_list(arguments->angles, "scattering angle (degrees)", 0.0, 180.0);
+        if (arguments->matrix) {
+            return [spectra = arguments->look_up({}), angles_deg, &shell] {
+                return write_matrix(spectra, angles_deg, shell);
+            };
+        }
         return [spectra = arguments->look_up(angles_deg), &shell] {
             return write_phase(spectra, shell);
         };

@@ -41,6 +41,22 @@ void set_sizes(ParticleSizes& s, const py::tuple& state) {
     s.number_density = state[4].cast<std::vector<double>>();
 }
 
+py::tuple scattering_state(const FileScattering& t) {
+    return py::make_tuple(t.wavelength_nm, t.radius_um, t.extinction, t.albedo,
+                          t.has_cross_sections, t.angles_deg, t.phase);
+}
+
+void set_scattering(FileScattering& t, const py::tuple& state) {
+    const auto list = [&](std::size_t i) { return state[i].cast<std::vector<double>>(); };
+    t = {list(0),
+         list(1),
+         list(2),
+         list(3),
+         state[4].cast<bool>(),
+         list(5),
+         state[6].cast<std::vector<std::vector<double>>>()};
+}
+
 py::tuple shape_state(const Species& s) {
     const GrainShape& shape = s.shape;
     std::optional<int> phase;
@@ -71,7 +87,7 @@ py::tuple state_of(const Species& s) {
     return py::make_tuple(static_cast<int>(s.kind), s.name, s.parameters, s.chi, s.wavelength_nm,
                           s.index, s.sizes.effective_radius_um, s.sizes.effective_variance,
                           law_of(s.sizes), s.density_g_cm3, amount, matrices, coatings,
-                          sizes_state(s.sizes), shape_state(s));
+                          sizes_state(s.sizes), shape_state(s), scattering_state(s.scattering));
 }
 
 Species species_of(const py::tuple& state) {
@@ -105,6 +121,7 @@ Species species_of(const py::tuple& state) {
     }
     set_sizes(s.sizes, state[13].cast<py::tuple>());
     set_shape(s, state[14].cast<py::tuple>());
+    set_scattering(s.scattering, state[15].cast<py::tuple>());
     return s;
 }
 

@@ -98,6 +98,23 @@ struct MatrixCoefficients : MatrixExpansion {
     bool operator==(const MatrixCoefficients&) const = default;
 };
 
+/// Single scattering as databases have it, without polarisation: of an ensemble, or of particles
+/// of single sizes.
+struct FileScattering {
+    std::vector<double> wavelength_nm;  ///< ascending; empty: the same at all
+    std::vector<double> radius_um;      ///< 3 V / (4 A) of each size, ascending; empty: an ensemble
+    /// Of each size at each wavelength, sizes fastest: Q_ext of sizes, the mean cross-section in
+    /// um2 of ensembles (in any unit without has_cross_sections).
+    std::vector<double> extinction;
+    std::vector<double> albedo;  ///< in [0, 1]
+    bool has_cross_sections = false;
+    std::vector<double> angles_deg = {};          ///< 0 ... 180
+    std::vector<std::vector<double>> phase = {};  ///< P >= 0 at them, in any unit; of polarised
+                                                  ///< media empty: Species::matrices
+
+    bool operator==(const FileScattering&) const = default;
+};
+
 /// One kind of scatterers; species() makes one from words.
 struct Species {
     /// In words as medium_forms() lists them; `table`: spheres of a refractive index of one's own.
@@ -110,13 +127,14 @@ struct Species {
         henyey_greenstein,
         moments,
         matrix,
-        double_henyey_greenstein
+        double_henyey_greenstein,
+        scattering
     };
     Kind kind = Kind::material;
-    /// material: NAME or source:KEY; moments, matrix: the file's path; table: any
+    /// material: NAME or source:KEY; moments, matrix, scattering: the file's path; table: any
     std::string name = {};
     /// The numbers after the colon, rayleigh with its depolarisation factor, which may be left out;
-    /// moments, matrix: the albedo (the mean over the wavelengths).
+    /// moments, matrix, scattering: the albedo (the mean over the wavelengths).
     std::vector<double> parameters = {};
     std::vector<double> chi = {};  ///< moments: chi_0 = 1, chi_1, ...
     /// table, matrix: in vacuum, ascending; matrix: empty where it is the same at all
@@ -124,6 +142,7 @@ struct Species {
     std::vector<MatrixCoefficients> matrices = {};  ///< matrix: at each wavelength, linear between
     std::vector<std::complex<double>> index = {};   ///< table: n + ik at each wavelength, between
                                                     ///< them monotone cubic in photon energy
+    FileScattering scattering = {};                 ///< scattering: what the file has
     ParticleSizes sizes = {};                       ///< of species that go through Mie theory
     std::vector<Coating> coatings = {};             ///< of these, from inside out
     GrainShape shape = {};
@@ -174,6 +193,9 @@ std::string describe(const Host& host);
 
 /// Whether its optics come from Mie theory (and so depend on sizes and host).
 bool needs_mie(const Species& species);
+/// Whether its extinction is known, by Mie theory or from a file: it may be mixed, and its depth
+/// may be a thickness.
+bool has_extinction(const Species& species);
 /// Whether those of any species do.
 bool needs_mie(const Medium& medium);
 
