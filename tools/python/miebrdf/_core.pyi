@@ -187,8 +187,9 @@ class Layer:
     def depth(self) -> Depth: ...
 
 class Substrate:
-    """What lies below the layers where there is no base: words
-    as in `miebrdf.Scene`, or `miebrdf.lambertian`.
+    """What lies below the layers where there is no base.
+
+    Words as in `miebrdf.Scene`, or `miebrdf.lambertian`.
 
     Examples
     --------

@@ -43,6 +43,11 @@ class Fit:
         Whether a minimum was found, and why not.
     scene_file : str
         The fitted scene, for `miebrdf run`.
+
+    Examples
+    --------
+    >>> found = miebrdf.fit("FIT.toml")  # doctest: +SKIP
+    >>> found["w"], found.standard_error("w"), found.undetermined  # doctest: +SKIP
     """
 
     values: dict[str, Any]
@@ -68,11 +73,53 @@ class Fit:
         return self._column("value", unknown)
 
     def standard_error(self, unknown: str) -> Any:
-        """The standard error of an unknown, shaped as its value."""
+        """The standard error of an unknown, shaped as its value.
+
+        Parameters
+        ----------
+        unknown : str
+            A name of the problem.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            In the unit of the value; NaN: at a bound, or not determined.
+
+        Raises
+        ------
+        UsageError
+            For a name that the fit does not have.
+
+        Examples
+        --------
+        >>> found = miebrdf.fit("FIT.toml")  # doctest: +SKIP
+        >>> found.standard_error("w")  # doctest: +SKIP
+        """
         return self._column("standard_error", unknown)
 
     def interval(self, unknown: str) -> tuple[Any, Any]:
-        """The ends of its 95 % interval."""
+        """The ends of its 95 % interval.
+
+        Parameters
+        ----------
+        unknown : str
+            A name of the problem.
+
+        Returns
+        -------
+        (low, high)
+            Of floats or arrays, in the unit of the value.
+
+        Raises
+        ------
+        UsageError
+            For a name that the fit does not have.
+
+        Examples
+        --------
+        >>> found = miebrdf.fit("FIT.toml")  # doctest: +SKIP
+        >>> low, high = found.interval("w")  # doctest: +SKIP
+        """
         return self._column("interval_low", unknown), self._column("interval_high", unknown)
 
     def _column(self, name: str, unknown: str) -> Any:

@@ -35,6 +35,11 @@ class Measurements:
         What was understood.
     doubts : list of str
         What may be wrong, with its line.
+
+    Examples
+    --------
+    >>> found = miebrdf.read_measured("panel.cxf")  # doctest: +SKIP
+    >>> found.value[found.sample == found.samples[0]], found.doubts  # doctest: +SKIP
     """
 
     file: str

@@ -59,6 +59,7 @@ struct FitData {
 /// or hardly (Cauchy).
 enum class FitLoss { squares, huber, cauchy };
 
+/// What is to be fitted: a scene with unknowns, and measurements of it.
 struct FitProblem {
     std::vector<SceneText> scene = {};  ///< words of a scene file; values may hold {name}
     std::vector<Unknown> unknowns = {};
@@ -107,6 +108,7 @@ struct FitResidual {
     double model = 0.0;
 };
 
+/// What was found, how certain it is, and what the measurements leave open.
 struct FitResult {
     std::vector<FittedValue> values = {};  ///< unknowns in their order, wavelengths ascending
     /// Of the given sigmas; where there are none, the sum of squared residuals.
