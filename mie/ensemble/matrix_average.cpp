@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/matrix_average.h"
 #include "mie/ensemble/matrix_series.h"
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
@@ -207,6 +208,13 @@ void require_affordable(const EnsembleRequest& request) {
 }
 
 }  // namespace
+
+int matrix_nodes(int terms, int degree) { return node_count(terms, degree); }
+
+Eigen::MatrixXd matrix_series_of(const Eigen::ArrayXXd& products, double scattered,
+                                 const math::Quadrature& rule, int degree) {
+    return matrix_series(elements(products, scattered), rule, degree);
+}
 
 double matrix_seconds(const EnsembleRequest& request) {
     if (request.aspect) return spheroid_seconds(request);

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include <miebrdf/transfer.h>
+
 #include "pipeline/solve/brdf_parts.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layer_derivatives.h"

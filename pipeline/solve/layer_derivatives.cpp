@@ -5,17 +5,20 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <utility>
 
 #include <miebrdf/surface.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/solve/distinct_directions.h"
+#include "pipeline/solve/grain_shape.h"
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/scene_optics.h"
 #include "pipeline/solve/surface_part.h"
 #include "rte/derivatives/stack_derivatives.h"
 #include "rte/grid/discretisation.h"
-#include "rte/stack/hidden_layers.h"
+#include "rte/stack/scaled_stack.h"
 
 namespace miebrdf {
 namespace {
@@ -38,20 +41,66 @@ std::string layers_key(const LayerRequest& request, const ResolvedScene& scene, 
     return key.hash();
 }
 
-/// Averages over sizes choose their sizes anew for every sphere.
-void require_same_spheres(const ResolvedScene& scene, const SceneChange& change, std::size_t w) {
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        for (std::size_t s = 0; s < scene.media[m].species.size(); ++s) {
-            const ResolvedSpecies& species = scene.media[m].species[s];
-            if (!species.needs_mie() || species.key[w] == change.plus.media[m].species[s].key[w])
-                continue;
-            throw UsageError(
-                fmt::format("derivative by '{}': it changes the spheres of {}; available: amounts, "
-                            "depths, media whose optics are given, grounds, boundaries",
-                            change.parameter, describe(species.species)));
+/// Optics that scenes with a number a little larger and a little smaller find in their memos, so
+/// that no average over sizes chooses its sizes anew.
+class ChangedSpheres {
+  public:
+    ChangedSpheres(const ResolvedScene& middle, const SceneChange& change, std::size_t w,
+                   const OpticsDemand& demand, const Control& control)
+        : control_(control), plus_(control), minus_(control) {
+        for (Control* side : {&plus_, &minus_}) {
+            side->cache = nullptr;
+            side->memo = make_optics_memo();
+        }
+        OpticsDemand of_depth;
+        of_depth.tolerance = demand.tolerance;
+        for (std::size_t m = middle.first_medium(); m < middle.media.size(); ++m) {
+            add(middle.media[m], change.plus.media[m], change.minus.media[m], w, demand);
+            if (m == 0 || middle.depths[m - 1].is_grey()) continue;
+            add(middle.media[m], change.plus.media[m], change.minus.media[m], w, of_depth);
+            if (const auto& reference = middle.depths[m - 1].reference) {
+                add(*reference, *change.plus.depths[m - 1].reference,
+                    *change.minus.depths[m - 1].reference, 0, of_depth);
+            }
         }
     }
-}
+
+    const Control& plus() const { return plus_; }
+    const Control& minus() const { return minus_; }
+
+  private:
+    void add(const ResolvedMedium& middle, const ResolvedMedium& plus, const ResolvedMedium& minus,
+             std::size_t w, const OpticsDemand& of_all) {
+        for (std::size_t s = 0; s < middle.species.size(); ++s) {
+            const ResolvedSpecies& species = middle.species[s];
+            const bool is_same = plus.species[s].key[w] == species.key[w] &&
+                                 minus.species[s].key[w] == species.key[w];
+            // Smooth phase functions are computed whenever they are asked for.
+            if (!species.needs_mie() || (is_same && has_smooth_phase(species.species))) continue;
+            const OpticsDemand demand = crowd_demand(species, of_all);
+            const mie::Executor pieces = pieces_of_job(control_);
+            const auto hash = [&](const ResolvedSpecies& one) {
+                return optics_hash(one, w, demand);
+            };
+            const MediumOptics known = remembered_optics(control_, hash(species), [&] {
+                return compute_optics(species, w, demand, pieces);
+            });
+            const ResolvedSpecies &above = plus.species[s], &below = minus.species[s];
+            if (is_same) {
+                plus_.memo->keep(hash(species), known);
+                minus_.memo->keep(hash(species), known);
+                continue;
+            }
+            auto [larger, smaller] =
+                changed_optics(known, species, above, below, w, demand, pieces);
+            plus_.memo->keep(hash(above), larger);
+            minus_.memo->keep(hash(below), smaller);
+        }
+    }
+
+    const Control& control_;
+    Control plus_, minus_;
+};
 
 class WavelengthDerivatives {
   public:
@@ -80,8 +129,9 @@ class WavelengthDerivatives {
             if (layers_key(request_, change.plus, w_) == key &&
                 layers_key(request_, change.minus, w_) == key)
                 continue;
-            require_same_spheres(request_.scene, change, w_);
-            stacks.push_back({stack_of(change.plus), stack_of(change.minus), change.apart[w_],
+            const ChangedSpheres spheres(request_.scene, change, w_, demand_, control_);
+            stacks.push_back({stack_of(change.plus, spheres.plus()),
+                              stack_of(change.minus, spheres.minus()), change.apart[w_],
                               surface_weights(request_, change.plus, w_),
                               surface_weights(request_, change.minus, w_)});
             require_bound(change, stacks.back());
@@ -102,11 +152,11 @@ class WavelengthDerivatives {
             visible_optics(request_.scene, request_.directions,
                            transmits ? 0.0 : request_.solver.tolerance, {w_}, demand_, control_)
                 .front();
-        optics_.stack = stack_of(request_.scene);
+        optics_.stack = stack_of(request_.scene, control_);
     }
 
-    rte::Stack stack_of(const ResolvedScene& scene) const {
-        return optics_from(scene, optics_.lowest_medium, {w_}, demand_, control_).front().stack;
+    rte::Stack stack_of(const ResolvedScene& scene, const Control& control) const {
+        return optics_from(scene, optics_.lowest_medium, {w_}, demand_, control).front().stack;
     }
 
     void require_bound(const SceneChange& change, const rte::StackChange& stacks) const {

@@ -13,13 +13,6 @@
 namespace miebrdf {
 namespace {
 
-/// The structure factor is multiplied with the whole phase function, even where moments are all
-/// that is wanted.
-OpticsDemand crowd_demand(const ResolvedSpecies& species, OpticsDemand demand) {
-    demand.whole_phase_function = demand.whole_phase_function || species.crowded;
-    return demand;
-}
-
 /// Species at a wavelength.
 struct Job {
     const ResolvedSpecies* species;
@@ -90,6 +83,11 @@ double extinction_of(const ResolvedSpecies& species, const MediumOptics& optics)
 }
 
 }  // namespace
+
+OpticsDemand crowd_demand(const ResolvedSpecies& species, OpticsDemand demand) {
+    demand.whole_phase_function = demand.whole_phase_function || species.crowded;
+    return demand;
+}
 
 double extinction_per_um(const ResolvedMedium& medium, std::size_t w,
                          const std::vector<MediumOptics>& species) {

@@ -18,6 +18,7 @@
 #include "pipeline/solve/grain_shape.h"
 #include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
+#include "rte/math/legendre.h"
 #include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
@@ -170,6 +171,78 @@ MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
         result.phase_error.push_back(0.0);
     }
     return result;
+}
+
+namespace {
+
+std::vector<double> moved(std::vector<double> list, const std::vector<double>& by, double share) {
+    for (std::size_t k = 0; k < list.size() && k < by.size(); ++k) list[k] += share * by[k];
+    return list;
+}
+
+/// The known optics with a share of a difference.
+MediumOptics moved(const MediumOptics& known, const mie::EnsembleDifference& by, double share) {
+    MediumOptics result = known;
+    rte::Optics& optics = result.optics;
+    optics.single_scattering_albedo += share * by.single_scattering_albedo;
+    optics.one_minus_albedo += share * by.one_minus_albedo;
+    optics.chi = moved(optics.chi, by.chi, share);
+    if (by.phase_table) {
+        optics.phase = [phase = known.optics.phase, slope = by.phase_table,
+                        share](double cos_theta) {
+            return phase(cos_theta) + share * (*slope)(cos_theta);
+        };
+    } else if (optics.phase && optics.polarisation) {  // all degrees are in the series
+        optics.phase = [phase = known.optics.phase, slope = by.chi, share](double cos_theta) {
+            return phase(cos_theta) + share * math::legendre_series(slope, cos_theta);
+        };
+    }
+    if (optics.polarisation) {
+        rte::Polarisation p = *optics.polarisation;
+        p.a2 = moved(p.a2, by.expansion.a2, share);
+        p.a3 = moved(p.a3, by.expansion.a3, share);
+        p.a4 = moved(p.a4, by.expansion.a4, share);
+        p.b1 = moved(p.b1, by.expansion.b1, share);
+        p.b2 = moved(p.b2, by.expansion.b2, share);
+        optics.polarisation = std::make_shared<const rte::Polarisation>(std::move(p));
+    }
+    result.asymmetry += share * by.asymmetry;
+    if (result.q_ext) *result.q_ext += share * by.q_ext;
+    return result;
+}
+
+}  // namespace
+
+std::pair<MediumOptics, MediumOptics> changed_optics(const MediumOptics& known,
+                                                     const ResolvedSpecies& middle,
+                                                     const ResolvedSpecies& plus,
+                                                     const ResolvedSpecies& minus, std::size_t w,
+                                                     const OpticsDemand& demand,
+                                                     const mie::Executor& run) {
+    if (has_smooth_phase(middle.species)) {
+        throw UsageError(fmt::format(
+            "derivatives by sizes and indices are of spheres; '{}' has a shape of its own",
+            describe(middle.species)));
+    }
+    mie::DifferenceDemand wanted;
+    if (demand.polarisation) {
+        wanted.matrix_degree = int(known.optics.chi.size()) - 1;
+    } else {
+        wanted.highest_moment = demand.highest_moment < 0 && !demand.whole_phase_function
+                                    ? -1
+                                    : int(known.optics.chi.size()) - 1;
+        wanted.phase_table = known.optics.phase.target<mie::PhaseTable>();
+    }
+    const auto request = ensemble_request(middle, w, demand);
+    const auto of = [&](const mie::EnsembleRequest&, const mie::Executor& pieces) {
+        return mie::difference_of_averages(request, ensemble_request(plus, w, demand),
+                                           ensemble_request(minus, w, demand), wanted, pieces);
+    };
+    const mie::EnsembleDifference difference = average(of, middle.species, request, run);
+    const double above = plus.key[w] == middle.key[w]    ? 0.0
+                         : minus.key[w] == middle.key[w] ? 1.0
+                                                         : 0.5;
+    return {moved(known, difference, above), moved(known, difference, above - 1.0)};
 }
 
 mie::PhaseValues phase_of_mie(const ResolvedSpecies& species, std::size_t w,

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
@@ -61,6 +62,21 @@ double matrix_seconds(const ResolvedSpecies& species, std::size_t w, const Optic
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand,
                             const mie::Executor& run = mie::run_in_order);
+
+/// One species a little different from one that is known: with the same sizes, and what these
+/// give.
+/// @param known  compute_optics of `middle`
+/// @return of `plus` and of `minus`; one of them may be `middle` itself
+std::pair<MediumOptics, MediumOptics> changed_optics(const MediumOptics& known,
+                                                     const ResolvedSpecies& middle,
+                                                     const ResolvedSpecies& plus,
+                                                     const ResolvedSpecies& minus, std::size_t w,
+                                                     const OpticsDemand& demand,
+                                                     const mie::Executor& run);
+
+/// The structure factor is multiplied with the whole phase function, even where moments are all
+/// that is wanted.
+OpticsDemand crowd_demand(const ResolvedSpecies& species, OpticsDemand demand);
 
 /// A medium of which every species is known: albedos by extinction, phase functions by scattering,
 /// what the host absorbs as a species of albedo 0.

@@ -200,6 +200,32 @@ struct MatrixOptics {
 ///         the price. Not reaching the tolerance is an outcome: read `converged`.
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run = run_in_order);
 
+/// What two averages differ by that are taken over the same radii.
+struct EnsembleDifference {
+    double single_scattering_albedo = 0.0, one_minus_albedo = 0.0, q_ext = 0.0, asymmetry = 0.0;
+    std::vector<double> chi;                        ///< as many as were asked for
+    std::shared_ptr<const PhaseTable> phase_table;  ///< on the panels asked for; null: none
+    MatrixExpansion expansion;                      ///< of the degree asked for, chi likewise
+};
+
+/// The parts of a difference that are wanted.
+struct DifferenceDemand {
+    int highest_moment = -1;                  ///< of chi; -1: none
+    const PhaseTable* phase_table = nullptr;  ///< whose panels are taken; null: no phase function
+    int matrix_degree = -1;                   ///< of the scattering matrix; -1: none
+};
+
+/// `plus` minus `minus`, two requests a little different from `middle` in sizes, indices or host:
+/// the derivative of one discrete average. Its radii are those that `middle` asks for, so that
+/// differences are smooth however transparent spheres ripple. Where only the law of sizes differs,
+/// the same spheres have other weights, and what the law gains at its moving ends is added; spheres
+/// of one size change themselves.
+/// @throws UsageError  as average_over_sizes, and for spheroids
+EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
+                                          const EnsembleRequest& plus, const EnsembleRequest& minus,
+                                          const DifferenceDemand& demand,
+                                          const Executor& run = run_in_order);
+
 /// Spheroids that averages take: the size parameter of the larger axis, and the aspect.
 inline constexpr double kLargestSpheroid = 50;
 inline constexpr double kLeastSpheroidAspect = 0.25, kMostSpheroidAspect = 4;

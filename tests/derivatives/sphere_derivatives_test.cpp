@@ -1,0 +1,118 @@
+// Derivatives by sizes and indices of spheres: of sums over fixed radii, against averages that
+// choose theirs anew.
+#include <miebrdf/brdf.h>
+#include <miebrdf/database.h>
+#include <miebrdf/ensemble.h>
+
+#include <cmath>
+#include <complex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/catch.h"
+
+using namespace miebrdf;
+
+namespace {
+
+mie::EnsembleRequest spheres(const char* law, double radius_um, double variance, double n,
+                             double k) {
+    mie::EnsembleRequest request;
+    request.sizes.kind = mie::parse_size_distribution(law);
+    request.sizes.effective_radius_um = radius_um;
+    request.sizes.effective_variance = variance;
+    request.refractive_index = {n, k};
+    request.highest_moment = 12;
+    request.tolerance = 1e-8;
+    return request;
+}
+
+}  // namespace
+
+TEST_CASE("averages differ as those that choose their own radii", "[derivatives][mie]") {
+    // Absorbing and small spheres, whose averages converge to rounding.
+    const std::string law = GENERATE("power-law", "gamma", "log-normal", "mono");
+    const int number = GENERATE(0, 1, 2, 3);
+    if (law == "mono" && number == 1) return;
+    const auto at = [&](double steps) {
+        const double h = 2e-4 * steps;
+        return spheres(law.c_str(), 0.4 * (number == 0 ? 1 + h : 1),
+                       0.1 * (number == 1 ? 1 + h : 1), 1.5 * (number == 2 ? 1 + h : 1),
+                       0.5 * (number == 3 ? 1 + h : 1));
+    };
+    const auto difference = mie::difference_of_averages(
+        at(0), at(1e-2), at(-1e-2), {.highest_moment = 12, .phase_table = nullptr},
+        mie::run_in_order);
+    const auto plus = mie::average_over_sizes(at(1)), minus = mie::average_over_sizes(at(-1));
+    CAPTURE(law, number);
+    // Their own second order and the tails that the laws leave out.
+    const auto agrees = [](double small, double large, double scale) {
+        CAPTURE(small, large);
+        CHECK(std::abs(100 * small - large) <= 1e-4 * scale);
+    };
+    const double scale = 4e-4 * std::max(1.0, plus.q_ext);
+    agrees(difference.q_ext, plus.q_ext - minus.q_ext, scale);
+    agrees(difference.one_minus_albedo, plus.one_minus_albedo - minus.one_minus_albedo, scale);
+    agrees(difference.single_scattering_albedo,
+           plus.single_scattering_albedo - minus.single_scattering_albedo, scale);
+    REQUIRE(difference.chi.size() == 13);
+    for (std::size_t l = 0; l <= 12; ++l)
+        agrees(difference.chi[l], plus.chi[l] - minus.chi[l], scale);
+}
+
+TEST_CASE("scenes of spheres have derivatives by radius, variance, n and k", "[derivatives][mie]") {
+    Scene scene;
+    say(scene, "substrate", {"lambert:0.2"});
+    say(scene, "coat",
+        {"index:{n=2.4},{k=0.002},radius={r=0.13},variance={v=0.2},distribution=log-normal,"
+         "volume={c=5}% in index:1.5@{d=20}um"});
+    const Directions directions{{0.5}, {0.7}, {30.0}};
+    SolverOptions options;
+    options.tolerance = 1e-5;
+    options.streams = 16;
+    const std::vector<NamedNumber> numbers = named_numbers(scene);
+    std::vector<std::string> names;
+    for (const NamedNumber& number : numbers) names.push_back(number.name);
+    const auto derivatives = solve(scene, {600}, options).derivatives(names);
+    const auto albedos = derivatives.albedo({0.5});
+    const auto values = derivatives.evaluate(directions);
+    for (std::size_t p = 0; p < numbers.size(); ++p) {
+        const double h = 5e-3 * numbers[p].value;
+        const auto at = [&](double steps) {
+            const Brdf brdf = solve(with_values(scene, {{names[p], numbers[p].value + steps * h}}),
+                                    {600}, options);
+            return std::pair(brdf.albedo({0.5}).at(0, 0), brdf.evaluate(directions).at(0, 0, 0, 0));
+        };
+        const auto [albedo_plus, value_plus] = at(1);
+        const auto [albedo_minus, value_minus] = at(-1);
+        CAPTURE(names[p]);
+        const auto agrees = [&](double derivative, double plus, double minus, double scale) {
+            const double truth = (plus - minus) / (2 * h);
+            CAPTURE(derivative, truth);
+            CHECK(std::abs(numbers[p].value * (derivative - truth)) <= 2e-3 * scale);
+        };
+        // The error of such differences: averages of 1e-6 over steps of .5 %, and third orders.
+        agrees(albedos.derivatives[p].at(0, 0), albedo_plus, albedo_minus, albedos.values.at(0, 0));
+        agrees(values.derivatives[p].at(0, 0, 0, 0), value_plus, value_minus,
+               values.values.at(0, 0, 0, 0));
+    }
+}
+
+TEST_CASE("n(NAME) and k(NAME) are those of the material at the wavelength", "[derivatives][mie]") {
+    Scene named, numbers;
+    say(named, "base", {"AlGaAs7,radius=0.5,variance=0.1"});
+    const materials::Database database = materials::Database::embedded();
+    const std::complex<double> index = database.refractive_index("AlGaAs7").at(500);
+    const auto digits = [](double value) { return std::to_string(value); };
+    say(numbers, "base",
+        {"index:{n=" + digits(index.real()) + "},{k=" + digits(index.imag()) +
+         "},radius=0.5,variance=0.1"});
+    const auto by_name = solve(named, {450, 500}).derivatives({"n(AlGaAs7)", "k(AlGaAs7)"});
+    const auto by_number = solve(numbers, {500}).derivatives({"n", "k"});
+    const auto a = by_name.albedo({0.5}), b = by_number.albedo({0.5});
+    for (std::size_t p = 0; p < 2; ++p) {
+        // The numbers have six digits after the point.
+        CHECK(a.derivatives[p].at(1, 0) == Approx(b.derivatives[p].at(0, 0)).epsilon(1e-4));
+    }
+}
