@@ -229,13 +229,13 @@ std::vector<double> moments_of(const TabulatedPhase& phase, std::size_t last) {
 }
 
 /// Moments until the terms (2l + 1) chi_l are small, at most this many.
-constexpr std::size_t kFirstMoments = 64, kMostMoments = 1024;
+constexpr std::size_t kFirstTableMoments = 64, kMostTableMoments = 1024;
 constexpr double kSmallTerm = 1e-3;
 
 rte::Optics optics_of_table(TabulatedPhase phase, double albedo) {
     std::vector<double> chi;
     bool has_more = true;
-    for (std::size_t last = kFirstMoments; has_more && last <= kMostMoments; last *= 2) {
+    for (std::size_t last = kFirstTableMoments; has_more && last <= kMostTableMoments; last *= 2) {
         chi = moments_of(phase, last);
         double largest = 0.0;  // of the last quarter: odd and even ones alternate
         for (std::size_t l = last - last / 4; l <= last; ++l)
