@@ -81,6 +81,14 @@ std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledSta
     return sum.reflection;
 }
 
+std::vector<double> frozen_first_order(const FrozenStack& frozen, const ScaledStack& scaled,
+                                       const Directions& directions) {
+    std::vector<double> reflection(
+        directions.mu_in.size() * directions.mu_out.size() * directions.azimuth_deg.size(), 0.0);
+    FirstOrderSum(directions, frozen.options()).add_to(reflection, scaled);
+    return reflection;
+}
+
 AlbedoTable frozen_albedo(const FrozenStack& frozen, const ScaledStack& scaled,
                           const StackGrids& grids, const AlbedoQuestion& question,
                           const std::function<SurfaceWeights(double mu)>& surface) {

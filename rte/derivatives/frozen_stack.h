@@ -41,6 +41,9 @@ class FrozenStack {
 std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledStack& scaled,
                                       const StackGrids& grids, const Directions& directions,
                                       const SolvedLight& light);
+/// The part of it that is scattered once, of light as a number.
+std::vector<double> frozen_first_order(const FrozenStack& frozen, const ScaledStack& scaled,
+                                       const Directions& directions);
 /// Of an AlbedoTable all but the mirror's part and the report.
 AlbedoTable frozen_albedo(const FrozenStack& frozen, const ScaledStack& scaled,
                           const StackGrids& grids, const AlbedoQuestion& question,
