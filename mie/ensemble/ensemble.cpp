@@ -387,7 +387,10 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
     if (request.aspect) {
         validate(request);
         require_angles(request.angles_deg);
-        return average_spheroids(request, pieces).optics;
+        EnsembleOptics optics = average_spheroids(request, pieces).optics;
+        optics.chi.resize(static_cast<std::size_t>(request.highest_moment + 1));
+        if (!request.with_phase_table) optics.phase_table = nullptr;
+        return optics;
     }
     return EnsembleAverage(request, pieces).optics();
 }

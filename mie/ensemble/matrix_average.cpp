@@ -161,7 +161,7 @@ class MatrixAverage {
         error_ = single ? MatrixRule::kRounding : 1.0;
         if (single || passes_.is_first()) return;
         const double change =
-            std::max(largest_change(before, rows_), phase_change / MatrixRule::kPhasePerDegree);
+            std::max(series_change(before, rows_), phase_change / MatrixRule::kPhasePerDegree);
         const double q_ext = 2 * (sums.scattered + sums.absorbed) / ensemble_.share;
         const double exact = passes_.exact_q_ext();
         const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
@@ -230,7 +230,17 @@ double matrix_seconds(const EnsembleRequest& request) {
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {
     validate(request);
     const Executor pieces = flushing(run);
-    if (request.aspect) return average_spheroids(request, pieces);
+    if (request.aspect) {
+        MatrixOptics spheroids = average_spheroids(request, pieces);
+        if (request.highest_moment < 0) return spheroids;
+        const auto count = static_cast<std::size_t>(request.highest_moment) + 1;
+        const auto cut = [&](std::vector<double>& list) {
+            list.resize(std::min(list.size(), count));
+        };
+        cut(spheroids.optics.chi);
+        for (const auto& [name, list] : kMatrixLists) cut(spheroids.expansion.*list);
+        return spheroids;
+    }
     require_affordable(request);
     return MatrixAverage(request, pieces).compute();
 }

@@ -41,7 +41,7 @@ Eigen::MatrixXd matrix_series(Eigen::MatrixXd values, const math::Quadrature& ru
     return result;
 }
 
-double largest_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+double series_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
     const Eigen::MatrixXd& longer = a.rows() > b.rows() ? a : b;
     const Eigen::Index common = std::min(a.rows(), b.rows());
     if (longer.rows() == 0) return 0;
