@@ -56,8 +56,13 @@ def version() -> str:
     return found.group(1)
 
 
+#: Every file that was put, written or as it was: others are of an earlier run, and go.
+gathered: set[Path] = set()
+
+
 def put(file: Path, text: str) -> None:
     """Writes a file unless it says so already: Sphinx reads anew what is newer."""
+    gathered.add(file)
     file.parent.mkdir(parents=True, exist_ok=True)
     if not file.exists() or file.read_text(encoding="utf-8") != text:
         file.write_text(text, encoding="utf-8")
@@ -99,9 +104,12 @@ def gather_pages(source: Path) -> None:
                 continue
             if file.suffix == ".md":
                 put(to, linked(file, file.read_text(encoding="utf-8")))
-            elif file.suffix == ".ipynb":
+                continue
+            if file.suffix == ".ipynb":
                 gather_notebook(file, to.with_suffix(".md"))
-            elif not to.exists() or to.stat().st_mtime < file.stat().st_mtime:
+                continue
+            gathered.add(to)
+            if not to.exists() or to.stat().st_mtime < file.stat().st_mtime:
                 to.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(file, to)
     home = linked(ROOT / "README.md", (ROOT / "README.md").read_text(encoding="utf-8"))
@@ -140,6 +148,7 @@ def gather_notebook(file: Path, page: Path) -> None:
             elif "image/png" in output.get("data", {}):
                 picture = page.with_name(f"{page.stem}_{number}_{place}.png")
                 page.parent.mkdir(parents=True, exist_ok=True)
+                gathered.add(picture)
                 picture.write_bytes(base64.b64decode(output["data"]["image/png"]))
                 parts.append(f"![What the cell draws]({picture.name})")
     put(page, "\n\n".join(parts) + "\n")
@@ -160,7 +169,8 @@ def gather_cpp(build: Path) -> None:
 INPUT = {' '.join(f'"{folder}"' for folder in folders)}
 OUTPUT_DIRECTORY = "{build / 'doxygen'}"
 """
-    (build / "doxygen").mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(build / "doxygen", ignore_errors=True)
+    (build / "doxygen").mkdir(parents=True)
     done = subprocess.run(["doxygen", "-"], input=options, text=True, capture_output=True, check=False)
     wrong = [line for line in done.stderr.splitlines() if line.strip() and not speaks_for_itself(line)]
     if done.returncode or wrong:
@@ -318,6 +328,9 @@ def main() -> None:
     gather_pages(build / "source")
     gather_cpp(build)
     gather_python(build)
+    for file in (build / "source").rglob("*"):
+        if file.is_file() and file not in gathered:
+            file.unlink()
     environment = {**os.environ, "MIEBRDF_SITE": str(build), "MIEBRDF_VERSION": version()}
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-c", HERE, "-d", build / "doctrees",
