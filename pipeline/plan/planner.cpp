@@ -244,9 +244,11 @@ void Planner::single_scattering() {
             for (const LayerJob& job : jobs_) {
                 const OpticsDemand demand = demand_at(job.wavelength);
                 const std::string hash = optics_hash(species, job.wavelength, demand);
+                // A matrix average has one of efficiencies before it.
                 const double cost =
                     demand.polarisation
-                        ? matrix_seconds(species, job.wavelength, demand)
+                        ? matrix_seconds(species, job.wavelength, demand) +
+                              mie_cost(species, job.wavelength, false)
                         : mie_cost(species, job.wavelength, demand.whole_phase_function);
                 if (!earlier_.optics.insert(hash).second) {
                     ++repeated;
