@@ -53,6 +53,8 @@ class Model {
     struct Job;
     struct Solved;
     /// @param streams  raised to the nodes that were used; null: nobody asks
+    Request request_of(const Job& job, std::span<const double> numbers,
+                       const std::vector<std::string>& names) const;
     /// @param names  of the derivatives that are wanted
     Solved solve_job(const Job& job, std::span<const double> numbers, const Control& control,
                      const std::vector<std::string>& names, int* streams) const;

@@ -287,10 +287,13 @@ TEST_CASE("an interrupted fit keeps the best so far", "[fit]") {
         .scene = {{"base", {"hg:{w},{g}"}}},
         .unknowns = {unknown("w", "0.5 in 0.1:0.9999 log1m"), unknown("g", "0.1 in -0.5:0.9")},
         .data = {albedos_of(support::scene_of("hg:0.97,0.6"), kCosines, 0.0)}};
-    std::atomic<int> asked = 0;
+    std::atomic<bool> is_enough = false;
     Control control;
     control.threads = 1;
-    control.is_cancelled = [&] { return ++asked > 30; };
+    control.progress = [&](const std::string&, std::size_t iteration, std::size_t) {
+        if (iteration >= 2) is_enough = true;
+    };
+    control.is_cancelled = [&] { return is_enough.load(); };
     const FitResult result = fit(problem, control);
     CHECK(result.interrupted);
     CHECK_FALSE(result.converged);
