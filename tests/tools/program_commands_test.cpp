@@ -25,7 +25,7 @@ TEST_CASE("every command explains itself with an example and tells its version",
         if (!is_missing) CHECK_THAT(help.out, Catch::Contains("Example"));
         const auto version = support::run_program(command + " --version");
         CHECK((version.exit_code == 0 || is_missing));
-        if (!is_missing) CHECK_THAT(version.out, Catch::StartsWith("miebrdf 0."));
+        if (!is_missing) CHECK_THAT(version.out, Catch::StartsWith("miebrdf 1."));
     }
 }
 
