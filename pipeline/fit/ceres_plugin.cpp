@@ -126,9 +126,11 @@ class Watch : public ceres::IterationCallback {
             return ceres::SOLVER_ABORT;
         }
         const double exact = 0.5 * double(problem_.residuals) * kExact * kExact;
-        const bool is_other = evaluation_.should_hold != evaluation_.held;
-        return step.cost <= exact || is_other ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-                                              : ceres::SOLVER_CONTINUE;
+        bool hits_bound = false;
+        for (std::size_t j = 0; j < evaluation_.held.size(); ++j)
+            hits_bound = hits_bound || (evaluation_.should_hold[j] && !evaluation_.held[j]);
+        return step.cost <= exact || hits_bound ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                : ceres::SOLVER_CONTINUE;
     }
     bool was_ended = false;
 
@@ -146,6 +148,7 @@ Minimum solve(const LeastSquares& problem) {
     // Each round holds other unknowns at their bounds; as many as there are unknowns, and back.
     const int most_rounds = 2 * int(problem.start.size()) + 2;
     for (int round = 0; round < most_rounds && left > 0 && !watch.was_ended; ++round) {
+        const double before = evaluation.best.sum_of_squares;
         ceres::Problem::Options ownership;
         ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
         ownership.evaluation_callback = &evaluation;
@@ -175,6 +178,10 @@ Minimum solve(const LeastSquares& problem) {
                                     summary.termination_type == ceres::USER_SUCCESS;
         left -= std::max(iterations, 1);
         if (!evaluation.best.converged || evaluation.should_hold == evaluation.held) break;
+        // At a bound, rounding turns the push of a number that nothing depends on.
+        const bool gains =
+            evaluation.best.sum_of_squares < (1.0 - options.function_tolerance) * before;
+        if (round > 0 && !gains) break;
         evaluation.best.converged = false;  // until the next round says so
         evaluation.held = evaluation.should_hold;
     }
