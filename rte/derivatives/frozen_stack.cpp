@@ -11,12 +11,24 @@
 namespace miebrdf::rte {
 namespace {
 
-Discretisation discretisation_of(const Stack& stack, const SolverOptions& options,
-                                 const SolverReport& solved) {
+Discretisation discretisation_of(const Stack& stack, std::span<const StackChange> changes,
+                                 const SolverOptions& options, const SolverReport& solved) {
     const int streams =
         solved.streams > 0 ? solved.streams : first_streams(0.5 * options.tolerance);
     Discretisation discretisation = choose_discretisation(stack, options, streams);
     if (solved.moments > 0) discretisation.moments = solved.moments;
+    // The stack is cut off there, or ends and its changes go on.
+    const auto has_more = [&](const Stack& one) {
+        return largest_moment(one, discretisation.moments) > 0.0;
+    };
+    const auto go_on = [&] {
+        return std::any_of(changes.begin(), changes.end(), [&](const StackChange& change) {
+            return has_more(change.plus) || has_more(change.minus);
+        });
+    };
+    if (has_more(stack)) return discretisation;
+    while (discretisation.moments < moments_per_node(streams) * streams && go_on())
+        ++discretisation.moments;
     return discretisation;
 }
 
@@ -27,11 +39,13 @@ SolverOptions solved_to_rounding(SolverOptions options) {
 
 }  // namespace
 
-FrozenStack::FrozenStack(const Stack& stack, const SolverOptions& options,
-                         const SolverReport& solved)
+FrozenStack::FrozenStack(const Stack& stack, std::span<const StackChange> changes,
+                         const SolverOptions& options, const SolverReport& solved)
     : options_(solved_to_rounding(options)),
-      discretisation_(discretisation_of(stack, options, solved)),
-      fourier_orders_(std::max(1, solved.fourier_orders)),
+      discretisation_(discretisation_of(stack, changes, options, solved)),
+      fourier_orders_(discretisation_.moments > solved.moments
+                          ? std::max(solved.fourier_orders, discretisation_.moments)
+                          : std::max(1, solved.fourier_orders)),
       scaled_(scale(stack)),
       grids_(grids_of(scaled_)) {
     if (options.single_scattering_correction) split_by_resolution(scaled_, grids_);

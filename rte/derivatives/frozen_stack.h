@@ -2,6 +2,7 @@
 // orders do not depend on its numbers.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "rte/derivatives/stack_derivatives.h"
@@ -15,8 +16,10 @@ inline constexpr double kFrozenTolerance = 1e-12;
 
 class FrozenStack {
   public:
+    /// Moments and Fourier orders that are 0 in the stack and not in its changes are kept, too.
     /// @param solved  its streams, moments and Fourier orders; 0: those that solving begins with
-    FrozenStack(const Stack& stack, const SolverOptions& options, const SolverReport& solved);
+    FrozenStack(const Stack& stack, std::span<const StackChange> changes,
+                const SolverOptions& options, const SolverReport& solved);
 
     /// Of another stack of the same layers, cut off as this one is.
     ScaledStack scaled_like(const Stack& other) const;

@@ -128,7 +128,7 @@ std::vector<ReflectionTable> reflection_derivatives(
         change.plus = complete(change.plus);
         change.minus = complete(change.minus);
     }
-    const FrozenStack frozen(complete(asked), options, solved);
+    const FrozenStack frozen(complete(asked), changes, options, solved);
     const std::vector<ScaledSides> sides = sides_of(frozen, changes);
     std::vector<std::vector<double>> multiple;
     const ClosedChanges closed = closed_changes(frozen, changes, sides);
@@ -214,7 +214,7 @@ std::vector<AlbedoTable> albedo_derivatives(const Stack& asked,
         change.plus = complete(change.plus);
         change.minus = complete(change.minus);
     }
-    const FrozenStack frozen(complete(asked), options, solved);
+    const FrozenStack frozen(complete(asked), changes, options, solved);
     const std::vector<ScaledSides> sides = sides_of(frozen, changes);
     std::vector<AlbedoTable> closed_tables;
     const ClosedChanges closed = closed_changes(frozen, changes, sides);

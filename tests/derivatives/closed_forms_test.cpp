@@ -85,7 +85,7 @@ TEST_CASE("closed forms are the derivatives of the discrete equations", "[deriva
             less[p] -= h;
             changes.push_back({random.with(more), random.with(less), 2 * h, {}, {}});
         }
-        const rte::FrozenStack frozen(stack, options, solved);
+        const rte::FrozenStack frozen(stack, {}, options, solved);
         const rte::AlbedoQuestion question{{0.3, 1.0}, 1, random.kind != 0};
         const auto reflections =
             rte::reflection_derivatives(stack, changes, directions, {}, options, solved);

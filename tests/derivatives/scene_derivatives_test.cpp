@@ -42,6 +42,12 @@ Scene half_space() {
     return scene;
 }
 
+Scene named_asymmetry(double g) {
+    Scene scene;
+    say(scene, "base", {"hg:0.93,{g=" + std::to_string(g) + "}"});
+    return scene;
+}
+
 Scene film() {
     Scene scene;
     say(scene, "substrate", {"lambert:{ground=0.3}"});
@@ -122,4 +128,25 @@ TEST_CASE("derivatives that have no bound are refused", "[derivatives][errors]")
     CHECK_THROWS_WITH(brdf.derivatives({"n(TiO2)"}), Catch::Contains("no material or host"));
     // It stays white whatever its asymmetry.
     CHECK(std::abs(brdf.derivatives({"g"}).albedo({1.0}).derivatives[0].at(0, 0)) <= 1e-6);
+}
+
+TEST_CASE("a number that is 0 has a derivative, though nothing of it is in the scene",
+          "[derivatives]") {
+    const std::vector<double> mu_in = {0.2, 1.0};
+    const Directions directions{{0.2}, {0.5}, {30.0}};
+    const auto at = [](double g) { return solve(named_asymmetry(g), {550}, fixed_nodes()); };
+    constexpr double h = 1e-3;
+    const auto albedo = at(0).derivatives({"g"}).albedo(mu_in);
+    const auto values = at(0).derivatives({"g"}).evaluate(directions);
+    // The third derivative is of the order of the value.
+    for (std::size_t i = 0; i < mu_in.size(); ++i) {
+        const double slope =
+            (at(h).albedo(mu_in).plane_albedo[0][i] - at(-h).albedo(mu_in).plane_albedo[0][i]) /
+            (2 * h);
+        CHECK(std::abs(albedo.derivatives[0].plane_albedo[0][i] - slope) <= h * h);
+    }
+    const double slope =
+        (at(h).evaluate(directions).at(0, 0, 0, 0) - at(-h).evaluate(directions).at(0, 0, 0, 0)) /
+        (2 * h);
+    CHECK(std::abs(values.derivatives[0].at(0, 0, 0, 0) - slope) <= h * h);
 }
