@@ -51,8 +51,8 @@ void Axis::span(const std::vector<double>& values) {
             fmt::format("axis '{}': no {}value to show", options_.label, log ? "positive " : ""));
     }
     if (lowest_ == highest_ && !(options_.lowest && options_.highest)) {
-        // A constant is shown from zero, so that nobody takes it for a small change: a quarter below
-        // the top, or on zero itself.
+        // A constant is shown from zero, so that nobody takes it for a small change: a quarter
+        // below the top, or on zero itself.
         const double constant = lowest_;
         lowest_ = log ? constant / 2 : std::min(1.25 * constant, 0.0);
         highest_ = log ? constant * 2 : std::max(1.25 * constant, constant == 0.0 ? 1.0 : 0.0);

@@ -108,9 +108,10 @@ void ColourArguments::add_to(CLI::App& command) {
                     "or e, by the 2-degree observer or, after a comma, that of 10: d65,10")
         ->type_name("ILLUMINANT");
     command
-        .add_option("--reference", reference_,
-                    "file whose colours these are compared with (de76, de2000): a scene file, a "
-                    "table of this command, or a measured spectrum (whatever `miebrdf measured` reads)")
+        .add_option(
+            "--reference", reference_,
+            "file whose colours these are compared with (de76, de2000): a scene file, a "
+            "table of this command, or a measured spectrum (whatever `miebrdf measured` reads)")
         ->type_name("FILE");
 }
 
