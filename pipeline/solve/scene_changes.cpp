@@ -136,7 +136,18 @@ SceneChange change_of(const BrdfState& state, const std::string& parameter) {
         validate(scene);
         return resolve(scene, state.resolved.wavelength_nm, &state.control.memo->names());
     };
-    return around(parameter, found->value, state.resolved.wavelength_nm.size(), make);
+    SceneChange change = around(parameter, found->value, state.resolved.wavelength_nm.size(), make);
+    // A layer of depth 0 and a surface without roughness are left out, and come with the change.
+    const auto is_alike = [&](const ResolvedScene& changed) {
+        return changed.media.size() == state.resolved.media.size() &&
+               changed.surface.has_value() == state.resolved.surface.has_value();
+    };
+    if (is_alike(change.plus) && is_alike(change.minus)) return change;
+    throw UsageError(
+        fmt::format("derivative by '{}' at {:g}: what it belongs to is not there; allowed: numbers "
+                    "above 0 (1e-6 "
+                    "is as good as none)",
+                    parameter, found->value));
 }
 
 }  // namespace miebrdf

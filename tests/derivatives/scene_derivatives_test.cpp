@@ -150,3 +150,11 @@ TEST_CASE("a number that is 0 has a derivative, though nothing of it is in the s
         (2 * h);
     CHECK(std::abs(values.derivatives[0].at(0, 0, 0, 0) - slope) <= h * h);
 }
+
+TEST_CASE("what is not there has no derivative", "[derivatives][errors]") {
+    Scene scene;
+    say(scene, "base", {"hg:0.9,0.5"});
+    say(scene, "coat", {"isotropic:0.8@{tau=0}"});
+    const BrdfDerivatives derivatives = solve(scene, {550}).derivatives({"tau"});
+    CHECK_THROWS_WITH(derivatives.albedo({1.0}), Catch::Contains("above 0"));
+}
