@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a name under each ball of a hero picture, and keeps its PNG texts. Needs matplotlib.
+"""Writes a name under each ball of a hero picture. Needs matplotlib.
 
 Usage: name_balls.py PICTURE.png SPACING NAME ...
 
@@ -23,7 +23,7 @@ def main():
     font = font_manager.FontProperties(family="DejaVu Sans", size=0.0105 * width)
     for place, name in enumerate(names):
         x = 0.5 + spacing * (place - (len(names) - 1) / 2)
-        figure.text(x, 0.055, name, ha="center", va="bottom", color="#e8e8e8", fontproperties=font, linespacing=1.35)
+        figure.text(x, 0.16, name, ha="center", va="top", color="#e8e8e8", fontproperties=font, linespacing=1.35)
     figure.savefig(path, dpi=100)
 
 
