@@ -155,6 +155,5 @@ TEST_CASE("what is not there has no derivative", "[derivatives][errors]") {
     Scene scene;
     say(scene, "base", {"hg:0.9,0.5"});
     say(scene, "coat", {"isotropic:0.8@{tau=0}"});
-    const BrdfDerivatives derivatives = solve(scene, {550}).derivatives({"tau"});
-    CHECK_THROWS_WITH(derivatives.albedo({1.0}), Catch::Contains("above 0"));
+    CHECK_THROWS_WITH(solve(scene, {550}).derivatives({"tau"}), Catch::Contains("above 0"));
 }
