@@ -76,6 +76,34 @@ ClosedChanges closed_changes(const FrozenStack& frozen, std::span<const StackCha
     return closed;
 }
 
+/// A stack and both sides of its changes in one discretisation, and what closed forms take of them.
+struct FrozenChanges {
+    std::vector<StackChange> changes;
+    FrozenStack frozen;
+    std::vector<ScaledSides> sides;
+    ClosedChanges closed;
+
+    FrozenChanges(const Stack& stack, std::span<const StackChange> asked, int components,
+                  const SolverOptions& options, const SolverReport& solved)
+        : changes(completed(asked, components)),
+          frozen(completed(stack, components), changes, options, solved),
+          sides(sides_of(frozen, changes)),
+          closed(closed_changes(frozen, changes, sides)) {}
+
+  private:
+    static Stack completed(const Stack& stack, int components) {
+        return components > 1 ? with_all_moments(stack) : stack;
+    }
+    static std::vector<StackChange> completed(std::span<const StackChange> asked, int components) {
+        std::vector<StackChange> changes(asked.begin(), asked.end());
+        for (StackChange& change : changes) {
+            change.plus = completed(change.plus, components);
+            change.minus = completed(change.minus, components);
+        }
+        return changes;
+    }
+};
+
 /// Of light scattered more than once, [change][(in * outs + out) * azimuths + azimuth]; empty if
 /// there is no physical solution.
 std::vector<std::vector<double>> multiple_slopes(const FrozenStack& frozen,
@@ -120,18 +148,12 @@ bool is_bounded(const Stack& stack, const StackChange& change) {
 std::vector<ReflectionTable> reflection_derivatives(
     const Stack& asked, std::span<const StackChange> asked_changes, const Directions& directions,
     const SolvedLight& light, const SolverOptions& options, const SolverReport& solved) {
-    const auto complete = [&](const Stack& stack) {
-        return light.components > 1 ? with_all_moments(stack) : stack;
-    };
-    std::vector<StackChange> changes(asked_changes.begin(), asked_changes.end());
-    for (StackChange& change : changes) {
-        change.plus = complete(change.plus);
-        change.minus = complete(change.minus);
-    }
-    const FrozenStack frozen(complete(asked), changes, options, solved);
-    const std::vector<ScaledSides> sides = sides_of(frozen, changes);
+    const FrozenChanges known(asked, asked_changes, light.components, options, solved);
+    const std::vector<StackChange>& changes = known.changes;
+    const FrozenStack& frozen = known.frozen;
+    const std::vector<ScaledSides>& sides = known.sides;
+    const ClosedChanges& closed = known.closed;
     std::vector<std::vector<double>> multiple;
-    const ClosedChanges closed = closed_changes(frozen, changes, sides);
     if (light.components == 1 && closed.any())
         multiple = multiple_slopes(frozen, closed.changes, directions);
     const auto is_closed = [&](std::size_t c) {
@@ -206,18 +228,12 @@ std::vector<AlbedoTable> albedo_derivatives(const Stack& asked,
                                             const std::function<SurfaceWeights(double mu)>& surface,
                                             const SolverOptions& options,
                                             const SolverReport& solved) {
-    const auto complete = [&](const Stack& stack) {
-        return question.components > 1 ? with_all_moments(stack) : stack;
-    };
-    std::vector<StackChange> changes(asked_changes.begin(), asked_changes.end());
-    for (StackChange& change : changes) {
-        change.plus = complete(change.plus);
-        change.minus = complete(change.minus);
-    }
-    const FrozenStack frozen(complete(asked), changes, options, solved);
-    const std::vector<ScaledSides> sides = sides_of(frozen, changes);
+    const FrozenChanges known(asked, asked_changes, question.components, options, solved);
+    const std::vector<StackChange>& changes = known.changes;
+    const FrozenStack& frozen = known.frozen;
+    const std::vector<ScaledSides>& sides = known.sides;
+    const ClosedChanges& closed = known.closed;
     std::vector<AlbedoTable> closed_tables;
-    const ClosedChanges closed = closed_changes(frozen, changes, sides);
     if (question.components == 1 && !surface && closed.any())
         closed_tables = albedo_slopes(frozen, closed.changes, question);
     std::vector<AlbedoTable> tables;

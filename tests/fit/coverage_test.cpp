@@ -109,7 +109,7 @@ std::vector<Kind> kinds() {
 
 }  // namespace
 
-TEST_CASE("95 % intervals cover 93 to 97 % of 300 draws in each kind of problem", "[.][coverage]") {
+TEST_CASE("95 % intervals cover 95 % of 300 draws in each kind of problem", "[.][coverage]") {
     if (!has_fit()) return;
     for (const Kind& kind : kinds()) {
         std::vector<int> covered(kind.truth.size(), 0);
@@ -137,9 +137,10 @@ TEST_CASE("95 % intervals cover 93 to 97 % of 300 draws in each kind of problem"
             fmt::print("{}, {}: {:.3f} covered, chi squared per degree {:.3f}\n", kind.name,
                        i < kind.problem.unknowns.size() ? kind.problem.unknowns[i].name : "scale",
                        share, per_degree);
-            // Of 300 draws 95 % +- 2.5 % are two standard deviations of the count.
-            CHECK(share >= 0.925);
-            CHECK(share <= 0.975);
+            // The count of 300 draws has a standard deviation of 1.26 %; of the eight numbers asked
+            // for one lies beyond three of them in 2 of 100 runs.
+            CHECK(share >= 0.95 - 3 * 0.0126);
+            CHECK(share <= 0.95 + 3 * 0.0126);
         }
     }
 }
