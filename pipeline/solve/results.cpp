@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "pipeline/solve/polarisation.h"
+
 namespace miebrdf {
 
 BrdfPart parse_brdf_part(const std::string& name) {
