@@ -14,7 +14,7 @@ packages_tests=("${packages_render[@]}" catch2 python3-pytest)
 packages_site=(doxygen python3-sphinx python3-myst-parser python3-breathe python3-numpy)
 # What single tests need and say when it is missing: they are skipped.
 packages_everything=("${packages_tests[@]}" python3-venv python3-xarray python3-netcdf4 netcdf-bin
-                     python3-matplotlib python3-tqdm codespell chromium slurm-wlm munge
+                     python3-matplotlib python3-tqdm mypy codespell chromium slurm-wlm munge
                      openmpi-bin debootstrap dpkg-dev "${packages_site[@]}")
 packages_package=("${packages_render[@]}" python3-venv debootstrap dpkg-dev)
 packages_gates=("${packages_program[@]}" clang clang-format clang-tidy python3-numpy mypy)

@@ -259,6 +259,11 @@ void bind_media(py::module_& module) {
         .def_readonly("depth", &Layer::depth)
         .def("__str__",
              [](const Layer& self) { return describe(self.medium) + "@" + describe(self.depth); })
+        .def("__repr__",
+             [](const Layer& self) {
+                 return "<miebrdf.Layer " + describe(self.medium) + "@" + describe(self.depth) +
+                        ">";
+             })
         .def("__eq__",
              [](const Layer& self, const py::object& other) {
                  if (!py::isinstance<Layer>(other)) return false;

@@ -115,7 +115,7 @@ def _worst(reports: list[Report]) -> Report:
 def cosine(name: str, mu: ArrayLike | None, theta_deg: ArrayLike | None) -> ArrayLike:
     """A cosine, given as such or as an angle. Exact at 0 and 60 degrees."""
     if (mu is None) == (theta_deg is None):
-        raise UsageError(f"{name}: give either mu_{name} or theta_{name}_deg")
+        raise UsageError(f"mu_{name}: give either mu_{name} or theta_{name}_deg")
     if theta_deg is None:
         assert mu is not None
         return mu

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._arrays import Floats, broadcast, numbers
@@ -25,11 +25,11 @@ class LayerAlbedos(NamedTuple):
     >>> found.plane_albedo, found.error_estimate, found.converged
     """
 
-    plane_albedo: Any
-    spherical_albedo: Any
-    plane_transmittance: Any  #: net flux into the ground; 0 below infinite depth
-    error_estimate: Any  #: relative to the largest value at that incidence
-    converged: Any  #: whether that is within the tolerance
+    plane_albedo: Floats
+    spherical_albedo: Floats
+    plane_transmittance: Floats  #: net flux into the ground; 0 below infinite depth
+    error_estimate: Floats  #: relative to the largest value at that incidence
+    converged: NDArray[np.bool_]  #: whether that is within the tolerance
 
 
 @checked()

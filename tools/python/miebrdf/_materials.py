@@ -4,14 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._arrays import Values, labelled, numbers, wavelength_list
+from ._keywords import checked
 from .errors import UsageError
+
+
+class OfTable(TypedDict, total=False):
+    """What `Materials.add` is told of a table beside its figures."""
+
+    title: str
+    formula: str
+    source: str
+    reference: str
+    note: str
+    density_g_cm3: float
 
 
 class Material:
@@ -283,6 +295,7 @@ class Materials:
         """
         return self._open().datasets(name)
 
+    @checked(OfTable)
     def add(
         self,
         name: str,
@@ -292,7 +305,7 @@ class Materials:
         *,
         label: str = "own",
         replace: bool = False,
-        **facts: Any,
+        **facts: Unpack[OfTable],
     ) -> str:
         """Add a table of your own to the user's file, in one transaction.
 
@@ -329,10 +342,6 @@ class Materials:
         >>> mine.add("ink", [400, 700], [1.6, 1.5], [0.01, 0.02], reference="measured", replace=True)
         >>> mine["ink"].nk(550)
         """
-        allowed = ("title", "formula", "source", "reference", "note", "density_g_cm3")
-        for fact in facts:
-            if fact not in allowed:
-                raise UsageError(f"unknown fact '{fact}'; allowed: {', '.join(allowed)}")
         values = np.asarray(n)
         if values.dtype.kind == "c":
             if k is not None:
@@ -346,7 +355,7 @@ class Materials:
                 raise UsageError(f"{what}: shape {array.shape}; lists of one length are needed")
         columns = [array.tolist() for array in lists] + [None]
         return _core.add_material(
-            self.database, name, label, columns[0], columns[1], columns[2], facts, replace
+            self.database, name, label, columns[0], columns[1], columns[2], dict(facts), replace
         )
 
     def import_files(

@@ -43,6 +43,13 @@ def host_words(host: str | complex) -> str:
     return f"index:{index.real!r},{index.imag!r}"
 
 
+def host_shown(host: str | complex) -> str:
+    """A host as people read it: a name, n, or n + ik."""
+    if isinstance(host, str):
+        return host
+    return f"{host.real:g}" + (f" + {host.imag:g}i" if host.imag else "")
+
+
 @checked()
 def medium(
     words: MediumLike | None = None,

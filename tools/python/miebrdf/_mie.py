@@ -23,13 +23,13 @@ class Sphere(NamedTuple):
     >>> one.q_ext - one.q_sca - one.q_abs
     """
 
-    q_ext: Any  #: extinction, q_sca + q_abs
-    q_sca: Any  #: scattering
-    q_abs: Any  #: absorption, summed by itself; exactly 0 for k = 0
-    q_back: Any  #: radar backscattering, ``4 |S(180)|^2 / x^2``
-    asymmetry: Any  #: g, mean cosine of the scattering angle
-    accuracy: Any  #: estimated relative error from rounding
-    reached: Any  #: accuracy <= 1e-12
+    q_ext: Floats  #: extinction, q_sca + q_abs
+    q_sca: Floats  #: scattering
+    q_abs: Floats  #: absorption, summed by itself; exactly 0 for k = 0
+    q_back: Floats  #: radar backscattering, ``4 |S(180)|^2 / x^2``
+    asymmetry: Floats  #: g, mean cosine of the scattering angle
+    accuracy: Floats  #: estimated relative error from rounding
+    reached: NDArray[np.bool_]  #: accuracy <= 1e-12
 
 
 def sphere(m: ArrayLike, x: ArrayLike, *, threads: int | None = None) -> Sphere:
@@ -142,17 +142,17 @@ class Ensemble(NamedTuple):
     >>> optics.single_scattering_albedo, optics.chi.shape
     """
 
-    single_scattering_albedo: Any  #: scattering / extinction
-    one_minus_albedo: Any  #: absorption / extinction, summed by itself
-    q_ext: Any  #: <C_ext> / <pi r^2>
-    q_sca: Any
-    q_abs: Any
-    asymmetry: Any  #: g
-    error_estimate: Any  #: relative, of albedo, q_ext and moments
-    chi: Any  #: Legendre moments chi_0 = 1 ... as the last axis
-    phase: Any  #: P at the angles as the last axis; mean over the sphere = 1
-    phase_error: Any  #: of each, absolute
-    converged: Any
+    single_scattering_albedo: Floats  #: scattering / extinction
+    one_minus_albedo: Floats  #: absorption / extinction, summed by itself
+    q_ext: Floats  #: <C_ext> / <pi r^2>
+    q_sca: Floats
+    q_abs: Floats
+    asymmetry: Floats  #: g
+    error_estimate: Floats  #: relative, of albedo, q_ext and moments
+    chi: Floats  #: Legendre moments chi_0 = 1 ... as the last axis
+    phase: Floats  #: P at the angles as the last axis; mean over the sphere = 1
+    phase_error: Floats  #: of each, absolute
+    converged: NDArray[np.bool_]
 
 
 def _indices(material: Any, wavelengths: list[float]) -> list[complex]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from numpy.typing import ArrayLike
 
@@ -13,7 +13,7 @@ from ._brdf import Brdf
 from ._core import Layer, Medium, Substrate
 from ._directions import direct_brdf
 from ._keywords import CallAndMethod, Method, checked
-from ._media import MediumLike
+from ._media import MediumLike, host_shown
 from ._options import Progress
 from ._scene_arguments import DEFAULTS, SceneArguments, core_scene, particles, settled, words
 
@@ -155,16 +155,20 @@ class Scene:
         self._arguments = settled(given)
         self._core = core_scene(self._arguments)
 
-    def __getattr__(self, name: str) -> Any:
-        arguments = self.__dict__.get("_arguments", {})
-        if name not in arguments:
-            raise AttributeError(f"a Scene has no '{name}'")
-        return arguments[name]
+    if not TYPE_CHECKING:  # type checkers know the attributes above, and nothing else
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not name.startswith("_"):
-            raise AttributeError(f"scenes do not change; scene.replace({name}=...) is another one")
-        object.__setattr__(self, name, value)
+        def __getattr__(self, name: str) -> Any:
+            arguments = self.__dict__.get("_arguments", {})
+            if name not in arguments:
+                raise AttributeError(f"a Scene has no '{name}'")
+            return arguments[name]
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if not name.startswith("_"):
+                raise AttributeError(
+                    f"scenes do not change; scene.replace({name}=...) is another one"
+                )
+            object.__setattr__(self, name, value)
 
     @checked(SceneArguments)
     def replace(self, **changes: Unpack[SceneArguments]) -> Scene:
@@ -456,7 +460,7 @@ class Scene:
         """
         return {
             "scene": str(self),
-            "host": str(self._arguments["host"]),
+            "host": host_shown(self._arguments["host"]),
             "particles": "\n".join(particles(self._arguments)),
         }
 
