@@ -128,7 +128,8 @@ void PathTracer::add_escaped(const Eigen::Vector3d& direction, double weight,
     }
 }
 
-bool PathTracer::trace(Ray ray, Sampler& sampler, std::span<double> radiance) {
+bool PathTracer::trace(Ray ray, Sampler& sampler, std::span<double> direct,
+                       std::span<double> indirect) {
     std::fill(throughput_.begin(), throughput_.end(), 1.0);
     const auto& environment = scene_.lighting.environment;
     std::optional<Vertex> last;  // where the ray comes from, if not from the camera
@@ -142,7 +143,8 @@ bool PathTracer::trace(Ray ray, Sampler& sampler, std::span<double> radiance) {
         if (!hit) {
             const bool two_ways = last && environment->has_density();
             const double other = two_ways ? environment->density(ray.direction) : 0.0;
-            add_escaped(ray.direction, two_ways ? density / (density + other) : 1.0, radiance);
+            add_escaped(ray.direction, two_ways ? density / (density + other) : 1.0,
+                        reflections <= 1 ? direct : indirect);
             return true;
         }
 
@@ -150,6 +152,7 @@ bool PathTracer::trace(Ray ray, Sampler& sampler, std::span<double> radiance) {
         if (!(mu_out > kHorizon)) return true;
         const RenderBrdf& material = *scene_.materials[scene_.map.material_at(*hit)];
         last.emplace(*hit, -ray.direction, mu_out, material);
+        const std::span<double> radiance = reflections == 0 ? direct : indirect;
         add_directional(*last, radiance);
         add_area(*last, sampler, radiance);
         if (environment) add_environment(*last, sampler, radiance);

@@ -13,9 +13,10 @@ class PathTracer {
   public:
     PathTracer(const RenderScene& scene, const RenderOptions& options);
 
-    /// Adds the radiance that arrives along a ray.
+    /// Adds the radiance that arrives along a ray: to `direct` what was reflected once or not at
+    /// all, to `indirect` the rest.
     /// @return  whether the ray met the object or a visible environment
-    bool trace(Ray ray, Sampler& sampler, std::span<double> radiance);
+    bool trace(Ray ray, Sampler& sampler, std::span<double> direct, std::span<double> indirect);
 
   private:
     struct Vertex;

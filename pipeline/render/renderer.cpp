@@ -88,7 +88,8 @@ class TileRenderer {
           tracer_(scene, options),
           half_{std::vector<double>(std::size_t(picture.radiance.channels)),
                 std::vector<double>(std::size_t(picture.radiance.channels))},
-          path_(half_[0].size()) {}
+          direct_(half_[0].size()),
+          indirect_(half_[0].size()) {}
 
     Statistics render(int tile_x, int tile_y) {
         Statistics statistics;
@@ -110,15 +111,18 @@ class TileRenderer {
             const Ray ray = camera_.ray((x + in_pixel[0]) / options_.width,
                                         (y + in_pixel[1]) / options_.height);
             // The first and the second half of the samples are each well spread.
-            std::fill(path_.begin(), path_.end(), 0.0);
-            met += tracer_.trace(ray, sampler, path_);
-            const double brought = std::accumulate(path_.begin(), path_.end(), 0.0);
-            const double most = options_.clamp * double(path_.size());
+            std::fill(direct_.begin(), direct_.end(), 0.0);
+            std::fill(indirect_.begin(), indirect_.end(), 0.0);
+            met += tracer_.trace(ray, sampler, direct_, indirect_);
+            const double brought = std::accumulate(indirect_.begin(), indirect_.end(), 0.0);
+            const double most = options_.clamp * double(indirect_.size());
             const double factor = most > 0.0 && brought > most ? most / brought : 1.0;
-            statistics.all += brought;
+            statistics.all += std::accumulate(direct_.begin(), direct_.end(), brought);
             statistics.clamped += (1.0 - factor) * brought;
             auto& half = half_[2 * s < options_.samples ? 0 : 1];
-            for (std::size_t w = 0; w < path_.size(); ++w) half[w] += factor * path_[w];
+            for (std::size_t w = 0; w < direct_.size(); ++w) {
+                half[w] += direct_[w] + factor * indirect_[w];
+            }
         }
         *picture_.coverage.pixel(x, y) = float(met) / float(options_.samples);
         float* pixel = picture_.radiance.pixel(x, y);
@@ -140,7 +144,7 @@ class TileRenderer {
     SpectralPicture& picture_;
     PathTracer tracer_;
     std::array<std::vector<double>, 2> half_;
-    std::vector<double> path_;
+    std::vector<double> direct_, indirect_;  ///< what one path brings
 };
 
 }  // namespace

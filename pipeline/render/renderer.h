@@ -54,8 +54,9 @@ struct RenderOptions {
     int height = 512;  ///< likewise
     int samples = 64;  ///< paths for each pixel; powers of two are spread best
     int bounces = 4;   ///< most reflections of a path; 1: direct light only
-    /// Largest mean radiance (over the wavelengths) that one path may bring, > 0: rare paths that
-    /// bring more are weakened to it, which takes away fireflies and darkens; 0: none is.
+    /// Largest mean radiance (over the wavelengths) that one path may bring of light reflected
+    /// twice and more, > 0: rare paths that bring more are weakened to it, which takes away
+    /// fireflies and darkens; 0: none is. Light reflected once is never weakened.
     double clamp = 0.0;
     bool environment_visible = false;  ///< behind the object; else nothing is there
     std::uint32_t seed = 0;

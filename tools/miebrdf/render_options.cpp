@@ -75,9 +75,11 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
     group->add_option("--bounces", a.options.bounces, "most reflections of a path; 1: direct light")
         ->capture_default_str();
     group
-        ->add_option("--clamp", a.options.clamp,
-                     "largest radiance, mean over the wavelengths, that one path may bring; 0: no "
-                     "limit. Takes away bright specks of rare paths, and says how much light")
+        ->add_option(
+            "--clamp", a.options.clamp,
+            "largest radiance, mean over the wavelengths, that one path may bring of light "
+            "reflected twice and more; 0: no limit. Takes away bright specks of rare "
+            "paths, and says how much light")
         ->capture_default_str();
     group->add_option("--seed", a.options.seed, "seed of the random samples")
         ->capture_default_str();
