@@ -102,8 +102,9 @@ class LongTable {
         for (const std::size_t c : chosen)
             columns_.push_back({c, sheet_.names[c], roles_[c].kind, roles_[c].times_mu_out});
         if (asked.empty() && !known.empty() && !unknown.empty()) {
-            std::vector<std::string> names;
-            for (const std::size_t c : unknown) names.push_back(sheet_.names[c]);
+            std::vector<std::string> names(unknown.size());
+            std::transform(unknown.begin(), unknown.end(), names.begin(),
+                           [&](std::size_t c) { return sheet_.names[c]; });
             list_.facts.emplace_back("columns not read", fmt::format("{}", fmt::join(names, ", ")));
         }
         const bool directions = find(Role::theta_out) || find(Role::mu_out);

@@ -179,8 +179,9 @@ const std::vector<Key> kKeys = {
 };
 
 std::vector<std::string> key_names() {
-    std::vector<std::string> names;
-    for (const Key& key : kKeys) names.emplace_back(key.name);
+    std::vector<std::string> names(std::size(kKeys));
+    std::transform(std::begin(kKeys), std::end(kKeys), names.begin(),
+                   [](const Key& key) { return key.name; });
     names.insert(names.end(), size_word_names().begin(), size_word_names().end());
     return names;
 }
