@@ -198,7 +198,7 @@ def speaks_for_itself(warning: str) -> bool:
 
 
 def header_page(header: Path, declared: list[str]) -> str:
-    """The comment at its head, then everything that it declares."""
+    """The comment at its head, everything that it declares, and what shows it."""
     comment = []
     for line in header.read_text(encoding="utf-8").splitlines():
         if not line.startswith("//"):
@@ -210,7 +210,11 @@ def header_page(header: Path, declared: list[str]) -> str:
     if code:
         example, _, more = code.partition("\n\n")
         text += ".. code-block:: cpp\n\n    " + example + f"\n\n{more}\n\n"
-    return text + "\n".join(declared)
+    text += "\n".join(declared)
+    shown = HERE.parent / "examples/headers" / f"{header.stem}.cpp"
+    if shown.exists():
+        text += f"\n\nExample\n-------\n\n.. literalinclude:: /docs/examples/headers/{shown.name}\n   :language: cpp\n"
+    return text
 
 
 def declarations(xml: Path) -> dict[str, list[str]]:

@@ -22,15 +22,15 @@ namespace miebrdf::mie {
 /// every executor gives the same bits.
 using Executor = std::function<void(int count, const std::function<void(int)>& job)>;
 
-inline void run_in_order(int count, const std::function<void(int)>& job) {
+inline void run_in_order(int count, const std::function<void(int)>& job) {  ///< by this thread
     for (int i = 0; i < count; ++i) job(i);
 }
 
 /// A coating of the particles: as thick on every core, as a share of the core's radius, or both.
 struct ParticleCoating {
     std::complex<double> refractive_index;  ///< n + ik, k >= 0
-    double thickness_um = 0;
-    double share_of_radius = 0;
+    double thickness_um = 0;                ///< >= 0
+    double share_of_radius = 0;             ///< >= 0
 };
 
 /// The wishes of a caller: only what is asked for is computed.
@@ -86,7 +86,7 @@ class PhaseTable {
         /// Error of each panel by its sizes, rms over its nodes, relative to max(P, noise_floor);
         /// empty: 0.
         std::vector<double> noise;
-        double noise_floor = 0;
+        double noise_floor = 0;  ///< P, >= 0
         /// The moments given beside it are its own: they share its errors.
         bool gave_moments = false;
     };
@@ -140,7 +140,7 @@ struct EnsembleOptics {
     double error_estimate = 0.0;                    ///< relative, of albedo, q_ext and moments
     std::vector<double> phase_error;                ///< of each, as PhaseValues::error
     double phase_error_estimate = 0.0;              ///< relative, largest over angles_deg
-    int size_nodes = 0;
+    int size_nodes = 0;                             ///< spheres that were averaged, how many
     /// Both estimates within their tolerances, that of the moments for those of the band: moments
     /// from the phase table (hundreds asked) are as good as its sizes allow, and are in
     /// error_estimate only.
@@ -158,7 +158,7 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request,
 
 /// P at single angles.
 struct PhaseValues {
-    std::vector<double> phase;
+    std::vector<double> phase;  ///< mean over the sphere = 1
     std::vector<double> error;  ///< absolute, 1 % err by more; with phase_allowed: twice an rms
 };
 

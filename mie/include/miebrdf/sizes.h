@@ -48,8 +48,8 @@ struct SizeDistribution {
     /// For tabulated only: number density n(r) in any unit at ascending radii, linear between them
     /// and zero outside; radius and variance above are then ignored. Of junge the two limits.
     std::vector<double> radii_um = {};
-    std::vector<double> number_density = {};
-    double exponent = 4.0;  ///< of junge: n(r) ~ r^-exponent, 0 to 10
+    std::vector<double> number_density = {};  ///< any unit, >= 0
+    double exponent = 4.0;                    ///< of junge: n(r) ~ r^-exponent, 0 to 10
 };
 
 /// Smallest and largest radius of a distribution, in micrometres.

@@ -34,7 +34,7 @@ SphereOptics scatter_by_sphere(std::complex<double> relative_index, double size_
 /// A layer of a sphere, from its core outwards.
 struct SphereLayer {
     std::complex<double> relative_index;  ///< n + ik over the host's
-    double size_parameter;                ///< at its outer surface; that of the layer below or more
+    double size_parameter;                ///< at its outer surface, >= that of the layer below
 };
 
 /// A sphere of layers; efficiencies are over the cross-section of the whole (mie_coefficients).
@@ -58,7 +58,7 @@ Amplitudes scattering_amplitudes(std::complex<double> relative_index, double siz
                                  std::span<const double> angles_deg);
 
 Amplitudes scattering_amplitudes(std::span<const SphereLayer> layers,
-                                 std::span<const double> angles_deg);
+                                 std::span<const double> angles_deg);  ///< likewise
 
 /// cos of an angle in degrees, exact at 0, 60, 90, 120 and 180.
 /// @throws UsageError  outside 0 to 180
@@ -66,8 +66,8 @@ double cosine_of_scattering_angle(double angle_deg);
 
 /// Partial waves n = 1 ... terms; entry n - 1 holds order n. Time factor exp(-i omega t).
 struct Coefficients {
-    std::vector<std::complex<double>> a;  ///< electric
-    std::vector<std::complex<double>> b;  ///< magnetic
+    std::vector<std::complex<double>> a;  ///< electric, dimensionless
+    std::vector<std::complex<double>> b;  ///< magnetic, dimensionless
     /// (Re a_n - |a_n|^2) + (Re b_n - |b_n|^2), the part that is absorbed: from the Wronskian, not
     /// from that difference. Exactly 0 for a real index.
     std::vector<double> absorbed;

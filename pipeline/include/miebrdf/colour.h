@@ -90,7 +90,7 @@ bool covers_the_visible(const std::vector<double>& wavelength_nm);
 
 /// What a value at each wavelength contributes to X, Y and Z.
 struct ObserverWeights {
-    std::vector<double> x, y, z;
+    std::vector<double> x, y, z;  ///< dimensionless
 };
 
 /// What a reflectance is between its wavelengths.
@@ -119,7 +119,7 @@ Xyz white_point(const Viewing& viewing);
 /// Relative to the white of the illuminant, without adaptation.
 Lab to_lab(const Xyz& xyz, const Viewing& viewing = {});
 
-Lch to_lch(const Lab& lab);
+Lch to_lch(const Lab& lab);  ///< hue 0 where there is no chroma
 
 /// CIE 1976: the distance in Lab.
 double delta_e_76(const Lab& a, const Lab& b);

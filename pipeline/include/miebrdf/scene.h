@@ -41,7 +41,7 @@ struct Amount {
         number_per_cm3,   ///< particles in a cubic centimetre, >= 0
     };
     Kind kind = Kind::volume_fraction;
-    double value = 0.0;
+    double value = 0.0;  ///< in the unit of its kind
 
     bool operator==(const Amount&) const = default;
 };
@@ -49,8 +49,8 @@ struct Amount {
 /// What lies between the particles of a layer, or what a coating is made of: a material of the
 /// database, or a constant index.
 struct Host {
-    std::string name = {};  ///< NAME or source:KEY; empty: `index`
-    std::complex<double> index = 1.0;
+    std::string name = {};             ///< NAME or source:KEY; empty: `index`
+    std::complex<double> index = 1.0;  ///< n + ik
 
     bool operator==(const Host&) const = default;
 };
@@ -204,7 +204,7 @@ bool needs_mie(const Medium& medium);
 struct MediumForm {
     std::string form, example, help;
 };
-std::vector<MediumForm> medium_forms();
+std::vector<MediumForm> medium_forms();  ///< all of them
 
 /// Where optical depths are given unless a wavelength is said.
 inline constexpr double kDepthWavelengthNm = 550.0;
@@ -217,7 +217,7 @@ struct Depth {
         mass_kg_per_m2,  ///< of all particles over a unit of area, finite, >= 0; needs densities
     };
     Kind kind = Kind::optical_depth;
-    double value = 0.0;
+    double value = 0.0;  ///< in the unit of its kind
     /// Optical depths hold at this vacuum wavelength and follow the extinction of the particles at
     /// all others, as those of aerosols do; 0: the same at every wavelength. Media whose optics are
     /// given have no extinction to follow: the same at every wavelength.
@@ -300,8 +300,8 @@ struct ParticleOptions {
 /// A number that has a name: `{radius=0.13}` in the words of a scene. Derivatives and fits ask for
 /// it.
 struct NamedNumber {
-    std::string name;  ///< letters, digits and _, no digit first
-    double value = 0.0;
+    std::string name;    ///< letters, digits and _, no digit first
+    double value = 0.0;  ///< in the unit of its word
 };
 
 /// A word of a scene with numbers that have names, as it was said: "coat" and its layers.

@@ -53,7 +53,7 @@ struct Table1Request {
     std::vector<std::string> materials;         ///< empty: the paper's four
     std::vector<Table1Convention> conventions;  ///< at least one
     std::vector<double> wavelength_nm;          ///< empty: each convention's R, G, B
-    std::optional<double> beckmann_alpha;       ///< instead of the convention's
+    std::optional<double> beckmann_alpha;       ///< instead of the convention's, > 0
     std::string database;                       ///< of the user's materials; empty: the default one
 };
 

@@ -54,7 +54,7 @@ class SolutionMemory {
 /// R(azimuth) D, D = diag(1, 1, -1, -1). Reciprocity: R(mu_in, mu_out, azimuth) = G R(mu_out,
 /// mu_in, azimuth)^T G, G = diag(1, 1, 1, -1).
 struct ReflectionTable {
-    int components = 1;  ///< c
+    int components = 1;  ///< c = 1, 3 or 4
     /// [(((i * mu_out.size() + o) * azimuth_deg.size() + a) * c + row) * c + column], row =
     /// outgoing component, column = incident component; at mu_in[i], mu_out[o], azimuth_deg[a].
     std::vector<double> reflection;

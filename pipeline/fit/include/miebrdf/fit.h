@@ -51,7 +51,7 @@ struct FitData {
     std::vector<MeasuredValue> values = {};
     std::vector<SceneText> scene = {};  ///< words that differ from the problem's; no values: none
     bool free_scale = false;            ///< the values are known up to one common factor
-    double diffuse_fraction = 0.0;      ///< of hdrf
+    double diffuse_fraction = 0.0;      ///< of hdrf, in [0, 1]
     Viewing viewing = {};               ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
@@ -83,19 +83,20 @@ FitProblem read_fit_text(const std::string& text, const std::string& folder,
 struct FittedValue {
     std::string unknown = {};
     std::optional<double> wavelength_nm = {};  ///< of unknowns at each wavelength
-    double value = 0.0;
-    double standard_error = 0.0;  ///< NaN: the data do not tell, or the value is at a bound
+    double value = 0.0;                        ///< in the unit of its word
+    double standard_error =
+        0.0;  ///< likewise; NaN: the data do not tell, or the value is at a bound
     double interval_low = 0.0,
-           interval_high = 0.0;  ///< 95 % (Student's t), within the bounds
-    double start = 0.0, low = 0.0, high = 0.0;
+           interval_high = 0.0;                 ///< 95 % (Student's t), within the bounds
+    double start = 0.0, low = 0.0, high = 0.0;  ///< as of Unknown
     bool at_bound = false;
     std::string note = {};
 };
 
 /// A minimum that one or more starts led to.
 struct FitMinimum {
-    double chi_squared = 0.0;
-    int starts = 0;
+    double chi_squared = 0.0;         ///< as of FitResult
+    int starts = 0;                   ///< how many led there
     std::vector<double> values = {};  ///< as FitResult::values
 };
 
@@ -105,7 +106,7 @@ struct FitResidual {
     /// Its sigma, where it has none, is that of all values, estimated from the
     /// residuals.
     MeasuredValue measured = {};
-    double model = 0.0;
+    double model = 0.0;  ///< in the unit of the measured value
 };
 
 /// What was found, how certain it is, and what the measurements leave open.
@@ -113,8 +114,8 @@ struct FitResult {
     std::vector<FittedValue> values = {};  ///< unknowns in their order, wavelengths ascending
     /// Of the given sigmas; where there are none, the sum of squared residuals.
     double chi_squared = 0.0;
-    int degrees_of_freedom = 0;
-    bool sigma_known = false;  ///< else standard errors come from the residuals themselves
+    int degrees_of_freedom = 0;  ///< number of values minus that of unknowns
+    bool sigma_known = false;    ///< else standard errors come from the residuals themselves
     /// [i * n + j] of n = values.size(); NaN where one of them is at a bound.
     std::vector<double> correlation = {};
     std::vector<std::string> undetermined = {};  ///< directions that the data leave open, in words
@@ -125,7 +126,7 @@ struct FitResult {
     bool interrupted = false;  ///< by Control::is_cancelled: values are the best so far
     std::string reason = {};   ///< why it is not converged
     int iterations = 0;
-    int solved_scenes = 0;
+    int solved_scenes = 0;        ///< how many
     std::string scene_file = {};  ///< the fitted scene, a scene file for `miebrdf run`
 };
 

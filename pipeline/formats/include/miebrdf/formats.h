@@ -329,11 +329,11 @@ struct FileCheck {
     /// Estimate of what integrating over a table's directions may err by, there; the albedo shown
     /// is the one that is largest without it.
     double largest_albedo_error = 0.0;
-    double largest_albedo_mu = 0.0;      ///< its incidence
+    double largest_albedo_mu = 0.0;      ///< its incidence, in (0, 1]
     std::string largest_albedo_channel;  ///< its channel
     double least_value = 0.0;            ///< of the BRDF, 1/sr
     std::size_t missing = 0;             ///< directions without a value
-    std::size_t directions = 0;          ///< looked at for the above
+    std::size_t directions = 0;          ///< how many were looked at
     /// Largest relative difference of the albedo found by importance sampling from the integrated
     /// one; empty without sampling tables.
     std::optional<double> sampled_albedo_error;

@@ -70,10 +70,10 @@ struct MeasuredValue {
     double wavelength_nm = kNone;
     double mu_in = kNone, mu_out = kNone;  ///< known where the geometry fixes them
     double azimuth_deg = kNone;            ///< in [0, 360); 0 = mirror side
-    double value = kNone;
-    double sigma = kNone;    ///< standard error, in the unit of the value
-    std::size_t sample = 0;  ///< of Measurements::samples
-    int line = 0;            ///< of the file; 0: it has none
+    double value = kNone;                  ///< in the unit of its quantity
+    double sigma = kNone;                  ///< standard error, in the unit of the value
+    std::size_t sample = 0;                ///< index in Measurements::samples
+    int line = 0;                          ///< of the file; 0: it has none
 };
 
 /// What a file says.
@@ -110,7 +110,7 @@ struct MeasuredFormat {
     const char* name;
     const char* title;
 };
-std::vector<MeasuredFormat> measured_formats();
+std::vector<MeasuredFormat> measured_formats();  ///< in the order in which they are tried
 
 /// Reads a file of any of these formats, recognised by its content.
 /// @throws UsageError  for options that are out of range, or that name a column that is not there
@@ -122,7 +122,7 @@ Measurements read_measured(const std::filesystem::path& file, const MeasuredOpti
 /// A BRDF made of measured directions, and how well it is known.
 struct InterpolatedBrdf {
     std::shared_ptr<const BrdfSource> source;  ///< one channel for each wavelength
-    std::size_t values = 0;                    ///< measured ones that it is made of
+    std::size_t values = 0;                    ///< number of measured ones in it
     /// Relative, root mean square: at the measured directions, and where each value is left out in
     /// turn and found from the others.
     double residual_rms = 0.0, leave_one_out_rms = 0.0;

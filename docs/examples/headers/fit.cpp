@@ -1,0 +1,36 @@
+#include <miebrdf/fit.h>
+
+#include <iostream>
+
+void show_fit() {
+    using namespace miebrdf;
+    if (!has_fit()) return;  // a build without Ceres
+    // As in a file for read_fit_file: which albedo has a half-space that reflects a third?
+    const FitProblem from_text = read_fit_text(
+        "[scene]\nbase = \"hg:{w},0.5\"\n[unknowns]\nw = \"0.8 in 0.1:0.999 log1m\"\n"
+        "[[measured]]\nvalues = [0.33]\nwavelength_nm = [550]\nquantity = \"spherical_albedo\"\n",
+        ".", "example");
+    // The same, filled in by hand.
+    FitProblem problem;
+    problem.scene = {SceneText{"base", {"hg:{w},0.5"}}};
+    Unknown w = unknown("w", "0.8 in 0.1:0.999 log1m");
+    problem.unknowns = {w};
+    MeasuredValue reflectance;
+    reflectance.geometry = MeasuredGeometry::hemispherical;
+    reflectance.wavelength_nm = 550;
+    reflectance.value = 0.33;
+    reflectance.sigma = 0.01;
+    FitData data;
+    data.values = {reflectance};
+    problem.data = {data};
+    problem.loss = FitLoss::squares;
+
+    const FitResult found = fit(problem);
+    const FittedValue& value = found.values[0];
+    std::cout << value.unknown << " = " << value.value << " +- " << value.standard_error << " ("
+              << from_text.unknowns[0].name << " of the text alike)\n";
+    const FitMinimum& best = found.minima[0];
+    const FitResidual& residual = found.residuals[0];
+    std::cout << best.starts << " start led there; " << residual.measured.value << " measured, "
+              << residual.model << " computed\n";
+}
