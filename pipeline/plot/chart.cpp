@@ -134,6 +134,7 @@ Picture draw_chart(const std::vector<Panel>& panels, const Caption& caption, dou
         const Placed& p = placed[i];
         draw_axes(drawing, p, i + 1 == placed.size());
         for (const Curve& curve : p.panel.curves) draw_curve(drawing, p, curve, colours.of(curve));
+        draw_names(drawing, p);
         drawing.text({p.left + 8,
                       note_is_free(p, true) || !note_is_free(p, false) ? p.top + 17 : p.bottom - 9},
                      p.panel.note, {12.5, Anchor::start, 0, "#000000"});

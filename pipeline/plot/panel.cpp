@@ -83,6 +83,55 @@ void draw_curve(SvgDrawing& drawing, const Placed& p, const Curve& curve, int co
 
 namespace {
 
+constexpr double kNameSize = 10.0;
+
+struct Box {
+    double left, top, right, bottom;
+
+    bool meets(const Box& other) const {
+        return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
+    }
+};
+
+/// Where a name may stand beside a point: left or right of it, a little lower or higher.
+std::vector<Box> places_beside(const Point& point, const std::string& text) {
+    const double width = SvgDrawing::text_width(text, kNameSize), height = kNameSize;
+    std::vector<Box> places;
+    for (const double rise : {0.1, 0.5, 1.0, -0.6, 1.6}) {  // of its height above the point
+        const double top = point.y - rise * height;
+        places.push_back({point.x - 6 - width, top, point.x - 6, top + height});
+        places.push_back({point.x + 6, top, point.x + 6 + width, top + height});
+    }
+    return places;
+}
+
+}  // namespace
+
+void draw_names(SvgDrawing& drawing, const Placed& p) {
+    std::vector<Box> taken;
+    for (const Curve& curve : p.panel.curves) {
+        if (curve.mark == Mark::line) continue;
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            const Point point = p.at(curve.x[i], curve.y[i]);
+            taken.push_back({point.x - 4, point.y - 4, point.x + 4, point.y + 4});
+        }
+    }
+    for (const PointName& name : p.panel.names) {
+        for (const Box& place : places_beside(p.at(name.x, name.y), name.text)) {
+            const bool inside = place.left >= p.left && place.right <= p.right &&
+                                place.top >= p.top && place.bottom <= p.bottom;
+            const auto hides = [&](const Box& other) { return place.meets(other); };
+            if (!inside || std::any_of(taken.begin(), taken.end(), hides)) continue;
+            drawing.text({place.left, place.bottom - 1}, name.text,
+                         {kNameSize, Anchor::start, 0, curve_stroke(name.colour).colour});
+            taken.push_back(place);
+            break;
+        }
+    }
+}
+
+namespace {
+
 constexpr double kLine = 18.0;         ///< from one line to the next
 constexpr double kWrappedLine = 14.0;  ///< within an entry
 constexpr double kSample = 24.0;       ///< length of the piece of curve

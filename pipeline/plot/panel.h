@@ -44,11 +44,20 @@ struct Curve {
     std::optional<double> shade = {};
 };
 
+/// What stands beside a point.
+struct PointName {
+    double x = 0.0, y = 0.0;
+    std::string text;
+    int colour = 0;  ///< index into the palette
+};
+
 struct Panel {
     AxisOptions x, y;
     std::vector<Curve> curves;
     double height = 230.0;  ///< of the plot area
     std::string note = {};  ///< in the upper left corner of the plot area
+    /// The first ones come first: those that would cover a point or an earlier name are left out.
+    std::vector<PointName> names = {};
 };
 
 inline constexpr double kTickSize = 12.0;  ///< of the numbers at an axis
@@ -68,5 +77,8 @@ void draw_axes(SvgDrawing& drawing, const Placed& p, bool with_x_labels);
 
 /// Lines end at the frame; marks on it are drawn whole.
 void draw_curve(SvgDrawing& drawing, const Placed& p, const Curve& curve, int colour);
+
+/// Panel::names, each on the first free side of its point.
+void draw_names(SvgDrawing& drawing, const Placed& p);
 
 }  // namespace miebrdf::plot

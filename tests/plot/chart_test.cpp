@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "pipeline/plot/colour_map.h"
 #include "pipeline/plot/spectra.h"
@@ -31,6 +32,18 @@ TEST_CASE("a curve's points lie where its axes say", "[plot][chart]") {
     CHECK((at[2].second - at[0].second) / (at[1].second - at[0].second) ==
           Approx(0.5).margin(1e-4));
     CHECK(at[1].second < at[0].second);  // larger is higher up
+}
+
+TEST_CASE("names stand beside their points and cover nothing", "[plot][chart]") {
+    Curve curve{"", {0, 1, 1, 2}, {0, 1, 1, 2}, Mark::line_and_points};
+    Panel panel{{"x"}, {"y"}, {curve}};
+    // The second and the third point are one: there is room for some of ten names about it.
+    for (int i = 0; i < 10; ++i) panel.names.push_back({1, 1, "name " + std::to_string(i)});
+    panel.names.push_back({2, 2, "at the corner"});
+    const Picture picture = draw_chart({panel}, {});
+    CHECK(picture.svg.find(">name 0<") != std::string::npos);
+    CHECK(picture.svg.find(">name 9<") == std::string::npos);
+    CHECK(picture.svg.find(">at the corner<") != std::string::npos);
 }
 
 TEST_CASE("a line breaks at values that do not exist", "[plot][chart]") {

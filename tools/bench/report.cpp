@@ -55,6 +55,25 @@ plot::Curve front_of(const std::vector<Measurement>& points) {
     return front;
 }
 
+/// Who wins, and at which setting; then the program's own points.
+std::vector<plot::PointName> names_of(const Results& results,
+                                      const std::vector<Measurement>& points) {
+    std::vector<plot::PointName> names;
+    const auto front = pareto_front(points);
+    const auto add = [&](const Measurement& m, const std::string& text) {
+        names.push_back({drawn_time(m), drawn_error(m.error), text, colour_of(results, m.method)});
+    };
+    for (const std::size_t i : front) {
+        const std::string& setting = points[i].parameter;
+        add(points[i], points[i].method + (setting == "-" ? "" : " " + setting));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const bool named = std::find(front.begin(), front.end(), i) != front.end();
+        if (points[i].method == "miebrdf" && !named) add(points[i], points[i].parameter);
+    }
+    return names;
+}
+
 using Rows = std::vector<std::vector<std::string>>;
 
 /// Of texts that are not escaped yet; the first row is the head.
@@ -165,16 +184,19 @@ std::string case_plot(const Results& results, const std::string& suite,
         panel.curves[place->second].x.push_back(drawn_time(m));
         panel.curves[place->second].y.push_back(drawn_error(m.error));
     }
+    double least = kHighestError;  // bars that reach below 0 end where the points do
+    for (const Measurement& m : drawn) least = std::min(least, drawn_error(m.error));
     for (const Measurement& m : drawn) {
         if (std::isnan(m.half_width)) continue;
         plot::Curve bar{"", {drawn_time(m), drawn_time(m)}, {}};
-        bar.y = {drawn_error(m.error - m.half_width), drawn_error(m.error + m.half_width)};
+        bar.y = {std::max(least, m.error - m.half_width), drawn_error(m.error + m.half_width)};
         bar.colour = colour_of(results, m.method);
         panel.curves.push_back(std::move(bar));
     }
     panel.curves.push_back(front_of(drawn));
     panel.curves.back().shade = 0.0;
-    constexpr double width = 640.0;
+    panel.names = names_of(results, drawn);
+    constexpr double width = 760.0;
     return plot::draw_chart({panel}, {suite + ": " + test_case, ""}, width).svg;
 }
 
