@@ -15,8 +15,7 @@ matplotlib.use("Agg")
 from matplotlib import font_manager, image
 from matplotlib import pyplot as plt
 
-GROUND = (0.05, 0.055, 0.06)  # of grids: the background of the paper's figures, encoded
-STRIP = 0.055  # for the names below the pictures of a grid: share of the whole width
+STRIP = 0.035  # for the names below the pictures of a grid: share of the whole width
 
 
 def notes_of(path):
@@ -64,7 +63,7 @@ def grid(out, columns, *parts):
     pictures, columns = [image.imread(file)[:, :, :3] for file in files], int(columns)
     height, width = pictures[0].shape[:2]
     strip, rows = round(STRIP * width * columns), -(-len(pictures) // columns)
-    whole = np.full((rows * (height + strip), columns * width, 3), GROUND)
+    whole = np.full((rows * (height + strip), columns * width, 3), pictures[0][0, 0])
     places = []
     for number, picture in enumerate(pictures):
         row, column = divmod(number, columns)
