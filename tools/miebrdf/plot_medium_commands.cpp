@@ -116,14 +116,21 @@ int run_phase(const MediumPlotArguments& arguments, const Shell& shell) {
     const std::vector<double>& wavelength_nm = spectra.scene.wavelength_nm;
     std::vector<plot::PhaseCurve> curves;
     const std::vector<ShownMedium> shown = shown_media(arguments.media, arguments.vary);
+    // What all curves have in common stands in the title alone.
+    const bool one_medium = shown.size() == 1, one_wavelength = wavelength_nm.size() == 1;
     for (std::size_t m = 0; m < shown.size(); ++m) {
         for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-            curves.push_back({fmt::format("{}, {:g} nm", shown[m].label, wavelength_nm[w]), angles,
-                              spectra.optics[w][m].phase, shown[m].shade});
+            const std::string nm = fmt::format("{:g} nm", wavelength_nm[w]);
+            curves.push_back({one_wavelength ? shown[m].label
+                              : one_medium   ? nm
+                                             : shown[m].label + ", " + nm,
+                              angles, spectra.optics[w][m].phase, shown[m].shade});
         }
     }
-    const plot::Caption caption =
-        arguments.plot.caption(shell, family_title("Phase function", arguments));
+    std::string title = family_title("Phase function", arguments);
+    if (one_medium && !one_wavelength && arguments.vary.empty()) title += " of " + shown[0].label;
+    if (one_wavelength) title += fmt::format(", {:g} nm", wavelength_nm[0]);
+    const plot::Caption caption = arguments.plot.caption(shell, title);
     arguments.plot.save(arguments.polar ? plot::draw_phase_polar(curves, caption, arguments.decades)
                                         : plot::draw_phase(curves, caption),
                         shell);
