@@ -114,7 +114,8 @@ void ExportArguments::add_file_options(CLI::App& command) {
             const std::string help = format.name + ": " + extra.help;
             int& value = options_.extra.emplace(extra.name, extra.standard).first->second;
             if (extra.is_switch) {
-                group->add_flag(option_of(extra.name), value, help);
+                // A flag of a whole number counts as given in CLI11 2.4 when it is not.
+                group->add_flag_callback(option_of(extra.name), [&value] { value = 1; }, help);
             } else {
                 group->add_option(option_of(extra.name), value, help)->capture_default_str();
             }
