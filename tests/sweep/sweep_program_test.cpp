@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "pipeline/sweep/netcdf/netcdf_table.h"
+#include "pipeline/io/netcdf_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -34,7 +34,7 @@ std::string bytes_of(const std::string& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-std::string extension() { return sweep::has_netcdf() ? ".nc" : ".csv"; }
+std::string extension() { return has_netcdf() ? ".nc" : ".csv"; }
 
 }  // namespace
 
@@ -106,7 +106,7 @@ wavelength_nm = [500]
 }
 
 TEST_CASE("look-ups find nodes and what lies between", "[sweep][program]") {
-    if (!sweep::has_netcdf()) {
+    if (!has_netcdf()) {
         WARN("skipped: this build has no NetCDF");
         return;
     }

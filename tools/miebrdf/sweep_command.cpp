@@ -7,6 +7,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/io/netcdf_file.h"
 #include "pipeline/sweep/crew.h"
 #include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
@@ -41,7 +42,7 @@ void require_table(const std::string& table) {
         throw UsageError(fmt::format(
             "'{}': unknown kind of table '{}'; allowed: .nc (NetCDF-4), .csv", table, extension));
     }
-    if (extension == ".nc" && !sweep::has_netcdf())
+    if (extension == ".nc" && !has_netcdf())
         throw UsageError(
             "this build cannot write NetCDF; install libnetcdf-dev, then configure and "
             "build again, or write a .csv");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <pybind11/stl.h>
+#include "pipeline/io/netcdf_file.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 #include "tools/python/bindings.h"
 
@@ -57,7 +58,7 @@ py::list look_up_table(const std::string& file, const std::vector<std::string>& 
 }  // namespace
 
 void bind_tables(py::module_& module) {
-    module.def("has_netcdf", &sweep::has_netcdf);
+    module.def("has_netcdf", &has_netcdf);
     module.def("look_up_table", &look_up_table, py::arg("file"), py::arg("variables"),
                py::arg("asked"), py::arg("interpolation"));
 }

@@ -10,9 +10,6 @@
 
 namespace miebrdf::sweep {
 
-/// Whether the plug-in can be opened.
-bool has_netcdf();
-
 /// One variable for each output over the axes, compressed; error_estimate and converged of each
 /// scene; remarks on those that failed or did not converge.
 /// @param sweep, layout  must outlive the writer

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <miebrdf/error.h>
-#include "pipeline/sweep/netcdf/netcdf_file.h"
+#include "pipeline/io/netcdf_file.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 
 namespace miebrdf::sweep {

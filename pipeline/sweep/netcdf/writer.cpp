@@ -9,10 +9,9 @@
 #include <map>
 
 #include "pipeline/io/atomic_file.h"
-#include "pipeline/io/plugin.h"
+#include "pipeline/io/netcdf_file.h"
 #include "pipeline/sweep/eradiate.h"
 #include "pipeline/sweep/layout.h"
-#include "pipeline/sweep/netcdf/netcdf_file.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 
 namespace miebrdf::sweep {
@@ -253,14 +252,6 @@ class NetcdfWriter : public TableWriter {
 };
 
 }  // namespace
-
-bool has_netcdf() { return has_plugin("netcdf"); }
-
-std::unique_ptr<NetcdfFile> make_netcdf_file(const std::string& file, const std::string& what) {
-    static const auto make = plugin_function<NetcdfFile*(const std::string&, const std::string&)>(
-        "netcdf", "miebrdf_netcdf_file", "libnetcdf-dev");
-    return std::unique_ptr<NetcdfFile>(make(file, what));
-}
 
 std::unique_ptr<TableWriter> make_netcdf_writer(const Sweep& sweep, const Layout& layout,
                                                 const std::string& file) {

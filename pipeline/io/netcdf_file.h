@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace miebrdf::sweep {
+namespace miebrdf {
 
 /// Variables and dimensions go by the numbers that NetCDF gives them. All functions throw
 /// InputError. The destructor closes the file.
@@ -60,9 +60,12 @@ class NetcdfFile {
     virtual std::vector<std::string> texts(int variable, std::size_t size) const = 0;
 };
 
+/// Whether the plug-in can be opened.
+bool has_netcdf();
+
 /// @param file  the name of the file that messages have
 /// @param what  of messages: "write" or "read"
 /// @throws UsageError  where the plug-in is missing
 std::unique_ptr<NetcdfFile> make_netcdf_file(const std::string& file, const std::string& what);
 
-}  // namespace miebrdf::sweep
+}  // namespace miebrdf

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include <miebrdf/error.h>
-#include "pipeline/sweep/netcdf/netcdf_file.h"
+#include "pipeline/io/netcdf_file.h"
 
-namespace miebrdf::sweep {
+namespace miebrdf {
 namespace {
 
 /// HDF5 tells of every failure alike; less room than this is its likely cause.
@@ -168,9 +168,9 @@ class LibraryFile : public NetcdfFile {
 };
 
 }  // namespace
-}  // namespace miebrdf::sweep
+}  // namespace miebrdf
 
-extern "C" __attribute__((visibility("default"))) miebrdf::sweep::NetcdfFile* miebrdf_netcdf_file(
+extern "C" __attribute__((visibility("default"))) miebrdf::NetcdfFile* miebrdf_netcdf_file(
     const std::string& file, const std::string& what) {
-    return new miebrdf::sweep::LibraryFile(file, what);
+    return new miebrdf::LibraryFile(file, what);
 }
