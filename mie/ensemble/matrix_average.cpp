@@ -16,6 +16,7 @@
 #include "mie/ensemble/size_passes.h"
 #include "mie/ensemble/spheroid_average.h"
 #include "rte/math/legendre.h"
+#include "rte/math/matrix_series.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -145,7 +146,7 @@ class MatrixAverage {
         const SizeSums& sums = passes_.add(options, run_);
         const Eigen::MatrixXd before = std::move(rows_);
         const Eigen::MatrixXd here = elements(sums.products, sums.spheres.scattered);
-        rows_ = matrix_series(here, rule_, degree_);
+        rows_ = math::matrix_series(here, rule_, degree_);
         const Eigen::ArrayXd phase = here.col(0);
         phase_change_ = {};
         if (phase_.size() > 0) phase_change_ = (phase - phase_) / phase.max(floor_);
@@ -213,7 +214,7 @@ int matrix_nodes(int terms, int degree) { return node_count(terms, degree); }
 
 Eigen::MatrixXd matrix_series_of(const Eigen::ArrayXXd& products, double scattered,
                                  const math::Quadrature& rule, int degree) {
-    return matrix_series(elements(products, scattered), rule, degree);
+    return math::matrix_series(elements(products, scattered), rule, degree);
 }
 
 double matrix_seconds(const EnsembleRequest& request) {

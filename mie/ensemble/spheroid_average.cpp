@@ -16,6 +16,7 @@
 #include "mie/spheroid/orientation_average.h"
 #include "mie/spheroid/t_matrix.h"
 #include "rte/math/legendre.h"
+#include "rte/math/matrix_series.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -77,7 +78,7 @@ Sums of_size(const Spheroid& spheroid, double tolerance) {
     Sums sums;
     sums.extinction = T.q_ext;
     sums.error = T.error_estimate;
-    sums.series = matrix_series(orientation_average(T, cosines), rule, degree) /
+    sums.series = math::matrix_series(orientation_average(T, cosines), rule, degree) /
                   std::pow(spheroid.size_parameter, 2);
     return sums;
 }
