@@ -269,8 +269,13 @@ void Planner::single_scattering() {
     for (const auto& [name, of] : work) {
         plan_.steps.push_back(
             {"single scattering",
-             fmt::format("Mie theory for {}, tolerance {:g}{}", name, demand_.tolerance,
-                         demand_.whole_phase_function ? ", every angle" : ", moments only"),
+             fmt::format("{} for {}, tolerance {:g}{}{}",
+                         of.species->species.shape.by_t_matrix ? "T-matrix" : "Mie theory", name,
+                         demand_.tolerance,
+                         demand_.whole_phase_function ? ", every angle" : ", moments only",
+                         of.species->particles.front().coatings.empty()
+                             ? ""
+                             : "; coated spheres one size after the other, never by rays"),
              of.jobs, of.seconds});
         computed.push_back(of.species);
     }

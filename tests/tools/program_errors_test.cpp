@@ -49,6 +49,9 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
         {"sphere --index 1.5,-1 --size-parameter 1", {"-1", "k >= 0"}},
         {"sphere --index 1.5,0 --size-parameter -1", {"-1"}},
         {"sphere --index 1.5,0 --size-parameter 1 --angles 200", {"200", "180"}},
+        {"sphere --index 1.5,0 --size-parameter 1 --aspect 9", {"aspect: 9", "0.25 to 4"}},
+        {"sphere --index 1.5,0 --size-parameter 60 --aspect 2", {"75.6", "up to 50"}},
+        {"sphere --index 1.5,0 --size-parameter 1 --aspect 2 --angles 0", {"--angles", "--stokes"}},
         {"optics index:0,0", {"n > 0"}},
         // Squares of such numbers overflow: the albedo had no value, and exit code 0.
         {"albedo --substrate mirror:index:1e155,1 --coat isotropic:0.5@1", {"1e+155", "1e6"}},

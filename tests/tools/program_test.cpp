@@ -57,6 +57,31 @@ TEST_CASE("a printed scattering matrix is that of a sphere's amplitudes", "[prog
     }
 }
 
+TEST_CASE("a spheroid of equal axes is the sphere, and small ones scatter by their shape",
+          "[program]") {
+    const auto round = csv_of("sphere --index 1.5,0.01 --size-parameter 0.01,3 --aspect 1");
+    const auto sphere = csv_of("sphere --index 1.5,0.01 --size-parameter 0.01,3");
+    for (const std::string name : {"q_ext", "q_sca", "q_abs", "q_back", "asymmetry"}) {
+        for (std::size_t row = 0; row < 2; ++row) {
+            CAPTURE(name, row);
+            CHECK(std::abs(round.number(row, name) - sphere.number(row, name)) <=
+                  1e-8 * std::abs(sphere.number(row, "q_ext")));
+        }
+    }
+    // Bohren & Huffman (1983), section 5.3: polarisabilities (m^2 - 1) / (3 + 3 L (m^2 - 1)) of an
+    // oblate spheroid along its axes, L of its axis of rotation by their eq. 5.33.
+    const double aspect = 2, e2 = 1 - 1 / (aspect * aspect), eps = 1.5 * 1.5 - 1;
+    const double g = std::sqrt((1 - e2) / e2);
+    const double equator = g / (2 * e2) * (std::acos(-1.0) / 2 - std::atan(g)) - 0.5 * g * g;
+    double ratio = 0;  // of scattering to that of the sphere
+    for (const double L : {equator, equator, 1 - 2 * equator})
+        ratio += std::pow((1 + eps / 3) / (1 + L * eps), 2) / 3;
+    const double small =
+        csv_of("sphere --index 1.5 --size-parameter 0.01 --aspect 2").number(0, "q_sca");
+    const double ball = csv_of("sphere --index 1.5 --size-parameter 0.01").number(0, "q_sca");
+    CHECK(small / ball == Approx(ratio).epsilon(1e-4));  // terms in x^2
+}
+
 TEST_CASE("a half-space that absorbs nothing reflects 1, printed as 1", "[program]") {
     for (const char* surface :
          {"", " --roughness 0.3 --surface-index 1.5", " --roughness 0.1 --surface-index 2.6"}) {

@@ -1,6 +1,10 @@
 // miebrdf sphere, optics, phase: single scattering by a sphere, by a medium.
 #include <fmt/format.h>
 
+#include <numbers>
+#include <optional>
+
+#include <miebrdf/ensemble.h>
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
 #include "pipeline/scene/number_list.h"
@@ -13,6 +17,7 @@ namespace {
 
 struct SphereArguments {
     std::string index;
+    std::optional<double> aspect;
     std::string size_parameters;
     std::vector<std::string> coatings;
     std::string angles;
@@ -64,6 +69,35 @@ Table efficiencies(const Particle& particle, const std::vector<double>& size_par
     return table;
 }
 
+/// Spheroids in random orientation, by the T-matrix.
+Table spheroids(std::complex<double> index, double aspect,
+                const std::vector<double>& size_parameters, bool& converged) {
+    Table table;
+    table.facts.emplace_back(
+        "units",
+        "spheroids in random orientation; aspect: equatorial axis over the axis of rotation; "
+        "size_parameter and the section of efficiencies: of the sphere of the same volume; q_back: "
+        "4 pi times the cross-section per steradian straight back; error_estimate: of Q and g");
+    table.columns = {"n",     "k",     "aspect", "size_parameter", "q_ext",
+                     "q_sca", "q_abs", "q_back", "asymmetry",      "error_estimate"};
+    for (const double x : size_parameters) {
+        mie::EnsembleRequest request;
+        request.sizes = {mie::SizeDistributionKind::mono, x};
+        request.wavelength_nm = 2e3 * std::numbers::pi;  // k = 1/um
+        request.refractive_index = index;
+        request.aspect = aspect;
+        const mie::EnsembleOptics optics = mie::average_matrix(request).optics;
+        double back = 0.0, sign = 1.0;
+        for (std::size_t l = 0; l < optics.chi.size(); ++l, sign = -sign)
+            back += sign * (2.0 * static_cast<double>(l) + 1.0) * optics.chi[l];
+        converged = converged && optics.converged;
+        table.rows.push_back({index.real(), index.imag(), aspect, x, optics.q_ext, optics.q_sca,
+                              optics.q_abs, optics.q_sca * back, optics.asymmetry,
+                              optics.error_estimate});
+    }
+    return table;
+}
+
 Table amplitudes(const Particle& particle, const std::vector<double>& size_parameters,
                  const std::vector<double>& angles_deg) {
     const std::complex<double> index = particle.index;
@@ -85,6 +119,17 @@ int run(const SphereArguments& arguments, const Shell& shell) {
     for (const std::string& words : arguments.coatings)
         particle.coatings.push_back(parse_coating(words));
     const auto sizes = parse_number_list(arguments.size_parameters, "size parameter");
+    if (arguments.aspect) {
+        if (!arguments.coatings.empty() || !arguments.angles.empty()) {
+            throw UsageError(
+                "--aspect: spheroids here are of one material and in random orientation: leave "
+                "--coating and --angles out; their scattering matrix: miebrdf phase --stokes "
+                "\"index:N,K,radius=R,distribution=mono,shape=spheroid,aspect=A,method=t-matrix\"");
+        }
+        bool converged = true;
+        shell.write(spheroids(particle.index, *arguments.aspect, sizes, converged));
+        return converged ? kGood : kNotConverged;
+    }
     Table table = arguments.angles.empty()
                       ? efficiencies(particle, sizes)
                       : amplitudes(particle, sizes,
@@ -223,11 +268,21 @@ void add_sphere(CLI::App& command, Shell& shell) {
         ->type_name("N,K,Y")
         ->take_all();
     command
+        .add_option("--aspect", arguments->aspect,
+                    "a spheroid in random orientation: its equatorial axis over its axis of "
+                    "rotation, 0.25 to 4; size parameters are of the sphere of the same volume")
+        ->type_name("A");
+    command
         .add_option("--angles", arguments->angles,
                     "scattering angles in degrees: print amplitudes S1, S2 there instead")
         ->type_name("LIST");
     shell.add_common_options(command);
-    command.footer("Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
+    command.footer(
+        "Columns: efficiencies q_ext, q_sca, q_abs are cross-sections over that of the whole "
+        "particle;\nq_back is the radar backscattering efficiency, 4 pi times the cross-section "
+        "per steradian at\n180 degrees over it, |sum (2n + 1) (-1)^n (a_n - b_n)|^2 / y^2; "
+        "asymmetry is <cos Theta>.\n\n"
+        "Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
     shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
 }
 
