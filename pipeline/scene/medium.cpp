@@ -12,6 +12,7 @@
 
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/number_list.h"
+#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/scene_parts.h"
 #include "pipeline/scene/species_keys.h"
 
@@ -47,7 +48,7 @@ void require_particles(const std::string& text, const MediumKind& kind, const Sp
     Species other = species;
     if (kind.has_extinction) {
         other.sizes = {};
-        const bool sized = species.scattering.radius_um.size() > 1;
+        const bool sized = has_sizes(species.scattering);
         if (sized) other.density_g_cm3.reset();
         if (sized || (species.amount && species.amount->kind == Amount::Kind::number_per_cm3))
             other.amount.reset();

@@ -177,8 +177,8 @@ MediumKind scattering() {
             .form = "scattering:FILE",
             .example = "scattering:suso00",
             .help =
-                "single scattering from a file of OPAC, a T-matrix program, the databases of "
-                "ice and dust (isca.dat) or CSV",
+                "single scattering from a file of OPAC, a T-matrix program, the databases of ice and "
+                "dust (isca.dat), libRadtran, MOPSMAP (NetCDF) or CSV",
             .parameters = {kAlbedo},
             .read = [](const std::string& values,
                        Species& species) { read_scattering_file(values, species); },

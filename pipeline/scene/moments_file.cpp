@@ -11,6 +11,7 @@
 
 #include <miebrdf/error.h>
 #include "materials/readers/text_table.h"
+#include "pipeline/scene/matrix_on_angles.h"
 #include "rte/math/legendre.h"
 #include "rte/phase/polarisation.h"
 
@@ -20,34 +21,6 @@ namespace {
 constexpr double kDigitsOfFiles = 1e-6;  // tables are printed with at least six digits
 constexpr double kLargestLastTerm = 0.1;
 constexpr std::size_t kMostProducts = 20'000'000;  // of a test for negative values: 50 ms
-
-rte::Optics optics_of(const MatrixCoefficients& matrix) {
-    rte::Optics optics;
-    optics.single_scattering_albedo = matrix.single_scattering_albedo;
-    optics.one_minus_albedo = 1.0 - matrix.single_scattering_albedo;
-    optics.chi.clear();
-    for (std::size_t l = 0; l < matrix.a1.size(); ++l)
-        optics.chi.push_back(matrix.a1[l] / (2.0 * double(l) + 1.0));
-    optics.polarisation = std::make_shared<const rte::Polarisation>(rte::Polarisation{matrix, {}});
-    return optics;
-}
-
-/// (1 - t) a + t b; the shorter one is zero beyond its end.
-MatrixCoefficients between(const MatrixCoefficients& a, const MatrixCoefficients& b, double t) {
-    MatrixCoefficients mean;
-    mean.single_scattering_albedo =
-        (1.0 - t) * a.single_scattering_albedo + t * b.single_scattering_albedo;
-    const auto put = [t](const std::vector<double>& from, const std::vector<double>& to,
-                         std::vector<double>& list) {
-        for (std::size_t l = 0; l < std::max(from.size(), to.size()); ++l) {
-            list.push_back((l < from.size() ? (1.0 - t) * from[l] : 0.0) +
-                           (l < to.size() ? t * to[l] : 0.0));
-        }
-    };
-    put(a.a1, b.a1, mean.a1);
-    for (const auto& [name, list] : kMatrixLists) put(a.*list, b.*list, mean.*list);
-    return mean;
-}
 
 double albedo_of_comment(const materials::NumberTable& table) {
     const auto albedo = table.comment("single_scattering_albedo");
@@ -92,23 +65,40 @@ void require_positive(std::span<const double> chi) {
     throw UsageError(reason);
 }
 
-/// Light that is scattered cannot be polarised by more than all of it.
-void require_polarisation(const rte::Optics& optics) {
+void require_possible(const rte::Optics& optics) {
     constexpr int kAngles = 90;
     for (int i = 0; i <= kAngles; ++i) {
         const double angle_deg = 180.0 * i / kAngles;
         const rte::ScatteringMatrix m =
             rte::exact_matrix(optics, std::cos(angle_deg * std::numbers::pi / 180.0));
-        constexpr double kNoise = 1e-3;  // of matrices that were measured, or have few digits
-        if (std::abs(m.b1) <= (1.0 + kNoise) * m.a1 + kNoise) continue;
-        throw UsageError(fmt::format(
-            "the scattering matrix has b1 = {:.3g} and a1 = {:.3g} at {:.1f} degrees; allowed: "
-            "|b1| up to a1",
-            m.b1, m.a1, angle_deg));
+        constexpr double kNoise = 1e-3;  // of sums of coefficients with few digits
+        const std::string reason = impossible_matrix(m, angle_deg, kMatrixNoise * m.a1 + kNoise);
+        if (!reason.empty()) throw UsageError(reason);
     }
 }
 
 }  // namespace
+
+rte::Optics optics_of(const MatrixCoefficients& matrix) {
+    rte::Optics optics;
+    optics.single_scattering_albedo = matrix.single_scattering_albedo;
+    optics.one_minus_albedo = 1.0 - matrix.single_scattering_albedo;
+    optics.chi.clear();
+    for (std::size_t l = 0; l < matrix.a1.size(); ++l)
+        optics.chi.push_back(matrix.a1[l] / (2.0 * double(l) + 1.0));
+    optics.polarisation = std::make_shared<const rte::Polarisation>(rte::Polarisation{matrix, {}});
+    return optics;
+}
+
+void add(MatrixCoefficients& sum, const MatrixCoefficients& one, double weight) {
+    const auto put = [weight](std::vector<double>& to, const std::vector<double>& from) {
+        to.resize(std::max(to.size(), from.size()), 0.0);
+        for (std::size_t l = 0; l < from.size(); ++l) to[l] += weight * from[l];
+    };
+    sum.single_scattering_albedo += weight * one.single_scattering_albedo;
+    put(sum.a1, one.a1);
+    for (const auto& [name, list] : kMatrixLists) put(sum.*list, one.*list);
+}
 
 void check_moments(const std::vector<double>& chi) {
     rte::Optics optics;
@@ -204,7 +194,22 @@ rte::Optics optics_of_matrices(const Species& species, double wavelength_nm) {
     const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, wavelength_nm);
     const auto i = static_cast<std::size_t>(above - at.begin());
     const double t = (wavelength_nm - at[i - 1]) / (at[i] - at[i - 1]);
-    return optics_of(between(species.matrices[i - 1], species.matrices[i], t));
+    MatrixCoefficients between;
+    add(between, species.matrices[i - 1], 1.0 - t);
+    add(between, species.matrices[i], t);
+    return optics_of(between);
+}
+
+void check_matrix(const MatrixCoefficients& matrix) {
+    for (const auto& [name, list] : kMatrixLists) {
+        if ((matrix.*list).size() != matrix.a1.size())
+            throw UsageError("coefficients", double((matrix.*list).size()),
+                             "six lists of one length");
+    }
+    const rte::Optics optics = optics_of(matrix);
+    rte::validate(optics);
+    require_positive(optics.chi);
+    require_possible(optics);
 }
 
 void check_matrices(const Species& species) {
@@ -218,17 +223,7 @@ void check_matrices(const Species& species) {
         if (!(species.wavelength_nm[w] > species.wavelength_nm[w - 1]))
             throw UsageError("wavelength_nm", species.wavelength_nm[w], "ascending");
     }
-    for (const MatrixCoefficients& matrix : species.matrices) {
-        for (const auto& [name, list] : kMatrixLists) {
-            if ((matrix.*list).size() != matrix.a1.size())
-                throw UsageError("coefficients", double((matrix.*list).size()),
-                                 "six lists of one length");
-        }
-        const rte::Optics optics = optics_of(matrix);
-        rte::validate(optics);
-        require_positive(optics.chi);
-        require_polarisation(optics);
-    }
+    for (const MatrixCoefficients& matrix : species.matrices) check_matrix(matrix);
 }
 
 }  // namespace miebrdf

@@ -44,7 +44,13 @@ double mean_albedo(const std::vector<MatrixCoefficients>& matrices);
 /// @throws InputError  for a wavelength that it does not cover
 rte::Optics optics_of_matrices(const Species& species, double wavelength_nm);
 
+rte::Optics optics_of(const MatrixCoefficients& matrix);
+
+/// Adds all coefficients and the albedo, times the weight; shorter lists are zero beyond their end.
+void add(MatrixCoefficients& sum, const MatrixCoefficients& one, double weight);
+
 /// Refuses lists that do not fit and what no scattering matrix can be. @throws UsageError
+void check_matrix(const MatrixCoefficients& matrix);
 void check_matrices(const Species& species);
 
 }  // namespace miebrdf

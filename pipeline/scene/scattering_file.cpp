@@ -12,15 +12,14 @@
 
 #include <miebrdf/error.h>
 #include "materials/readers/text_table.h"
+#include "pipeline/scene/matrix_on_angles.h"
 #include "pipeline/scene/moments_file.h"
-#include "pipeline/scene/species_keys.h"
-#include "rte/math/quadrature.h"
+#include "pipeline/scene/scattering_netcdf.h"
 
 namespace miebrdf {
 namespace {
 
 constexpr double kNmPerUm = 1e3;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
     throw InputError(fmt::format("scattering file '{}' {}", path, reason));
@@ -71,7 +70,8 @@ void read_opac(const std::string& path, const std::string& text, FileScattering&
     table.has_cross_sections = true;
 }
 
-/// What the T-matrix programs print of particles in random orientation.
+/// What the T-matrix programs print of particles in random orientation. Their functions of BETA1
+/// and BETA2 have the other sign than d^l_02.
 void read_t_matrix(const std::string& path, const std::string& text, Species& species) {
     const std::regex of_wavelength("LAM *= *([0-9.DE+-]+)"),
         of_sections("CEXT *= *([0-9.DE+-]+).*W *= *([0-9.DE+-]+)");
@@ -98,8 +98,8 @@ void read_t_matrix(const std::string& path, const std::string& text, Species& sp
             m.a2.push_back(row[2]);
             m.a3.push_back(row[3]);
             m.a4.push_back(row[4]);
-            m.b1.push_back(row[5]);
-            m.b2.push_back(row[6]);
+            m.b1.push_back(-row[5]);
+            m.b2.push_back(-row[6]);
         } else {
             in_list = false;
         }
@@ -116,48 +116,109 @@ void read_t_matrix(const std::string& path, const std::string& text, Species& sp
     table.has_cross_sections = true;
 }
 
-/// Wavelength, largest dimension, volume, projected area, Q_ext, albedo and g, sizes fastest; the
-/// phase functions in the file beside it, its angles first.
-void read_sizes_of_particles(const std::string& path, const std::string& text,
-                             FileScattering& table) {
-    std::istringstream in(text);
-    std::vector<double> asymmetry;
+/// The file beside one whose name has `isca` in it, with another word in its place.
+std::filesystem::path beside(const std::string& path, const std::string& word) {
+    std::filesystem::path other(path);
+    std::string name = other.filename().string();
+    name.replace(name.find("isca"), 4, word);
+    return other.replace_filename(name);
+}
+
+std::vector<std::vector<double>> rows_of(const std::filesystem::path& path) {
+    std::istringstream in(text_of_file(path.string()));
+    std::vector<std::vector<double>> rows;
     for (std::string line; std::getline(in, line);) {
-        const std::vector<double> row = numbers_in(line);
-        if (row.empty()) continue;
+        if (std::vector<double> row = numbers_in(line); !row.empty())
+            rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+/// Elements over P11 in the order of FileScattering::ratios, and the sign they have there.
+constexpr std::pair<const char*, double> kRatioFiles[] = {
+    {"P22", 1.0}, {"P33", 1.0}, {"P44", 1.0}, {"P12", 1.0}, {"P43", -1.0}};
+
+/// Of a database, phase functions of all entries, the angles first; other elements likewise.
+void read_phase_files(const std::string& path, FileScattering& table) {
+    if (!std::filesystem::exists(beside(path, "P11")))
+        refuse(path, fmt::format("has no phase functions beside it ('{}')",
+                                 beside(path, "P11").string()));
+    table.phase = rows_of(beside(path, "P11"));
+    if (table.phase.empty()) refuse(path, "has no rows in its file P11");
+    table.angles_deg = std::move(table.phase.front());
+    table.phase.erase(table.phase.begin());
+    if (!std::all_of(std::begin(kRatioFiles), std::end(kRatioFiles), [&](const auto& file) {
+            return std::filesystem::exists(beside(path, file.first));
+        }))
+        return;
+    table.ratios.resize(table.phase.size());
+    for (const auto& [name, sign] : kRatioFiles) {
+        const auto rows = rows_of(beside(path, name));
+        if (rows.size() != table.phase.size() + 1) {
+            refuse(path, fmt::format("has {} rows in its file {}; expected: as many as in P11, {}",
+                                     rows.size(), name, table.phase.size() + 1));
+        }
+        for (std::size_t row = 0; row < table.phase.size(); ++row) {
+            for (const double value : rows[row + 1]) table.ratios[row].push_back(sign * value);
+        }
+    }
+}
+
+/// Of one particle, a row for each angle: P11, then P12, P22, P33, P43, P44 over it.
+void read_phase_rows(const std::string& path, FileScattering& table) {
+    const auto rows = rows_of(beside(path, "PMat"));
+    table.phase.emplace_back();
+    table.ratios.emplace_back(5 * rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].size() != 7)
+            refuse(path, fmt::format("has a row of {} numbers in its file PMat; expected: 7",
+                                     rows[i].size()));
+        table.angles_deg.push_back(rows[i][0]);
+        table.phase[0].push_back(rows[i][1]);
+        const double ratios[] = {rows[i][3], rows[i][4], rows[i][6], rows[i][2], -rows[i][5]};
+        for (std::size_t e = 0; e < 5; ++e) table.ratios[0][e * rows.size() + i] = ratios[e];
+    }
+}
+
+/// Wavelength, largest dimension, volume, projected area, Q_ext, albedo and g, sizes fastest.
+void read_sizes_of_particles(const std::string& path, FileScattering& table) {
+    for (const std::vector<double>& row : rows_of(path)) {
         if (row.size() != 7)
             refuse(path, fmt::format("has a row of {} numbers; expected: 7", row.size()));
         const double nm = kNmPerUm * row[0], radius_um = 0.75 * row[2] / row[3];
         if (table.wavelength_nm.empty() || nm != table.wavelength_nm.back())
             table.wavelength_nm.push_back(nm);
-        if (table.wavelength_nm.size() == 1) table.radius_um.push_back(radius_um);
+        if (table.wavelength_nm.size() == 1) {
+            table.radius_um.push_back(radius_um);
+            table.area_ratio.push_back(row[3] / (std::numbers::pi * radius_um * radius_um));
+        }
         table.extinction.push_back(row[4]);
         table.albedo.push_back(std::min(1.0, row[5]));
-        asymmetry.push_back(row[6]);
     }
     if (table.extinction.size() != table.wavelength_nm.size() * table.radius_um.size()) {
         refuse(path, fmt::format("has {} rows; expected: {} sizes at each of {} wavelengths",
                                  table.extinction.size(), table.radius_um.size(),
                                  table.wavelength_nm.size()));
     }
-    std::filesystem::path beside(path);
-    std::string name = beside.filename().string();
-    name.replace(name.find("isca"), 4, "P11");
-    beside.replace_filename(name);
-    if (!std::filesystem::exists(beside))
-        refuse(path, fmt::format("has no phase functions beside it ('{}')", beside.string()));
-    std::istringstream phases(text_of_file(beside.string()));
-    for (std::string line; std::getline(phases, line);) {
-        std::vector<double> row = numbers_in(line);
-        if (row.empty()) continue;
-        (table.angles_deg.empty() ? table.angles_deg : table.phase.emplace_back()) = std::move(row);
+    if (std::filesystem::exists(beside(path, "PMat")) && table.extinction.size() == 1) {
+        read_phase_rows(path, table);
+    } else {
+        read_phase_files(path, table);
     }
 }
 
 void read_csv(const std::string& path, FileScattering& table) {
     const materials::NumberTable file(path);
-    file.require_names({"angle_deg", "p11"},
-                       {"wavelength_nm", "single_scattering_albedo", "extinction_um2"});
+    file.require_names({"angle_deg", "p11"}, {"wavelength_nm", "single_scattering_albedo",
+                                              "extinction_um2", "p12", "p22", "p33", "p34", "p44"});
+    const std::vector<double>* elements[] = {file.find("p22"), file.find("p33"), file.find("p44"),
+                                             file.find("p12"), file.find("p34")};
+    const auto there = std::count_if(std::begin(elements), std::end(elements),
+                                     [](const auto* column) { return column != nullptr; });
+    if (there != 0 && there != 5)
+        file.refuse(
+            "has some columns of a scattering matrix; expected: p12, p22, p33, p34 and p44, "
+            "or none of them");
     const auto* nm = file.find("wavelength_nm");
     const auto* albedo = file.find("single_scattering_albedo");
     const auto* extinction = file.find("extinction_um2");
@@ -181,185 +242,57 @@ void read_csv(const std::string& path, FileScattering& table) {
             file.refuse(row, "expected: the same angles at every wavelength");
         }
     }
+    const std::size_t angles = table.angles_deg.size();
+    for (std::size_t row = 0; there == 5 && row + angles <= file.rows(); row += angles) {
+        std::vector<double>& ratios = table.ratios.emplace_back();
+        for (const auto* element : elements) {
+            for (std::size_t a = row; a < row + angles; ++a) {
+                const double p = file.column("p11")[a];
+                ratios.push_back(p == 0.0 ? 0.0 : (*element)[a] / p);
+            }
+        }
+    }
     if (nm == nullptr) table.wavelength_nm.clear();
     table.has_cross_sections = extinction != nullptr;
 }
 
-/// P at any angle: linear in angle and log P, or in P beside zeros.
-struct TabulatedPhase {
-    std::vector<double> angles_deg, values;
-
-    double at(double angle_deg) const {
-        const auto above =
-            std::upper_bound(angles_deg.begin() + 1, angles_deg.end() - 1, angle_deg);
-        const auto i = static_cast<std::size_t>(above - angles_deg.begin());
-        const double t = std::clamp(
-            (angle_deg - angles_deg[i - 1]) / (angles_deg[i] - angles_deg[i - 1]), 0.0, 1.0);
-        const double a = values[i - 1], b = values[i];
-        if (a > 0.0 && b > 0.0) return a * std::pow(b / a, t);
-        return (1.0 - t) * a + t * b;
-    }
-    double operator()(double cos_theta) const {
-        return at(std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kRadiansPerDegree);
-    }
-};
-
-/// chi_0 ... chi_last of an interpolated phase function, by Gauss rules between its angles.
-std::vector<double> moments_of(const TabulatedPhase& phase, std::size_t last) {
-    std::vector<double> chi(last + 1, 0.0);
-    for (std::size_t i = 1; i < phase.angles_deg.size(); ++i) {
-        const double width = (phase.angles_deg[i] - phase.angles_deg[i - 1]) * kRadiansPerDegree;
-        const int nodes = 4 + static_cast<int>(std::ceil(0.5 * double(last) * width));
-        const auto rule = math::gauss_legendre(nodes, phase.angles_deg[i - 1], phase.angles_deg[i]);
-        for (int n = 0; n < nodes; ++n) {
-            const double theta = rule.nodes[n] * kRadiansPerDegree, mu = std::cos(theta);
-            const double weight = 0.5 * rule.weights[n] * kRadiansPerDegree * std::sin(theta) *
-                                  phase.at(rule.nodes[n]);
-            double before = 0.0, here = 1.0;
-            for (std::size_t l = 0; l <= last; ++l) {
-                chi[l] += weight * here;
-                const double k = static_cast<double>(l);
-                const double next = ((2.0 * k + 1.0) * mu * here - k * before) / (k + 1.0);
-                before = here;
-                here = next;
-            }
+/// Matrices that no particle can have, at any angle. @throws UsageError
+void check_ratios(const FileScattering& table) {
+    const std::size_t angles = table.angles_deg.size(), all = MatrixOnAngles::kRatios * angles;
+    if (table.ratios.size() != table.phase.size())
+        throw UsageError(fmt::format("{} matrices for {} phase functions", table.ratios.size(),
+                                     table.phase.size()));
+    for (std::size_t row = 0; row < table.ratios.size(); ++row) {
+        const std::vector<double>& r = table.ratios[row];
+        if (r.size() != all)
+            throw UsageError(fmt::format("{} elements of matrix {}; expected: {} at {} angles",
+                                         r.size(), row + 1, MatrixOnAngles::kRatios, angles));
+        for (std::size_t a = 0; a < angles; ++a) {
+            const rte::ScatteringMatrix m{
+                1.0, r[a], r[angles + a], r[2 * angles + a], r[3 * angles + a], r[4 * angles + a]};
+            const std::string reason = impossible_matrix(m, table.angles_deg[a], kMatrixNoise);
+            if (!reason.empty())
+                throw UsageError(fmt::format("entry {}, over its a1: {}", row + 1, reason));
         }
     }
-    return chi;
-}
-
-/// Moments until the terms (2l + 1) chi_l are small, at most this many.
-constexpr std::size_t kFirstTableMoments = 64, kMostTableMoments = 1024;
-constexpr double kSmallTerm = 1e-3;
-
-rte::Optics optics_of_table(TabulatedPhase phase, double albedo) {
-    std::vector<double> chi;
-    bool has_more = true;
-    for (std::size_t last = kFirstTableMoments; has_more && last <= kMostTableMoments; last *= 2) {
-        chi = moments_of(phase, last);
-        double largest = 0.0;  // of the last quarter: odd and even ones alternate
-        for (std::size_t l = last - last / 4; l <= last; ++l)
-            largest = std::max(largest, (2.0 * double(l) + 1.0) * std::abs(chi[l] / chi[0]));
-        has_more = largest > kSmallTerm;
-    }
-    const double mean = chi[0];
-    for (double& value : chi) value /= mean;
-    for (double& value : phase.values) value /= mean;
-    rte::Optics optics;
-    optics.single_scattering_albedo = albedo;
-    optics.one_minus_albedo = 1.0 - albedo;
-    optics.chi = std::move(chi);
-    optics.has_more_moments = has_more;
-    optics.phase = std::move(phase);
-    return optics;
-}
-
-/// The average over sizes at one wavelength of the file: extinction, scattering, and P times it.
-struct Average {
-    double extinction = 0.0, scattering = 0.0;
-    std::vector<double> phase;
-};
-
-/// Sizes that averages are taken over.
-constexpr int kSizes = 400;
-
-mie::SizeDistribution sizes_for(const Species& species) {
-    const FileScattering& table = species.scattering;
-    if (!states_radius(species)) {
-        throw InputError(fmt::format(
-            "scattering file '{}' has {} sizes from {:.4g} to {:.4g} um; say over which the "
-            "average is taken, e.g. scattering:{},radius=1,variance=0.2",
-            species.name, table.radius_um.size(), table.radius_um.front(), table.radius_um.back(),
-            species.name));
-    }
-    return sizes_of(species, {});
-}
-
-Average average_at(const Species& species, std::size_t w) {
-    const FileScattering& table = species.scattering;
-    const std::vector<double>& radii = table.radius_um;
-    Average sum;
-    sum.phase.assign(table.angles_deg.size(), 0.0);
-    const auto add = [&](std::size_t row, double weight) {
-        const double scattering = weight * table.extinction[row] * table.albedo[row];
-        sum.extinction += weight * table.extinction[row];
-        sum.scattering += scattering;
-        for (std::size_t a = 0; a < sum.phase.size(); ++a)
-            sum.phase[a] += scattering * table.phase[row][a];
-    };
-    if (!has_sizes(table)) {
-        add(w, 1.0);
-        return sum;
-    }
-    const mie::SizeDistribution sizes = sizes_for(species);
-    // Particles of tails beyond the file are few: they take part with its ends.
-    constexpr double kTail = 1e-3;
-    const mie::RadiusRange range = mie::radius_range(sizes, kTail);
-    const auto add_radius = [&](double radius, double weight) {
-        const auto above = std::upper_bound(radii.begin() + 1, radii.end() - 1, radius);
-        const auto i = static_cast<std::size_t>(above - radii.begin());
-        const double t = std::clamp((radius - radii[i - 1]) / (radii[i] - radii[i - 1]), 0.0, 1.0);
-        add(w * radii.size() + i - 1, (1.0 - t) * weight);
-        add(w * radii.size() + i, t * weight);
-    };
-    if (range.smallest_um < radii.front() / 2 || range.largest_um > radii.back() * 2) {
-        throw InputError(fmt::format(
-            "scattering file '{}' has sizes from {:.4g} to {:.4g} um; those asked for reach from "
-            "{:.4g} to {:.4g} um",
-            species.name, radii.front(), radii.back(), range.smallest_um, range.largest_um));
-    }
-    if (range.smallest_um == range.largest_um) {
-        add_radius(range.largest_um, 1.0);
-        return sum;
-    }
-    double before = range.smallest_um;
-    for (int i = 1; i <= kSizes; ++i) {
-        const double here =
-            range.smallest_um * std::pow(range.largest_um / range.smallest_um, double(i) / kSizes);
-        add_radius(std::sqrt(before * here), mie::area_share_within(sizes, {before, here}));
-        before = here;
-    }
-    return sum;
-}
-
-struct Between {
-    std::size_t below = 0, above = 0;
-    double t = 0.0;
-};
-
-Between wavelengths_at(const Species& species, double nm) {
-    const std::vector<double>& at = species.scattering.wavelength_nm;
-    if (at.empty()) return {};
-    // One wavelength is not asked to hold for others.
-    constexpr double kSame = 1e-3;
-    if (!(nm >= at.front() * (1 - kSame) && nm <= at.back() * (1 + kSame))) {
-        throw InputError(
-            fmt::format("scattering file '{}' has nothing at {} nm; it covers {} to "
-                        "{} nm",
-                        species.name, nm, at.front(), at.back()));
-    }
-    if (at.size() == 1) return {};
-    const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, nm);
-    const auto i = static_cast<std::size_t>(above - at.begin());
-    return {i - 1, i, std::clamp((nm - at[i - 1]) / (at[i] - at[i - 1]), 0.0, 1.0)};
 }
 
 }  // namespace
-
-bool has_sizes(const FileScattering& table) { return table.radius_um.size() > 1; }
 
 void read_scattering_file(const std::string& path, Species& species) {
     species.name = path;
     FileScattering& table = species.scattering;
     const std::string text = text_of_file(path);
     const std::string first = text.substr(0, text.find('\n'));
-    if (text.find("ALPHA1") != std::string::npos) {
+    if (is_netcdf(text)) {
+        read_scattering_netcdf(path, species);
+    } else if (text.find("ALPHA1") != std::string::npos) {
         read_t_matrix(path, text, species);
     } else if (text.find("optical parameters") != std::string::npos) {
         read_opac(path, text, table);
     } else if (std::filesystem::path(path).filename().string().find("isca") != std::string::npos &&
                numbers_in(first).size() == 7) {
-        read_sizes_of_particles(path, text, table);
+        read_sizes_of_particles(path, table);
     } else {
         read_csv(path, table);
     }
@@ -373,41 +306,6 @@ void read_scattering_file(const std::string& path, Species& species) {
     }
 }
 
-rte::Optics optics_of_file(const Species& species, double wavelength_nm) {
-    const Between at = wavelengths_at(species, wavelength_nm);
-    if (!species.matrices.empty()) {
-        Species matrix = species;
-        matrix.wavelength_nm.clear();
-        if (species.matrices.size() > 1) matrix.wavelength_nm = species.scattering.wavelength_nm;
-        return optics_of_matrices(matrix, wavelength_nm);
-    }
-    Average mean = average_at(species, at.below);
-    if (at.t > 0.0) {
-        const Average other = average_at(species, at.above);
-        const auto between = [&](double a, double b) { return (1.0 - at.t) * a + at.t * b; };
-        mean.extinction = between(mean.extinction, other.extinction);
-        mean.scattering = between(mean.scattering, other.scattering);
-        for (std::size_t a = 0; a < mean.phase.size(); ++a)
-            mean.phase[a] = between(mean.phase[a], other.phase[a]);
-    }
-    return optics_of_table({species.scattering.angles_deg, mean.phase},
-                           std::min(1.0, mean.scattering / mean.extinction));
-}
-
-double extinction_of_file(const Species& species, double wavelength_nm) {
-    const Between at = wavelengths_at(species, wavelength_nm);
-    if (!has_sizes(species.scattering)) {
-        const std::vector<double>& e = species.scattering.extinction;
-        return (1.0 - at.t) * e[at.below] + at.t * e[at.above];
-    }
-    return (1.0 - at.t) * average_at(species, at.below).extinction +
-           at.t * average_at(species, at.above).extinction;
-}
-
-double effective_radius_of_file(const Species& species) {
-    return mie::effective_radius_of(sizes_for(species));
-}
-
 void check_scattering(const Species& species) {
     const FileScattering& table = species.scattering;
     const auto refuse = [](const std::string& reason) { throw UsageError(reason); };
@@ -418,6 +316,9 @@ void check_scattering(const Species& species) {
                             "0",
                             table.albedo[i], table.extinction[i], i + 1));
     }
+    if (!table.area_ratio.empty() && table.area_ratio.size() != table.radius_um.size())
+        refuse(
+            fmt::format("{} areas for {} sizes", table.area_ratio.size(), table.radius_um.size()));
     for (const auto* ascending : {&table.wavelength_nm, &table.radius_um, &table.angles_deg}) {
         for (std::size_t i = 1; i < ascending->size(); ++i) {
             if (!((*ascending)[i] > (*ascending)[i - 1]))
@@ -426,10 +327,14 @@ void check_scattering(const Species& species) {
         }
     }
     if (!species.matrices.empty()) {
-        Species matrix = species;
-        matrix.wavelength_nm.clear();
-        if (species.matrices.size() > 1) matrix.wavelength_nm = table.wavelength_nm;
-        return check_matrices(matrix);
+        if (species.matrices.size() != table.albedo.size()) {
+            refuse(fmt::format("{} lists of coefficients for {} entries", species.matrices.size(),
+                               table.albedo.size()));
+        }
+        // Averages over sizes are looked at where they are taken.
+        if (has_sizes(table)) return;
+        for (const MatrixCoefficients& matrix : species.matrices) check_matrix(matrix);
+        return;
     }
     if (table.phase.size() != table.albedo.size() || table.phase.empty()) {
         refuse(fmt::format("{} phase functions for {} entries", table.phase.size(),
@@ -461,6 +366,7 @@ void check_scattering(const Species& species) {
         }
         if (!(largest > 0.0)) refuse("a phase function is 0 at all angles");
     }
+    if (!table.ratios.empty()) check_ratios(table);
 }
 
 }  // namespace miebrdf

@@ -56,24 +56,32 @@ double radius_of_surface_um(const Species& species, std::optional<double> of_mat
 /// in a um3 times the cross-section.
 void set_file_sizes(ResolvedSpecies& resolved) {
     const bool sized = has_sizes(resolved.species.scattering);
-    resolved.effective_radius_um = sized ? effective_radius_of_file(resolved.species) : 0.75;
+    resolved.effective_radius_um =
+        sized ? effective_radius_of_file(resolved.species, resolved.wavelength_nm.front()) : 0.75;
     resolved.outer_radius_um = resolved.effective_radius_um;
     resolved.density_g_cm3 = resolved.species.density_g_cm3;
-    if (sized) resolved.sizes = sizes_of(resolved.species, {});
+    if (sized) resolved.sizes = sizes_of_file(resolved.species);
 }
 
-/// A list of coefficients whose end is not small was cut.
+/// A list of moments or coefficients whose end is not small was cut; short ones may be whole.
 std::string cut_note(const Species& species) {
     constexpr double kSmall = 0.01;
-    for (const MatrixCoefficients& matrix : species.matrices) {
-        if (species.kind != Species::Kind::scattering || std::abs(matrix.a1.back()) <= kSmall)
-            continue;
+    constexpr std::size_t kShort = 16;
+    const auto note = [&](std::size_t count, double last) {
+        if (count < kShort || std::abs(last) <= kSmall) return std::string();
         return fmt::format(
-            "{}: its coefficients end at l = {} with {:.3g}, which is not small: "
-            "they look cut, and the forward peak may be less than it is",
-            describe(species), matrix.a1.size() - 1, matrix.a1.back());
+            "{}: its moments end at l = {} with (2l + 1) chi_l = {:.3g}, which is not small: they "
+            "look cut, and the forward peak may be less than it is",
+            describe(species), count - 1, last);
+    };
+    std::string found;
+    if (species.kind == Species::Kind::moments)
+        found =
+            note(species.chi.size(), (2.0 * double(species.chi.size()) - 1.0) * species.chi.back());
+    for (const MatrixCoefficients& matrix : species.matrices) {
+        if (found.empty()) found = note(matrix.a1.size(), matrix.a1.back());
     }
-    return "";
+    return found;
 }
 
 /// Only numbers count: two names for the same figures are the same species.
@@ -101,8 +109,8 @@ std::string key_of(const ResolvedSpecies& species, std::size_t w) {
             key.add(o.single_scattering_albedo).add(o.chi);
             key.add(extinction_of_file(species.species, nm))
                 .add(species.species.scattering.phase.size());
-        }
-        if (!species.species.matrices.empty()) {
+            if (o.polarisation) key.add<MatrixExpansion>(*o.polarisation);
+        } else if (!species.species.matrices.empty()) {
             const rte::Optics o =
                 kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
             key.add(o.single_scattering_albedo).add(o.chi);
@@ -400,6 +408,11 @@ void Resolver::set_packing(ResolvedMedium& medium) {
     }
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
+        if (asked && species.species.shape.kind != GrainShape::Kind::sphere) {
+            add_once(notes_, fmt::format("packing percus-yevick takes the grains of {} as spheres "
+                                         "of their effective radius",
+                                         describe(species.species)));
+        }
         set_crowd(species, medium);
         if (asked || !medium.has_amounts || species.crowd_fraction <= kCrowded) continue;
         if (const auto change = crowding(species, 0)) note_crowding(species, *change);

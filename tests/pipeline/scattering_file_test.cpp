@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
 #include "pipeline/solve/resolved_scene.h"
 #include "pipeline/solve/single_scattering.h"
 #include "tests/support/catch.h"
+#include "tests/support/database_particles.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -114,6 +116,8 @@ TEST_CASE("a component file of OPAC gives what Mie theory put in", "[pipeline][s
 }
 
 TEST_CASE("a T-matrix program's list of coefficients is read whole", "[pipeline][scattering]") {
+    // There b1 and b2 have the other sign, as their functions do (tests/mie/spheroid_test.cpp
+    // compares with what the program printed).
     const mie::MatrixOptics truth = mie::average_matrix(drops(550));
     std::vector<double> a1(truth.optics.chi);
     for (std::size_t l = 0; l < a1.size(); ++l) a1[l] *= 2.0 * static_cast<double>(l) + 1.0;
@@ -130,7 +134,7 @@ TEST_CASE("a T-matrix program's list of coefficients is read whole", "[pipeline]
         for (std::size_t l = 0; l < count; ++l) {
             const auto& e = truth.expansion;
             list += fmt::format("{:4} {:11.5f} {:11.5f} {:11.5f} {:11.5f} {:11.5f} {:11.5f}\n", l,
-                                a1[l], e.a2[l], e.a3[l], e.a4[l], e.b1[l], e.b2[l]);
+                                a1[l], e.a2[l], e.a3[l], e.a4[l], -e.b1[l], -e.b2[l]);
         }
         return list + " \n      <        F11\n";
     };
@@ -179,6 +183,8 @@ TEST_CASE("a table of sizes is averaged over sizes of one's own", "[pipeline][sc
     const std::string file = folder.write("isca.dat", rows);
     CHECK_THROWS_WITH(medium("scattering:" + file), Catch::Contains("P11.dat"));
     folder.write("P11.dat", phases);
+    CHECK_FALSE(read_optics("scattering:" + file + ",radius=0.4,distribution=mono", 500)
+                    .optics.polarisation);
     const std::string sizes = ",radius=0.4,variance=0.2,distribution=log-normal";
     for (const double nm : {500.0, 600.0}) {
         mie::EnsembleRequest request = drops(nm);
@@ -209,6 +215,66 @@ TEST_CASE("a table of sizes is averaged over sizes of one's own", "[pipeline][sc
                       Catch::Contains("reach"));
 }
 
+TEST_CASE("databases with all elements of the matrix polarise", "[pipeline][scattering]") {
+    // One sphere at two sizes, as a table and as tamudust2020single writes one particle.
+    const std::vector<double> angles = support::even_angles(0.5);
+    const support::TemporaryFolder folder;
+    std::string rows, csv = "# single_scattering_albedo: 0.9\nangle_deg,p11,p12,p22,p33,p34,p44\n",
+                      single;
+    std::map<std::string, std::string> elements;
+    for (const auto& name : {"P11", "P12", "P22", "P33", "P43", "P44"}) {
+        for (const double angle : angles) elements[name] += fmt::format("{} ", angle);
+    }
+    for (const double r : {0.3, 0.4}) {
+        const double x = 2e3 * std::numbers::pi * r / 500;
+        const auto one = support::database_sphere(kDrop, x, angles);
+        rows += fmt::format("0.5 {} {:.9E} {:.9E} {:.9E} {:.9E} {:.9E}\n", 2 * r,
+                            4.0 / 3 * std::numbers::pi * r * r * r, std::numbers::pi * r * r,
+                            one.sphere.q_ext, one.sphere.q_sca / one.sphere.q_ext,
+                            one.sphere.asymmetry);
+        if (r == 0.3) folder.write("isca.txt", rows);
+        for (auto& [name, text] : elements) text += "\n";
+        for (std::size_t a = 0; a < angles.size(); ++a) {
+            const rte::ScatteringMatrix& m = one.matrix[a];
+            const auto put = [&](const char* name, double value) {
+                elements[name] += fmt::format("{:.7E} ", value);
+            };
+            put("P11", m.a1);
+            put("P12", m.b1 / m.a1);
+            put("P22", m.a2 / m.a1);
+            put("P33", m.a3 / m.a1);
+            put("P43", -m.b2 / m.a1);
+            put("P44", m.a4 / m.a1);
+            if (r != 0.3) continue;
+            single += fmt::format("{} {} {} {} {} {} {}\n", angles[a], m.a1, m.b1 / m.a1,
+                                  m.a2 / m.a1, m.a3 / m.a1, -m.b2 / m.a1, m.a4 / m.a1);
+            csv += fmt::format("{},{},{},{},{},{},{}\n", angles[a], 7 * m.a1, 7 * m.b1, 7 * m.a2,
+                               7 * m.a3, 7 * m.b2, 7 * m.a4);
+        }
+    }
+    const std::string table = folder.write("isca.dat", rows);
+    for (const auto& [name, text] : elements) folder.write(name + ".dat", text);
+    folder.write("PMat.txt", single);
+    mie::EnsembleRequest sphere = drops(500);
+    sphere.sizes = {mie::SizeDistributionKind::mono, 0.3};
+    const mie::MatrixOptics truth = mie::average_matrix(sphere);
+    for (const std::string& words : {table + ",radius=0.3,distribution=mono", folder / "isca.txt",
+                                     folder.write("m.csv", csv)}) {
+        const MediumOptics read = read_optics("scattering:" + words, 500);
+        CAPTURE(words);
+        REQUIRE(read.optics.polarisation);
+        for (std::size_t l = 2; l <= 8; ++l) {
+            CAPTURE(l);
+            CHECK(std::abs(read.optics.chi[l] - truth.optics.chi[l]) <= 1e-4);
+            for (const auto& [name, list] : kMatrixLists) {
+                const double error =
+                    std::abs((*read.optics.polarisation.*list)[l] - (truth.expansion.*list)[l]);
+                CHECK(error <= 2e-4 * (2.0 * double(l) + 1.0));
+            }
+        }
+    }
+}
+
 TEST_CASE("impossible scattering is refused with the angle and the value",
           "[pipeline][scattering][errors]") {
     const support::TemporaryFolder folder;
@@ -222,6 +288,17 @@ TEST_CASE("impossible scattering is refused with the angle and the value",
     refuses(head + "0,9\n90,1\n", "from 0 to 180");
     refuses(head + "0,0\n90,0\n180,0\n", "0 at all angles");
     refuses("angle_deg,p11\n0,9\n90,1\n180,2\n", "single_scattering_albedo");
+    const std::string matrix =
+        "# single_scattering_albedo: 0.9\nangle_deg,p11,p12,p22,p33,p34,p44\n";
+    const auto rows = [](const std::string& middle) {
+        return "0,9,0,9,9,0,9\n" + middle + "180,2,0,2,-2,0,-2\n";
+    };
+    CHECK_NOTHROW(
+        medium("scattering:" + folder.write("g.csv", matrix + rows("90,1,-1,1,0,0,0\n"))));
+    refuses(matrix + rows("90,1,-1.2,1,0,0,0\n"), "90 degrees");
+    refuses(matrix + rows("60,1,0,1,1,0,0.2\n"), "eigenvalue -0.4");
+    refuses("# single_scattering_albedo: 0.9\nangle_deg,p11,p12\n0,9,0\n90,1,0\n180,2,0\n",
+            "expected: p12, p22");
     refuses("# single_scattering_albedo: 1.2\nangle_deg,p11\n0,9\n90,1\n180,2\n", "1.2");
     const std::string words = "scattering:" + folder.write("h.csv", head + "0,9\n90,1\n180,2\n");
     CHECK_THROWS_WITH(medium(words + ",volume=3%"), Catch::Contains("number="));

@@ -43,18 +43,25 @@ void set_sizes(ParticleSizes& s, const py::tuple& state) {
 
 py::tuple scattering_state(const FileScattering& t) {
     return py::make_tuple(t.wavelength_nm, t.radius_um, t.extinction, t.albedo,
-                          t.has_cross_sections, t.angles_deg, t.phase);
+                          t.has_cross_sections, t.angles_deg, t.phase, t.ratios,
+                          t.radius_is_parameter, t.has_averages, t.area_ratio);
 }
 
 void set_scattering(FileScattering& t, const py::tuple& state) {
+    using Lists = std::vector<std::vector<double>>;
     const auto list = [&](std::size_t i) { return state[i].cast<std::vector<double>>(); };
+    const auto flag = [&](std::size_t i) { return state[i].cast<bool>(); };
     t = {list(0),
          list(1),
          list(2),
          list(3),
-         state[4].cast<bool>(),
+         flag(4),
          list(5),
-         state[6].cast<std::vector<std::vector<double>>>()};
+         state[6].cast<Lists>(),
+         state[7].cast<Lists>(),
+         flag(8),
+         flag(9),
+         list(10)};
 }
 
 py::tuple shape_state(const Species& s) {

@@ -98,19 +98,28 @@ struct MatrixCoefficients : MatrixExpansion {
     bool operator==(const MatrixCoefficients&) const = default;
 };
 
-/// Single scattering as databases have it, without polarisation: of an ensemble, or of particles
-/// of single sizes.
+/// Single scattering as databases have it: of an ensemble, or of particles of single sizes.
 struct FileScattering {
     std::vector<double> wavelength_nm;  ///< ascending; empty: the same at all
-    std::vector<double> radius_um;      ///< 3 V / (4 A) of each size, ascending; empty: an ensemble
+    /// 3 V / (4 A) of each size (V the volume, A the mean projected area), ascending; empty: an
+    /// ensemble without a size.
+    std::vector<double> radius_um;
     /// Of each size at each wavelength, sizes fastest: Q_ext of sizes, the mean cross-section in
     /// um2 of ensembles (in any unit without has_cross_sections).
     std::vector<double> extinction;
     std::vector<double> albedo;  ///< in [0, 1]
     bool has_cross_sections = false;
     std::vector<double> angles_deg = {};          ///< 0 ... 180
-    std::vector<std::vector<double>> phase = {};  ///< P >= 0 at them, in any unit; of polarised
-                                                  ///< media empty: Species::matrices
+    std::vector<std::vector<double>> phase = {};  ///< P >= 0 at them, in any unit; of coefficients
+                                                  ///< (Species::matrices) empty
+    /// Of media that polarise, beside each P: a2, a3, a4, b1 and b2 of rte::ScatteringMatrix over
+    /// a1 at all angles, one list after the other.
+    std::vector<std::vector<double>> ratios = {};
+    /// The radii are 2 pi r / wavelength: particles of one refractive index, at any wavelength.
+    bool radius_is_parameter = false;
+    /// The radii are effective radii, of which averages over sizes were taken.
+    bool has_averages = false;
+    std::vector<double> area_ratio = {};  ///< A over pi r^2 of each size; empty: 1
 
     bool operator==(const FileScattering&) const = default;
 };
@@ -139,12 +148,13 @@ struct Species {
     std::vector<double> chi = {};  ///< moments: chi_0 = 1, chi_1, ...
     /// table, matrix: in vacuum, ascending; matrix: empty where it is the same at all
     std::vector<double> wavelength_nm = {};
-    std::vector<MatrixCoefficients> matrices = {};  ///< matrix: at each wavelength, linear between
-    std::vector<std::complex<double>> index = {};   ///< table: n + ik at each wavelength, between
-                                                    ///< them monotone cubic in photon energy
-    FileScattering scattering = {};                 ///< scattering: what the file has
-    ParticleSizes sizes = {};                       ///< of species that go through Mie theory
-    std::vector<Coating> coatings = {};             ///< of these, from inside out
+    /// matrix: at each wavelength, linear between; scattering: of each entry, or empty
+    std::vector<MatrixCoefficients> matrices = {};
+    std::vector<std::complex<double>> index = {};  ///< table: n + ik at each wavelength, between
+                                                   ///< them monotone cubic in photon energy
+    FileScattering scattering = {};                ///< scattering: what the file has
+    ParticleSizes sizes = {};                      ///< of species that go through Mie theory
+    std::vector<Coating> coatings = {};            ///< of these, from inside out
     GrainShape shape = {};
     std::optional<PhaseForm> phase = {};  ///< empty: mie, of grains that are no spheres smooth
     /// Of the whole particle, > 0; empty: from the database, where needed.
