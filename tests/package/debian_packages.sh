@@ -41,7 +41,10 @@ fi
 remove_root
 mkdir -p "$root/proc" "$root/sys" && tar -xf "$work/base.tar" --exclude=./proc --exclude=./sys -C "$root"
 mount -t proc proc "$root/proc" 2>/dev/null || echo "no /proc in the new root: it cannot be mounted here"
-cp "$packages"/miebrdf* "$packages"/*.deb "$root/root/"
+cp "$packages"/*.deb "$root/root/"
+for each in "$packages"/miebrdf-*.whl "$packages"/miebrdf-*.tar.gz; do
+    [ ! -e "$each" ] || cp "$each" "$root/root/"
+done
 in_root() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
 in_root apt-get -qq update || skip "no packages can be fetched in the new root"
 
