@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "rte/first_order/first_order.h"
+#include "rte/first_order/first_order_sum.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/fourier_sum.h"
 #include "rte/stack/stack_solver.h"

@@ -29,7 +29,7 @@ std::vector<Beam<Light>> beams_of(const ScaledStack& stack, double mu_air);
 template <typename Light>
 Light mirror_reflection(const ScaledStack& stack, double mu_air);
 
-/// What comes back of light under the topmost boundary without being scattered.
+/// The share of light under the topmost boundary that comes back without being scattered.
 /// @param mu  in the topmost medium
 double unscattered_return(const ScaledStack& stack, double mu);
 

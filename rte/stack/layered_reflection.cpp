@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
-#include "rte/first_order/first_order.h"
+#include "rte/first_order/first_order_sum.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"

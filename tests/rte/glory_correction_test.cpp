@@ -2,7 +2,7 @@
 #include <numbers>
 #include <utility>
 
-#include "rte/first_order/first_order.h"
+#include "rte/first_order/first_order_sum.h"
 #include "rte/first_order/glory_correction.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/phase/scaled_medium.h"
@@ -47,7 +47,7 @@ TEST_CASE("a glory seen with few nodes is the glory of the whole equation", "[rt
     // 200 moments on 150 nodes: nothing truncated, no correction applies.
     const double truth = backscatter(stack, 150);
     const double corrected = backscatter(stack, 16);
-    // The same first order (TMS) without the high moments that the correction needs.
+    // This first order (TMS) is without the high moments that the correction needs.
     rte::Stack uncorrected = stack;
     const rte::Optics whole = stack.base;
     uncorrected.base.chi.resize(22);

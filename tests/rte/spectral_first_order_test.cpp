@@ -7,6 +7,7 @@
 #include <random>
 
 #include "rte/boundary/smooth_boundary.h"
+#include "rte/first_order/first_order_sum.h"
 #include "rte/stack/scaled_stack.h"
 #include "tests/support/catch.h"
 
@@ -51,7 +52,7 @@ TEST_CASE("many wavelengths at once are each wavelength's own first order", "[rt
     const double tolerance = GENERATE(1e-3, 1e-5);
     const rte::SpectralFirstOrder together(wavelengths_of(stacks), exact, tolerance);
     REQUIRE(together.wavelengths() == 3);
-    // The same sums over moments, at each direction itself.
+    // These sums over moments are taken at each direction itself.
     std::vector<rte::GloryCorrection> features;
     for (const auto& stack : stacks) features.push_back({{&stack.media, 1}, 0.005, 1e-9});
     std::mt19937_64 engine(5);
