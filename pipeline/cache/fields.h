@@ -1,9 +1,12 @@
 // The fields of the types that results depend on or consist of, each listed once: cache keys and
 // stored results are made from these lists. A field that is added to a type and not here does not
-// compile, because a structured binding names as many as there are.
+// compile, because a structured binding names as many as there are. Private types have their list
+// beside them.
 #pragma once
 
 #include <miebrdf/brdf.h>
+#include <miebrdf/ensemble.h>
+#include <miebrdf/index.h>
 #include <miebrdf/scene.h>
 #include <miebrdf/solver.h>
 
@@ -23,10 +26,34 @@ auto fields(T& value) {
     return std::tie(kind, radius, variance, radii, density, exponent);
 }
 
+template <Is<mie::ParticleCoating> T>
+auto fields(T& value) {
+    auto& [refractive_index, thickness_um, share_of_radius] = value;
+    return std::tie(refractive_index, thickness_um, share_of_radius);
+}
+
+template <Is<GrainShape> T>
+auto fields(T& value) {
+    auto& [kind, aspect, asymmetry, absorption, by_t_matrix] = value;
+    return std::tie(kind, aspect, asymmetry, absorption, by_t_matrix);
+}
+
 template <Is<MatrixExpansion> T>
 auto fields(T& value) {
     auto& [a2, a3, a4, b1, b2] = value;
     return std::tie(a2, a3, a4, b1, b2);
+}
+
+template <Is<materials::IndexOptions> T>
+auto fields(T& value) {
+    auto& [interpolation, extrapolation, missing_k_is_zero] = value;
+    return std::tie(interpolation, extrapolation, missing_k_is_zero);
+}
+
+template <Is<rte::Boundary> T>
+auto fields(T& value) {
+    auto& [roughness, distribution, matrices] = value;
+    return std::tie(roughness, distribution, matrices);
 }
 
 template <Is<rte::SurfaceOptions> T>

@@ -22,8 +22,16 @@ class JobKey {
     JobKey& add(std::string_view text);
     JobKey& add(std::span<const double> numbers);
     JobKey& add(const std::vector<double>& numbers) { return add(std::span(numbers)); }
+    JobKey& add(const std::string& text) { return add(std::string_view(text)); }
+    JobKey& add(const char* text) { return add(std::string_view(text)); }
+    template <typename T>
+    JobKey& add(const std::vector<T>& list) {
+        add(list.size());
+        for (const T& value : list) add(value);
+        return *this;
+    }
 
-    /// Numbers, truth values and enumerations; not text literals, which would become a truth value.
+    /// Numbers, truth values and enumerations.
     template <typename T>
     requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) JobKey& add(T value) {
         const auto number = static_cast<double>(value);

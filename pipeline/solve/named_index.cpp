@@ -63,8 +63,7 @@ ResolvedIndex Materials::remembered(const std::string& name,
                                     const std::function<ResolvedIndex()>& look_up) const {
     if (memo_ == nullptr) return look_up();
     JobKey key("n and k");
-    key.add(std::string_view(file_)).add(std::string_view(name)).add(wavelength_nm).add(k_floor);
-    key.add(options_.interpolation).add(options_.extrapolation).add(options_.missing_k_is_zero);
+    key.add(file_).add(name).add(wavelength_nm).add(k_floor).add(options_);
     const std::string hash = key.hash();
     if (auto known = memo_->find(hash)) return *known;
     ResolvedIndex found = look_up();

@@ -162,8 +162,7 @@ double CrowdedPhase::operator()(double cos_theta) const {
 std::string crowd_key(const ResolvedSpecies& species, std::size_t w) {
     JobKey key("crowd");
     key.add(species.crowd_fraction);
-    for (const CrowdMember& member : species.crowd)
-        key.add(member.share).add(std::string_view(member.key[w]));
+    for (const CrowdMember& member : species.crowd) key.add(member.share).add(member.key[w]);
     return key.hash();
 }
 

@@ -169,11 +169,7 @@ double ResolvedScene::top_index(std::size_t wavelength) const {
 }
 
 void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
-    key.add(substrate);
-    key.add(boundary.has_value());
-    if (boundary) {
-        key.add(boundary->roughness).add(boundary->distribution).add(boundary->matrices);
-    }
+    key.add(substrate).add(boundary);
     if (has_optical_steps()) {
         key.add(scene_host_index[wavelength]);
         for (std::size_t i = first_medium(); i < media.size(); ++i)
@@ -182,7 +178,7 @@ void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
     if (!mirror_index.empty()) key.add(mirror_index[wavelength]);
     if (substrate) key.add(ground_albedo[wavelength]);
     for (std::size_t i = first_medium(); i < media.size(); ++i) {
-        key.add(std::string_view(media[i].key[wavelength]));
+        key.add(media[i].key[wavelength]);
         if (i == 0) continue;
         const ResolvedDepth& depth = depths[i - 1];
         key.add(depth.is_grey() || depth.reference ? depth.optical_depth : 0.0);
@@ -195,7 +191,7 @@ void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
         const bool follows =
             depth.reference && depth.depth.wavelength_nm != wavelength_nm[wavelength];
         key.add(follows);
-        if (follows) key.add(std::string_view(depth.reference->key.front()));
+        if (follows) key.add(depth.reference->key.front());
     }
 }
 

@@ -8,6 +8,7 @@
 #include <complex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace miebrdf {
@@ -23,6 +24,11 @@ struct Particles {
     double host_index = 1.0;                          ///< the real part: docs/maths-mie.md
     std::vector<mie::ParticleCoating> coatings = {};  ///< from inside out
 };
+
+inline auto fields(const Particles& value) {
+    const auto& [wavelength_nm, index, host_index, coatings] = value;
+    return std::tie(wavelength_nm, index, host_index, coatings);
+}
 
 /// Spheres of some index among others of the same sizes, which crowd each other.
 struct CrowdMember {

@@ -84,39 +84,27 @@ std::string cut_note(const Species& species) {
     return found;
 }
 
-/// Only numbers count: two names for the same figures are the same species.
-std::string key_of(const ResolvedSpecies& species, std::size_t w) {
+/// Only numbers count: two names for the same figures are the same species. All members are named,
+/// so that one which is added has to be looked at here.
+std::string key_of(const ResolvedSpecies& resolved, std::size_t w) {
+    // Crowding, and how much of it there is, belong to the mixture.
+    const auto& [species, particles, wavelength_nm, size_distribution, effective_radius_um,
+                 outer_radius_um, volume_per_core, volume_fraction, of_density, crowded,
+                 crowd_fraction, crowd, known_key] = resolved;
+    const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
+                 coatings, shape, phase, density_g_cm3, amount] = species;
     JobKey key("species");
-    if (species.needs_mie()) {
-        const Particles& at = species.particles[w];
-        key.add(at.index).add(at.wavelength_nm).add(species.sizes).add(at.host_index);
-        const GrainShape& shape = species.species.shape;
-        if (has_smooth_phase(species.species)) {
-            key.add(shape.kind).add(shape.aspect).add(shape.asymmetry).add(shape.absorption);
-            key.add(species.species.phase);
-        }
-        if (shape.by_t_matrix) key.add("t-matrix").add(shape.aspect);
-        for (const mie::ParticleCoating& coating : at.coatings)
-            key.add(coating.refractive_index)
-                .add(coating.thickness_um)
-                .add(coating.share_of_radius);
-    } else {
-        key.add(species.species.kind).add(species.species.parameters);
-        key.add(species.species.chi);
-        if (species.has_extinction()) {
-            const double nm = species.wavelength_nm[w];
-            const rte::Optics o = kind_of(species.species).optics(species.species, nm);
-            key.add(o.single_scattering_albedo).add(o.chi);
-            key.add(extinction_of_file(species.species, nm))
-                .add(species.species.scattering.phase.size());
-            if (o.polarisation) key.add<MatrixExpansion>(*o.polarisation);
-        } else if (!species.species.matrices.empty()) {
-            const rte::Optics o =
-                kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
-            key.add(o.single_scattering_albedo).add(o.chi);
-            key.add<MatrixExpansion>(*o.polarisation);
-        }
+    if (!particles.empty())
+        return key.add(particles[w]).add(size_distribution).add(shape).add(phase).hash();
+    key.add(kind).add(parameters).add(chi);
+    const bool has_extinction = resolved.has_extinction();
+    if (has_extinction || !matrices.empty()) {
+        const rte::Optics optics = kind_of(species).optics(species, wavelength_nm[w]);
+        key.add(optics.single_scattering_albedo).add(optics.chi);
+        if (optics.polarisation) key.add<MatrixExpansion>(*optics.polarisation);
     }
+    if (has_extinction)
+        key.add(extinction_of_file(species, wavelength_nm[w])).add(scattering.phase.size());
     return key.hash();
 }
 
@@ -126,7 +114,7 @@ std::string key_of(const ResolvedMedium& medium, std::size_t w) {
     if (medium.species.size() == 1 && host == 0.0 && !first.crowded) return first.key[w];
     JobKey key("mixture");
     for (const ResolvedSpecies& species : medium.species)
-        key.add(std::string_view(species.key[w])).add(species.volume_fraction);
+        key.add(species.key[w]).add(species.volume_fraction);
     return key.add(host).add(first.crowded).hash();
 }
 
@@ -202,7 +190,7 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
 
 ResolvedMedium Resolver::host_alone(const Medium& medium,
                                     const std::vector<double>& wavelength_nm) {
-    // Of no depth: whatever absorbs nothing asks for no work of its own.
+    // It has no depth: whatever absorbs nothing asks for no work of its own.
     static const Species clear{.kind = Species::Kind::isotropic, .parameters = {1.0}};
     ResolvedMedium resolved{.medium = {{clear}, host_of(scene_, medium)}};
     resolved.species.push_back({.species = clear, .wavelength_nm = wavelength_nm});

@@ -137,7 +137,7 @@ OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, P
 std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
     const auto& [highest_moment, whole, angles_deg, tolerance, polarisation] = demand;
     JobKey key(polarisation ? "scattering matrix" : "single scattering");
-    key.add(std::string_view(species.key[w]));
+    key.add(species.key[w]);
     if (polarisation) return key.add(tolerance).hash();
     // With the whole phase function come all moments, however few were asked for.
     return key.add(whole ? -1 : highest_moment).add(whole).add(angles_deg).add(tolerance).hash();

@@ -33,7 +33,7 @@ std::optional<Crew> crew_of(const Variables& variable, const char* rank, const c
     JobKey key("launch");
     for (const char* name : launch) {
         const char* value = variable(name);
-        key.add(std::string_view(value == nullptr ? "" : value));
+        key.add(value == nullptr ? "" : value);
     }
     return Crew{key.hash().substr(0, kLaunchLength), *number, *count};
 }

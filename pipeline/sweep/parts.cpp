@@ -82,11 +82,6 @@ class PartReader {
     bool is_whole_ = true;
 };
 
-void add_axis(JobKey& key, const Axis& axis) {
-    key.add(std::string_view(axis.name)).add(axis.numbers).add(axis.size());
-    for (const std::string& word : axis.words) key.add(std::string_view(word));
-}
-
 }  // namespace
 
 Chunks::Chunks(const Sweep& sweep, const Layout& layout) : scenes_(sweep.scenes()) {
@@ -104,25 +99,17 @@ Chunk Chunks::operator[](std::size_t number) const {
 }
 
 std::string identity_of(const Sweep& sweep) {
+    // The title and the text are for readers of tables.
+    const auto& [title, words, dimensions, optical_dimensions, wavelength, incidence, reflection,
+                 azimuth, outputs, viewing, for_eradiate, scenes_per_chunk, text] = sweep;
     JobKey key("sweep");
-    key.add(std::string_view(kVersion)).add(sweep.optical_dimensions).add(sweep.scenes_per_chunk);
-    for (const Dimension& dimension : sweep.dimensions) {
-        key.add(std::string_view(dimension.name));
-        for (const Axis& axis : dimension.axes) add_axis(key, axis);
+    key.add(kVersion).add(dimensions).add(optical_dimensions).add(scenes_per_chunk);
+    key.add(wavelength).add(incidence).add(reflection).add(azimuth);
+    for (const TemplateWord& word : words) {
+        key.add(word.name).add(word.values.size());
+        for (const WordValue& value : word.values) key.add(value.index()).add(text_of(value));
     }
-    for (const Axis* axis :
-         {&sweep.wavelength, &sweep.incidence, &sweep.reflection, &sweep.azimuth})
-        add_axis(key, *axis);
-    for (const TemplateWord& word : sweep.words) {
-        key.add(std::string_view(word.name)).add(word.values.size());
-        for (const WordValue& value : word.values)
-            key.add(value.index()).add(std::string_view(text_of(value)));
-    }
-    for (const Output output : sweep.outputs) key.add(output);
-    return key.add(sweep.viewing.illuminant)
-        .add(sweep.viewing.observer)
-        .add(sweep.for_eradiate)
-        .hash();
+    return key.add(outputs).add(viewing.illuminant).add(viewing.observer).add(for_eradiate).hash();
 }
 
 fs::path Parts::folder_of(const fs::path& table) { return table.string() + ".parts"; }
@@ -146,7 +133,7 @@ fs::path Parts::file_of(const Chunk& chunk) const {
 
 std::string Parts::header_of(const Chunk& chunk) const {
     JobKey key("sweep chunk");
-    key.add(std::string_view(identity_)).add(chunk.first).add(chunk.count);
+    key.add(identity_).add(chunk.first).add(chunk.count);
     // n and k, and files that the scene names, as the first scene of each group sees them.
     const std::size_t group = sweep_.scenes_per_group();
     for (std::size_t scene = chunk.first; scene < chunk.first + chunk.count;
@@ -156,7 +143,7 @@ std::string Parts::header_of(const Chunk& chunk) const {
                 resolve(request_of(sweep_, scene).scene, sweep_.wavelength.numbers);
             for (std::size_t w = 0; w < resolved.wavelength_nm.size(); ++w) resolved.add_to(key, w);
         } catch (const Error& error) {
-            key.add(std::string_view(error.what()));
+            key.add(error.what());
         }
     }
     return fmt::format("miebrdf sweep chunk {} of {} scenes {}\n", chunk.number, chunk.count,

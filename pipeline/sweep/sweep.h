@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "pipeline/scene/scene_template.h"
@@ -26,6 +27,11 @@ struct Axis {
     bool is_text() const { return numbers.empty(); }
 };
 
+inline auto fields(const Axis& value) {
+    const auto& [name, words, numbers, unit, is_logarithmic] = value;
+    return std::tie(name, words, numbers, unit, is_logarithmic);
+}
+
 /// Axes that advance together: one of its own, or the columns of a file.
 struct Dimension {
     std::string name = {};
@@ -35,6 +41,11 @@ struct Dimension {
     /// Whether its values are coordinates: a single axis of the dimension's name.
     bool is_coordinate() const { return axes.size() == 1 && axes.front().name == name; }
 };
+
+inline auto fields(const Dimension& value) {
+    const auto& [name, axes] = value;
+    return std::tie(name, axes);
+}
 
 enum class Output {
     brdf,

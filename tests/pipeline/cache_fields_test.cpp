@@ -1,4 +1,4 @@
-// What names a result in the cache, and that a stored result comes back whole.
+// A key names a result in the cache, and a stored result comes back whole.
 #include "pipeline/cache/fields.h"
 
 #include <cmath>
@@ -117,6 +117,38 @@ TEST_CASE("every field of a surface is in a key", "[pipeline][cache][key]") {
     beckmann.shadowing_distribution = rte::MicrofacetDistribution::beckmann;
     ggx.shadowing_distribution = rte::MicrofacetDistribution::ggx;
     CHECK(key_of(beckmann) != key_of(ggx));
+}
+
+TEST_CASE("every field of particles and their shape is in a key", "[pipeline][cache][key]") {
+    check_changes<Particles>({.coatings = {{1.3, 0.1, 0.2}}},
+                             {[](auto& p) { p.wavelength_nm = 551; },
+                              [](auto& p) {
+                                  p.index = {1.5, 1e-9};
+                              },
+                              [](auto& p) { p.host_index = 1.33; },
+                              [](auto& p) { p.coatings.push_back(p.coatings.front()); }});
+    check_changes<mie::ParticleCoating>(
+        {1.3, 0.1, 0.2},
+        {[](auto& c) {
+             c.refractive_index = {1.3, 1e-9};
+         },
+         [](auto& c) { c.thickness_um = 0.2; }, [](auto& c) { c.share_of_radius = 0.1; }});
+    check_changes<GrainShape>(
+        {}, {[](auto& s) { s.kind = GrainShape::Kind::koch; }, [](auto& s) { s.aspect = 0.0; },
+             [](auto& s) { s.asymmetry = 0.0; }, [](auto& s) { s.absorption = 0.0; },
+             [](auto& s) { s.by_t_matrix = true; }});
+}
+
+TEST_CASE("every field of a boundary and of reading an index is in a key",
+          "[pipeline][cache][key]") {
+    check_changes<rte::Boundary>(
+        {}, {[](auto& b) { b.roughness = 0.1; },
+             [](auto& b) { b.distribution = rte::MicrofacetDistribution::beckmann; },
+             [](auto& b) { b.matrices = rte::BoundaryMatrices::interpolated; }});
+    check_changes<materials::IndexOptions>(
+        {}, {[](auto& o) { o.interpolation = materials::Interpolation::linear_in_energy; },
+             [](auto& o) { o.extrapolation = materials::Extrapolation::clamp; },
+             [](auto& o) { o.missing_k_is_zero = true; }});
 }
 
 TEST_CASE("every list of directions is in a key, and where one ends", "[pipeline][cache][key]") {
