@@ -26,11 +26,8 @@ using Rule = SizePasses::Rule;
 struct DifferenceRule {
     /// Moments and phase functions settle later than efficiencies.
     static constexpr int kTimesAsManySizes = 2;
-    /// Sizes at most; products of sizes, partial waves and angles at most (about a second).
+    /// Sizes at most; where there are angles, as many as take about a second.
     static constexpr int kMostSizes = 8192, kMostSmooth = 512;
-    static constexpr double kMostProducts = 4e9;
-    /// Moments beyond this are those of the panels, as in averages.
-    static constexpr int kMostBandWidth = 200, kSafeBandWidth = 64;
 };
 
 /// Radii, and the length of radius that each stands for.
@@ -117,7 +114,7 @@ class OneSide {
                               WeightedSizes(nodes, ensemble_.wave_number_per_um), options, run);
     }
 
-    /// What the law gains where it ends a little farther out, or loses.
+    /// Adds the spheres that the law gains (or loses) where it ends a little farther out.
     void add_end(double radius_um, double gained_um, const SizeSumOptions& options,
                  const Executor& run) {
         if (gained_um == 0.0) return;
@@ -188,13 +185,13 @@ EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
     if (angles) options.angles = &*angles;
     // Beyond the band moments are those of the panels.
     const bool from_table =
-        demand.phase_table != nullptr && demand.highest_moment > DifferenceRule::kMostBandWidth;
+        demand.phase_table != nullptr && demand.highest_moment > AverageLimits::kMostBandWidth;
     if (demand.highest_moment >= 2 && demand.matrix_degree < 0)
-        options.band_width = from_table ? DifferenceRule::kSafeBandWidth : demand.highest_moment;
+        options.band_width = from_table ? AverageLimits::kSafeBandWidth : demand.highest_moment;
 
     const double per_size = 4.0 * options.terms * (angles ? angles->angle_count() : 0);
     const double most =
-        per_size > 0 ? DifferenceRule::kMostProducts / per_size : DifferenceRule::kMostSizes;
+        per_size > 0 ? AverageLimits::kProductsPerSecond / per_size : DifferenceRule::kMostSizes;
     const Radii radii = radii_of(middle, most, pieces);
     const OneSide a(plus, ensemble, radii, options, pieces),
         b(minus, ensemble, radii, options, pieces);

@@ -22,20 +22,13 @@ namespace {
 using Rule = SizePasses::Rule;
 
 struct AverageRule {
-    /// A band of products as wide as this costs as much as tabulating P, and moments of a band
-    /// this wide are taken from it although there is a table: they are more exact.
-    static constexpr int kLeastTableMoment = 200, kSafeBandWidth = 64;
     /// A table has moments as exact as this.
     static constexpr double kLeastTableTolerance = 1e-5;
     /// Partial waves beyond which moments are not summed at Gauss angles: their functions would
     /// take 300 MB, and a table is as good as it gets.
     static constexpr int kMostTermsAtAngles = 3000;
-    /// Products after which no further pass at Gauss angles begins: 5 to 20 s.
-    static constexpr double kMostProductsAtAngles = 1e11;
     /// Products in single precision change moments by 5e-9 (docs/maths-mie.md#average-over-sizes).
     static constexpr double kLeastSingleTolerance = 1e-7;
-    /// No estimate is below what rounding leaves.
-    static constexpr double kRounding = 1e-13;
     /// Share of the tolerance of moments that a table may err by: its many panels add up.
     static constexpr double kTableShare = 0.08;
 };
@@ -183,7 +176,7 @@ EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor&
 // transform takes the cube of that. A table of P that there is anyway has them for nothing.
 void EnsembleAverage::choose_moments() {
     const int moments = request_.highest_moment;
-    if (moments <= AverageRule::kLeastTableMoment) return;
+    if (moments <= AverageLimits::kMostBandWidth) return;
     const bool is_wide = request_.with_phase_table || moments > terms_ / 5;
     if (request_.tolerance >= AverageRule::kLeastTableTolerance
             ? is_wide
@@ -200,12 +193,12 @@ bool EnsembleAverage::take_rays() {
     const auto rays = average_over_rays(ensemble_, band_width(), request_.tolerance, run_);
     if (!rays) return false;
     optics_ = *rays;
-    optics_.error_estimate = std::max({optics_.error_estimate, AverageRule::kRounding, tail_});
+    optics_.error_estimate = std::max({optics_.error_estimate, AverageLimits::kRounding, tail_});
     return is_enough();
 }
 
 int EnsembleAverage::band_width() const {
-    return moments_from_table_ ? AverageRule::kSafeBandWidth : request_.highest_moment;
+    return moments_from_table_ ? AverageLimits::kSafeBandWidth : request_.highest_moment;
 }
 
 SizeSumOptions EnsembleAverage::sum_options() const {
@@ -248,7 +241,7 @@ bool EnsembleAverage::is_worth_more_sizes() const {
     if (!at_angles_) return true;
     const double products =
         4.0 * terms_ * at_angles_->angles().angle_count() * passes_.sizes_so_far();
-    return products <= AverageRule::kMostProductsAtAngles;
+    return products <= AverageLimits::kMostProducts;
 }
 
 EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
@@ -272,7 +265,7 @@ EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
 
 void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const bool single = passes_.rule() == Rule::single;
-    optics_.error_estimate = single ? AverageRule::kRounding : 1.0;
+    optics_.error_estimate = single ? AverageLimits::kRounding : 1.0;
     if (single || passes_.is_first()) return;
     double of_absorption = 0;
     if (before.one_minus_albedo > 0 && optics_.one_minus_albedo > 0)
@@ -288,7 +281,7 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const double exact = passes_.exact_q_ext();
     const double missed = exact > 0 ? std::abs(optics_.q_ext / exact - 1) : change;
     optics_.error_estimate =
-        passes_.error(change, missed, 0.25, absorption, std::max(AverageRule::kRounding, tail_));
+        passes_.error(change, missed, 0.25, absorption, std::max(AverageLimits::kRounding, tail_));
     // Rays err by so much however many sizes there are, and sizes will not do better: what they
     // miss of resonances falls with their number.
     gains_nothing_ = by_rays_ && optics_.error_estimate <= absorption &&
@@ -325,7 +318,7 @@ void EnsembleAverage::put_phase_table() {
         goal.ray_bias = bias;
     }
     if (moments_from_table_) {
-        goal.first_moment = AverageRule::kSafeBandWidth + 1;
+        goal.first_moment = AverageLimits::kSafeBandWidth + 1;
         // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
         goal.last_moment = std::min(request_.highest_moment, 2 * terms_);
         goal.moment_tolerance = AverageRule::kTableShare * request_.tolerance;
@@ -349,7 +342,7 @@ void EnsembleAverage::put_phase() {
     for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
         const double relative = optics_.phase_error[i] / optics_.phase[i];
         optics_.phase_error_estimate =
-            std::max({optics_.phase_error_estimate, relative, AverageRule::kRounding});
+            std::max({optics_.phase_error_estimate, relative, AverageLimits::kRounding});
         optics_.converged =
             optics_.converged &&
             (request_.phase_allowed.empty() ? relative <= request_.phase_tolerance

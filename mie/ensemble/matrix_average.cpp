@@ -25,19 +25,10 @@ namespace {
 using Rule = SizePasses::Rule;
 
 struct MatrixRule {
-    /// No estimate is below what rounding leaves.
-    static constexpr double kRounding = 1e-13;
-    /// Measured on a Zen 4 core; right to a factor of three elsewhere.
-    static constexpr double kProductsPerSecond = 4e9;
     /// Points of P have the errors of all degrees: their relative change counts for this much less
     /// than that of single degrees. Where P is below `phase_floor`, it is relative to that, which
     /// falls with what a half-space returns, but not below kLeastFloor; without a floor to kDim.
     static constexpr double kPhasePerDegree = 10.0, kDim = 0.5, kLeastFloor = 1e-3;
-    /// Products after which no further pass of sizes begins: some 25 s.
-    static constexpr double kMostProducts = 1e11;
-    /// Panels of the table of P in half a period of the fastest wave that P has, whose eight nodes
-    /// leave 1e-6 of it (Refinement::kNarrowest).
-    static constexpr double kPanelsInHalfPeriod = 1.0;
     /// Noise of a panel is the rms over the nodes up to so many panels to both sides.
     static constexpr int kNoisePanels = 4;
 };
@@ -71,8 +62,8 @@ Eigen::MatrixXd elements(const Eigen::ArrayXXd& products, double scattered) {
 // @param angles  radians, descending as the nodes of a rule in the cosine ascend
 PhaseTable table_of(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
                     const Eigen::ArrayXd& angles, double floor) {
-    const auto panels =
-        static_cast<int>(std::ceil(MatrixRule::kPanelsInHalfPeriod * double(chi.size())));
+    // One for half a period of the fastest wave that P has: eight nodes leave 1e-6 of it.
+    const auto panels = static_cast<int>(chi.size());
     const double width = std::numbers::pi / panels;
     PhaseTable::Parts parts;
     for (int p = 0; p < panels; ++p) parts.edges.push_back(p * width);
@@ -132,7 +123,7 @@ class MatrixAverage {
         do {
             add_pass(angles);
         } while (!(error_ <= request_.tolerance) &&
-                 products(terms_, nodes, passes_.sizes_so_far()) <= MatrixRule::kMostProducts &&
+                 products(terms_, nodes, passes_.sizes_so_far()) <= AverageLimits::kMostProducts &&
                  passes_.refine());
         return finished();
     }
@@ -159,7 +150,7 @@ class MatrixAverage {
     void estimate_error(const Eigen::MatrixXd& before, double phase_change,
                         const SphereSums& sums) {
         const bool single = passes_.rule() == Rule::single;
-        error_ = single ? MatrixRule::kRounding : 1.0;
+        error_ = single ? AverageLimits::kRounding : 1.0;
         if (single || passes_.is_first()) return;
         const double change =
             std::max(series_change(before, rows_), phase_change / MatrixRule::kPhasePerDegree);
@@ -167,7 +158,7 @@ class MatrixAverage {
         const double exact = passes_.exact_q_ext();
         const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
         error_ = passes_.error(change, missed, 0.5, 0.5 * change,
-                               std::max(MatrixRule::kRounding, tail_for(request_)));
+                               std::max(AverageLimits::kRounding, tail_for(request_)));
     }
 
     MatrixOptics finished() {
@@ -225,7 +216,7 @@ double matrix_seconds(const EnsembleRequest& request) {
     const double sizes = (passes.rule() == Rule::single ? 1.0 : 2.0) * passes.sizes_so_far();
     int degree = all_degrees(terms);
     if (request.highest_moment >= 0) degree = std::min(degree, request.highest_moment);
-    return products(terms, node_count(terms, degree), sizes) / MatrixRule::kProductsPerSecond;
+    return products(terms, node_count(terms, degree), sizes) / AverageLimits::kProductsPerSecond;
 }
 
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {

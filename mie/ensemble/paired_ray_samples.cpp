@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <list>
-#include <numbers>
 #include <utility>
 
 #include "mie/ensemble/far_rays.h"
@@ -17,15 +16,12 @@ struct RaySampleRule {
     /// The sizes of levels 0 and 1 may err, where rays interfere, by so many times what the samples
     /// differ by, and by this share of the part's value (docs/internals/mie-log.md#rays).
     static constexpr double kDifference[] = {3, 2}, kShare[] = {0.05, 0.003};
-    /// Glories begin here; elsewhere nodes are far enough apart to tell.
-    static constexpr double kGlories = 165 * std::numbers::pi / 180;
     /// Columns of a block that stay near the cache.
     static constexpr int kMostColumns = 80;
     /// Parts of P by rays at sharp ends, that of small spheres first; the spacing in x of one
-    /// sample of sizes there, its least sizes, and its chunks.
+    /// sample of sizes there, which are at least a chunk.
     static constexpr int kEnds = 2;
     static constexpr double kEndSpacing = 0.5;
-    static constexpr int kLeastOfEnd = 16, kMostChunksOfEnd = 4;
 };
 
 // The share of a level in the mean over it and those before. Under weights of their own, twice as
@@ -53,7 +49,7 @@ double PairedRaySamples::noise_floor_at_level(std::size_t i, int level, double l
                                               double upper_theta, double difference,
                                               double value) const {
     if (i >= groups_.size() || groups_[i].is_closed() || level > 1 ||
-        upper_theta < RaySampleRule::kGlories)
+        upper_theta < AverageLimits::kBackward)  // elsewhere nodes are far enough apart to tell
         return difference;
     const RayGroup& group = groups_[i];
     bool interferes = !group.is_way_by_way();
@@ -233,15 +229,15 @@ void PairedRaySamples::add_end(int part, int level, const AngularFunctionsOf<flo
                  : RadiusRange{ensemble_.range.largest_um - width_um, ensemble_.range.largest_um};
     for (const int sample : {0, 1}) {
         const int count =
-            std::max(RaySampleRule::kLeastOfEnd,
+            std::max(kLeastChunkOfSample,
                      static_cast<int>(std::lround(kSampleShare[sample] * window_->width() /
                                                   RaySampleRule::kEndSpacing)));
         WeightedSizes sizes(nested_size_nodes(ensemble_.sizes, end, count, level),
                             ensemble_.wave_number_per_um);
         for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
             sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
-        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()),
-                              RaySampleRule::kMostChunksOfEnd, RaySampleRule::kLeastOfEnd);
+        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()), kMostChunksOfSample,
+                              kLeastChunkOfSample);
         for (int i = 0; i < cuts.count(); ++i) {
             Chunk chunk{sample, sizes, cuts.blocks(i), {}};
             for (const SizeChunks::Block& of : chunk.blocks)

@@ -13,8 +13,6 @@ namespace miebrdf::mie {
 namespace {
 
 struct SampleRule {
-    /// Chunks of each sample, and the least sizes of a chunk.
-    static constexpr int kMostChunks = 4, kLeastChunk = 16;
     /// Sizes of level 0 of each sample where there is no ripple, and at least.
     static constexpr int kLeastUnit = 32;
     /// The finest spacing in x at a tolerance of kDefaultTolerance: it falls with the power 2/3 of
@@ -104,7 +102,7 @@ PairedIntensity PairedSizeSamples::level(int level, const AngularFunctionsOf<Sca
     for (int sample = first_sample; sample < sample_count_; ++sample) {
         sizes[sample] = sizes_of(sample, level);
         const SizeChunks parts(static_cast<int>(sizes[sample].parameters.size()),
-                               SampleRule::kMostChunks, SampleRule::kLeastChunk);
+                               kMostChunksOfSample, kLeastChunkOfSample);
         for (int i = 0; i < parts.count(); ++i) chunks.push_back({sample, parts.blocks(i)});
     }
     // From small to large spheres.

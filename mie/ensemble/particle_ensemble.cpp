@@ -26,7 +26,7 @@ void require_index(std::complex<double> index, double host_index) {
     }
 }
 
-// What lies beyond, corrections for the shape and tables of scattering know.
+// Beyond that, corrections for the shape and tables of scattering serve.
 void require_spheroids(const EnsembleRequest& r) {
     if (!(*r.aspect >= kLeastSpheroidAspect && *r.aspect <= kMostSpheroidAspect)) {
         throw UsageError("aspect", *r.aspect,

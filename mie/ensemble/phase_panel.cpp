@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
 
 namespace miebrdf::mie {
@@ -22,8 +23,6 @@ struct PanelRule {
     /// Bows that few sizes see are narrower than a panel: by rays one node may have all of the
     /// noise.
     static constexpr double kShareOfWorst = 0.8;
-    /// Glories and the second rainbow begin here.
-    static constexpr double kBackward = 165 * std::numbers::pi / 180;
 };
 
 double rms_of(const Eigen::VectorXd& at_nodes) {
@@ -235,7 +234,7 @@ double PhasePanel::solid_angle_of_moments(int first_moment) const {
     return 0.5 * (std::cos(lower_) - std::cos(upper_)) * legendre;
 }
 
-bool PhasePanel::is_backward() const { return upper_ > PanelRule::kBackward; }
+bool PhasePanel::is_backward() const { return upper_ > AverageLimits::kBackward; }
 
 double PhasePanel::moment_noise(int first_moment) const {
     return rms_ * solid_angle_of_moments(first_moment) / std::sqrt(double(PhaseTable::kPanelNodes));

@@ -33,9 +33,9 @@ PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact = false);
 std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run);
 
-/// What spheres absorb that are almost transparent. Much of it is absorbed in resonances that are
-/// narrower than the distance of any number of sizes; averaged over a period of the ripple these
-/// are the sum of the rays, each for itself.
+/// The absorption of spheres that are almost transparent. Much of it is absorbed in resonances that
+/// are narrower than the distance of any number of sizes; averaged over a period of the ripple
+/// these are the sum of the rays, each for itself.
 struct RayAbsorption {
     double q_abs = 0, error = 0;  ///< relative
 };

@@ -29,8 +29,6 @@ struct SpheroidRule {
     static constexpr double kTShare = 0.1, kLeastT = 1e-11;
     /// A T-matrix with a larger estimate has no digits left: its size is refused.
     static constexpr double kWorstT = 0.02;
-    /// No estimate is below what rounding leaves.
-    static constexpr double kRounding = 1e-13;
     /// A panel of a phase table may hold this many radians of the highest degree: eight nodes err
     /// by 1e-6 of the wave then.
     static constexpr double kPanelWaves = 3.0;
@@ -129,7 +127,7 @@ class SpheroidAverage {
         change_ = Eigen::VectorXd::Zero(std::max(series_.rows(), series_before.rows()));
         change_.head(series_.rows()) = series_.col(0);
         if (series_before.rows() > 0) change_.head(series_before.rows()) -= series_before.col(0);
-        t_error_ = std::max(SpheroidRule::kRounding, sums.error / sums.scattering());
+        t_error_ = std::max(AverageLimits::kRounding, sums.error / sums.scattering());
         o.error_estimate = t_error_;
         if (!ensemble_.law().single_size) {
             double change = 1;

@@ -273,7 +273,7 @@ struct CrossSections {
     }
 };
 
-// What breaks T11 = T11^t, T22 = T22^t, T12 = -T21^t.
+// The largest breach of T11 = T11^t, T22 = T22^t, T12 = -T21^t.
 double asymmetry(const MatrixXcd& T) {
     const auto S = T.rows() / 2;
     const auto largest = [](const auto& matrix) { return matrix.cwiseAbs().maxCoeff(); };
