@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "materials/index/words.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -48,21 +49,6 @@ constexpr std::array<std::pair<const char*, Unit>, 31> kSpellings{{
     {"terahertz", Unit::terahertz},
 }};
 
-std::string_view trimmed(std::string_view text) {
-    const char* blanks = " \t\r\n";
-    const auto first = text.find_first_not_of(blanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return out;
-}
-
 }  // namespace
 
 const char* name_of(Unit unit) {
@@ -84,11 +70,11 @@ const char* name_of(Unit unit) {
 }
 
 std::optional<Unit> parse_unit(std::string_view text) {
-    const std::string asked = lower(trimmed(text));
+    const std::string asked = lower_case(text);
     for (const auto& [spelling, unit] : kSpellings) {
         if (asked == spelling) return unit;
     }
-    if (trimmed(text) == "\xc3\x85") return Unit::angstrom;
+    if (without_blanks(text) == "\xc3\x85") return Unit::angstrom;
     return std::nullopt;
 }
 
@@ -135,7 +121,7 @@ double from_nm_exactly(double wavelength_nm, Unit unit) {
 }
 
 std::optional<double> parse_number(std::string_view text) {
-    text = trimmed(text);
+    text = without_blanks(text);
     if (!text.empty() && text[0] == '+') text.remove_prefix(1);
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -144,11 +130,11 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 double parse_wavelength_nm(std::string_view text, Unit without_unit) {
-    const std::string_view asked = trimmed(text);
+    const std::string_view asked = without_blanks(text);
     double value = 0;
     const auto [end, error] = std::from_chars(asked.data(), asked.data() + asked.size(), value);
     const std::string_view suffix =
-        trimmed(asked.substr(static_cast<std::size_t>(end - asked.data())));
+        without_blanks(asked.substr(static_cast<std::size_t>(end - asked.data())));
     const std::optional<Unit> unit = suffix.empty() ? without_unit : parse_unit(suffix);
     if (error != std::errc() || !unit) {
         throw UsageError(fmt::format(

@@ -1,10 +1,5 @@
 // AsToRia refractive index, atrri(5) of the htrdr renderers: wavelength in nm, n, k; '#' begins a
 // comment.
-#include <fmt/format.h>
-
-#include <iterator>
-#include <utility>
-
 #include "materials/readers/file_format.h"
 
 namespace miebrdf::materials {
@@ -21,13 +16,8 @@ Dataset read_atrri(const SourceFile& source, const ReadOptions& options) {
 }
 
 std::vector<ExportFile> write_atrri(const Dataset& d, const ExportOptions& options) {
-    const JointTable table = joint_table(d, "atrri", options);
-    std::string text = remarks(d, "# ");
-    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
-        fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, Unit::nanometre),
-                       table.n.y[i], table.k[i]);
-    }
-    return {{".atrri", std::move(text)}};
+    return {{".atrri",
+             remarks(d, "# ") + bare_columns(joint_table(d, "atrri", options), Unit::nanometre)}};
 }
 
 }  // namespace

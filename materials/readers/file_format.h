@@ -79,6 +79,9 @@ JointTable joint_table(const Dataset& dataset, const char* format, const ExportO
 /// The wavelength of a row in another unit, in the shortest decimals that read back to it.
 std::string in_unit(const Series& series, std::size_t row, Unit unit);
 
+/// Rows of wavelength, n and k, as read_bare_columns() reads them.
+std::string bare_columns(const JointTable& table, Unit unit);
+
 /// The dataset's provenance, each line after `comment`.
 std::string remarks(const Dataset& dataset, std::string_view comment);
 

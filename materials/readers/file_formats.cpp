@@ -195,6 +195,15 @@ JointTable joint_table(const Dataset& d, const char* format, const ExportOptions
     return {*d.n, d.k ? d.k->y : std::vector<double>(d.n->y.size(), 0.0)};
 }
 
+std::string bare_columns(const JointTable& table, Unit unit) {
+    std::string text;
+    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
+        fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, unit),
+                       table.n.y[i], table.k[i]);
+    }
+    return text;
+}
+
 std::string remarks(const Dataset& d, std::string_view comment) {
     std::string text;
     for (const std::string& line : provenance_lines(d))

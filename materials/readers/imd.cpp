@@ -1,9 +1,6 @@
 // IMD / Luxpop .nk: ';' comments, then wavelength in Angstrom, n, k.
 #include <fmt/format.h>
 
-#include <iterator>
-#include <utility>
-
 #include "materials/readers/file_format.h"
 #include "materials/readers/text.h"
 
@@ -31,13 +28,8 @@ Dataset read_imd(const SourceFile& source, const ReadOptions& options) {
 }
 
 std::vector<ExportFile> write_imd(const Dataset& d, const ExportOptions& options) {
-    const JointTable table = joint_table(d, "imd", options);
-    std::string text = remarks(d, "; ") + fmt::format("; {}\n", kColumnsRemark);
-    for (std::size_t i = 0; i < table.n.x.size(); ++i) {
-        fmt::format_to(std::back_inserter(text), "{} {} {}\n", in_unit(table.n, i, Unit::angstrom),
-                       table.n.y[i], table.k[i]);
-    }
-    return {{".nk", std::move(text)}};
+    return {{".nk", remarks(d, "; ") + fmt::format("; {}\n", kColumnsRemark) +
+                        bare_columns(joint_table(d, "imd", options), Unit::angstrom)}};
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What readers put into a dataset: rows as a file gives them, and what its comments say of their
-// origin.
+// The content that readers give a dataset: rows as a file gives them, and what its comments say of
+// their origin.
 #pragma once
 
 #include <optional>

@@ -51,21 +51,6 @@ std::string without_escapes(std::string_view address) {
 
 }  // namespace
 
-std::string_view without_blanks(std::string_view text) {
-    const char* blanks = " \t\r\n\f\v";
-    const auto first = text.find_first_not_of(blanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-std::string lower_case(std::string_view text) {
-    std::string lower(without_blanks(text));
-    for (char& c : lower) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return lower;
-}
-
 std::vector<std::string> split_fields(std::string_view line, char separator) {
     std::vector<std::string> fields(1);
     bool quoted = false;

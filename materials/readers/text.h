@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "materials/index/words.h"
+
 namespace miebrdf::materials {
 
 /// The fields of one line; a quote inside a quoted field is doubled. Spaces around unquoted fields
@@ -16,10 +18,6 @@ std::string quoted_field(std::string_view field);
 
 /// The lines of a text, without their ends (LF, CR LF or CR).
 std::vector<std::string_view> split_lines(std::string_view text);
-
-std::string_view without_blanks(std::string_view text);
-/// Without blanks at its ends and with small ASCII letters.
-std::string lower_case(std::string_view text);
 
 /// A finite number. @throws ImportError
 double require_number(std::string_view text, const std::string& file, int line);

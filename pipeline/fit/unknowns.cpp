@@ -96,12 +96,12 @@ Unknown unknown(const std::string& name, const std::string& text) {
                         name, text));
     };
     Unknown result{.name = name};
-    std::string_view rest = trimmed(text);
+    std::string rest = trimmed_text(text);
     if (rest.starts_with(kPerWavelength)) {
         result.per_wavelength = true;
-        rest.remove_prefix(kPerWavelength.size());
+        rest.erase(0, kPerWavelength.size());
     }
-    std::istringstream words{std::string(rest)};
+    std::istringstream words{rest};
     std::string start, in, bounds, scale, more;
     words >> start >> in >> bounds >> scale >> more;
     const std::size_t colon = bounds.find(':');

@@ -10,16 +10,13 @@
 
 #include <miebrdf/error.h>
 #include "materials/index/units.h"
+#include "materials/index/words.h"
 
 namespace miebrdf {
 
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 namespace {
+
+using materials::without_blanks;
 
 constexpr std::size_t kLongestList = 1'000'000;  // beyond this it is a typing mistake
 
@@ -62,15 +59,15 @@ void append_range(std::string_view part, const std::string& what, const Parse& p
 
 /// The text behind the number, e.g. "eV".
 std::string_view unit_text(std::string_view text) {
-    const std::string_view digits = trimmed(text);
+    const std::string_view digits = without_blanks(text);
     double value = 0.0;
     const char* last = digits.data() + digits.size();
     const char* end = std::from_chars(digits.data(), last, value).ptr;
-    return trimmed(digits.substr(static_cast<std::size_t>(end - digits.data())));
+    return without_blanks(digits.substr(static_cast<std::size_t>(end - digits.data())));
 }
 
 std::string_view without_unit(std::string_view text) {
-    const std::string_view digits = trimmed(text);
+    const std::string_view digits = without_blanks(text);
     return digits.substr(0, digits.size() - unit_text(text).size());
 }
 
@@ -119,7 +116,7 @@ std::vector<double> parse_list(std::string_view text, const Parse& parse,
 }  // namespace
 
 double parse_number(std::string_view text, const std::string& what) {
-    const std::string_view digits = trimmed(text);
+    const std::string_view digits = without_blanks(text);
     const char* first = digits.data();
     const char* last = first + digits.size();
     if (!digits.empty() && *first == '+') ++first;
@@ -135,12 +132,12 @@ double parse_number(std::string_view text, const std::string& what) {
 }
 
 double parse_number_or_infinity(std::string_view text, const std::string& what) {
-    if (trimmed(text) == "inf") return std::numeric_limits<double>::infinity();
+    if (without_blanks(text) == "inf") return std::numeric_limits<double>::infinity();
     return parse_number(text, what);
 }
 
 double parse_quantity(std::string_view text, const std::string& what, std::span<const Unit> units) {
-    const std::string_view whole = trimmed(text);
+    const std::string_view whole = without_blanks(text);
     const std::string_view name = unit_text(whole);
     std::string known;
     for (const Unit& unit : units) {
@@ -173,14 +170,14 @@ std::vector<std::string> split_list(std::string_view text, char separator) {
     std::size_t start = 0;
     while (start <= text.size()) {
         const std::size_t end = std::min(text.find(separator, start), text.size());
-        parts.emplace_back(trimmed(text.substr(start, end - start)));
+        parts.emplace_back(without_blanks(text.substr(start, end - start)));
         start = end + 1;
     }
     return parts;
 }
 
 std::vector<std::string> split_index(std::string_view text) {
-    std::string_view digits = trimmed(text);
+    std::string_view digits = without_blanks(text);
     if (digits.empty() || (digits.back() != 'i' && digits.back() != 'j')) return split_list(text);
     digits.remove_suffix(1);
     std::size_t sign = digits.find_last_of("+-");
@@ -229,7 +226,7 @@ double parse_wavelength_nm(std::string_view text) {
 std::vector<double> parse_wavelengths_nm(std::string_view text) {
     // Chen et al. do not say at which wavelengths their R, G and B are; these fit their Table 1
     // best (docs/maths-surface.md).
-    if (trimmed(text) == "rgb") return {620.0, 535.0, 480.0};
+    if (without_blanks(text) == "rgb") return {620.0, 535.0, 480.0};
     return parse_list(text, parse_wavelength_nm, append_wavelengths);
 }
 

@@ -6,11 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "materials/index/words.h"
+
 namespace miebrdf {
 
-/// The text without blanks and tabs at its ends.
-std::string_view trimmed(std::string_view text);
-inline std::string trimmed_text(std::string_view text) { return std::string(trimmed(text)); }
+inline std::string trimmed_text(std::string_view text) {
+    return std::string(materials::without_blanks(text));
+}
 
 /// The text with blanks in place of what stands in parentheses, so that commas, `=` and ` + ` that
 /// belong to a name (`formula(n=1.5,k=0)`) do not separate; as it is where parentheses do not
@@ -22,7 +24,7 @@ std::string blank_in_parentheses(std::string_view text);
 /// @throws UsageError
 double parse_number(std::string_view text, const std::string& what);
 
-/// The same, and infinity from `inf`.
+/// As parse_number(), and infinity from `inf`.
 double parse_number_or_infinity(std::string_view text, const std::string& what);
 
 /// A unit that may stand behind a number: the value is number * times / by.
@@ -46,7 +48,7 @@ std::vector<std::string> split_index(std::string_view text);
 /// @throws UsageError  for an empty list, a step of the wrong sign, or more than 1,000,000 numbers
 std::vector<double> parse_number_list(std::string_view text, const std::string& what);
 
-/// The same, with every number in [lowest, highest]; `lowest_open` leaves the lower end out.
+/// As above, with every number in [lowest, highest]; `lowest_open` leaves the lower end out.
 std::vector<double> parse_number_list(std::string_view text, const std::string& what, double lowest,
                                       double highest, bool lowest_open = false);
 

@@ -14,6 +14,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/processor_path.h>
 #include <miebrdf/version.h>
+#include "materials/readers/text.h"
 #include "pipeline/io/table.h"
 
 namespace miebrdf::bench {
@@ -24,21 +25,6 @@ const std::vector<std::string> kColumns = {"suite",   "case",   "method", "param
 // Smaller changes than this are not worth a line, whatever the spread says.
 constexpr double kNotable = 0.10;
 constexpr double kRounding = 1e-13;
-
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> fields(1);
-    bool quoted = false;
-    for (const char c : line) {
-        if (c == '"') {
-            quoted = !quoted;
-        } else if (c == ',' && !quoted) {
-            fields.emplace_back();
-        } else {
-            fields.back() += c;
-        }
-    }
-    return fields;
-}
 
 double number(const std::string& field) {
     return field.empty() ? std::numeric_limits<double>::quiet_NaN() : std::stod(field);
@@ -97,7 +83,7 @@ Results read_results(const std::filesystem::path& path) {
             }
             continue;
         }
-        const auto fields = split(line);
+        const auto fields = materials::split_fields(line);
         if (columns == 0) {
             const bool is_earlier =
                 fields == std::vector<std::string>(kColumns.begin(), kColumns.end() - 1);

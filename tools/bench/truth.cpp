@@ -8,18 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "materials/readers/text.h"
+
 namespace miebrdf::bench {
-namespace {
-
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream stream(line);
-    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-    if (!line.empty() && line.back() == ',') fields.emplace_back();
-    return fields;
-}
-
-}  // namespace
 
 ReferenceData::ReferenceData(const std::string& name) {
     const char* text = built_in_table(name);
@@ -27,7 +18,7 @@ ReferenceData::ReferenceData(const std::string& name) {
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) {
         if (line.empty() || line[0] == '#') continue;
-        auto fields = split(line);
+        auto fields = materials::split_fields(line);
         if (columns_.empty()) {
             for (std::size_t i = 0; i < fields.size(); ++i) columns_[fields[i]] = i;
         } else {
