@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -15,7 +16,7 @@ from ._directions import direct_brdf
 from ._keywords import CallAndMethod, Method, checked
 from ._media import MediumLike, host_shown
 from ._options import Progress
-from ._scene_arguments import DEFAULTS, SceneArguments, core_scene, particles, settled, words
+from ._scene_arguments import SceneArguments, core_scene, particles, settled, words
 
 
 class Scene:
@@ -461,7 +462,7 @@ class Scene:
         return {
             "scene": str(self),
             "host": host_shown(self._arguments["host"]),
-            "particles": "\n".join(particles(self._arguments)),
+            "particles": "\n".join(particles(self._arguments, DEFAULTS["effective_radius_um"])),
         }
 
     def __str__(self) -> str:
@@ -488,6 +489,10 @@ class Scene:
 
     def __reduce__(self) -> Any:
         return _scene_of, (self._arguments,)
+
+
+#: Of the arguments of `Scene`, as its signature says them.
+DEFAULTS = {name: each.default for name, each in inspect.signature(Scene).parameters.items()}
 
 
 def _scene_of(arguments: dict[str, Any]) -> Scene:

@@ -50,33 +50,6 @@ class SceneArguments(TypedDict, total=False):
     database: str
 
 
-#: As `settled` has them.
-DEFAULTS: dict[str, Any] = {
-    "base": None,
-    "substrate": None,
-    "coats": (),
-    "roughness": 0.0,
-    "surface_distribution": "beckmann",
-    "shadowing": "smith-correlated",
-    "fresnel": "exact",
-    "coupling": None,
-    "surface_index": None,
-    "effective_radius_um": 50.0,
-    "effective_variance": 0.2,
-    "size_distribution": "power-law",
-    "host": 1 + 0j,
-    "k_floor": 0.0,
-    "mie_tolerance": 0.0,
-    "layer_density_kg_m3": None,
-    "packing": "independent",
-    "boundary": None,
-    "interpolation": "pchip",
-    "extrapolate": "refuse",
-    "missing_k_zero": False,
-    "database": "",
-}
-
-
 def words(value: Any) -> str:
     """A value of an argument as one would write it."""
     if isinstance(value, (Medium, Layer, Substrate)):
@@ -86,7 +59,7 @@ def words(value: Any) -> str:
     return repr(value)
 
 
-def particles(of: dict[str, Any]) -> list[str]:
+def particles(of: dict[str, Any], default_radius_um: float) -> list[str]:
     """The sizes of every kind of particle, one line each, and which of them are the defaults."""
     media = [] if of["base"] is None else [of["base"]]
     media += [layer.medium for layer in of["coats"]]
@@ -99,7 +72,7 @@ def particles(of: dict[str, Any]) -> list[str]:
             lines.append(f"{name}: a table of sizes")
             continue
         shown = of["effective_radius_um"] if radius is None else radius
-        default = radius is None and shown == DEFAULTS["effective_radius_um"]
+        default = radius is None and shown == default_radius_um
         lines.append(
             f"{name}: effective radius {shown:g} um{' (the default)' if default else ''}, "
             f"effective variance {of['effective_variance'] if variance is None else variance:g}, "
