@@ -12,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include "mie/ensemble/size_sums.h"
@@ -20,25 +19,10 @@
 #include "rte/stack/layered_reflection.h"
 #include "tools/bench/discrete_problem.h"
 #include "tools/stress/battery.h"
+#include "tools/stress/dice.h"
 
 namespace miebrdf::stress {
 namespace {
-
-// Draws that are the same with every standard library; the distributions of <random> are not.
-class Dice {
-  public:
-    explicit Dice(unsigned seed) : engine_(seed) {}
-    double uniform(double low, double high) { return low + (high - low) * next(); }
-    double logarithmic(double low, double high) {
-        return std::exp(uniform(std::log(low), std::log(high)));
-    }
-    bool chance(double probability) { return next() < probability; }
-    int integer(int low, int high) { return low + int(next() * (high - low + 1)); }
-
-  private:
-    double next() { return (double(engine_()) + 0.5) / 4294967296.0; }
-    std::mt19937 engine_;
-};
 
 double random_albedo(Dice& dice) {
     switch (dice.integer(0, 4)) {

@@ -1,0 +1,312 @@
+// Errors of averages over sizes, against sums over single spheres: the errors themselves, in
+// tolerances, and how often they exceed what is stated. vary.py runs this with one constant changed
+// at a time.
+//
+//     ensemble_battery TRUTH [PART...]     PART: averages, points, tables, matrices
+//
+// TRUTH is a file that holds the sums; it is made if it is not there (about two minutes).
+#include <miebrdf/ensemble.h>
+#include <miebrdf/sphere.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "mie/ensemble/size_sums.h"
+#include "mie/sphere/sphere_block.h"
+#include "tools/stress/dice.h"
+
+namespace {
+
+using namespace miebrdf;
+using stress::Dice;
+using Kind = mie::SizeDistributionKind;
+
+constexpr double kWaveNumberPerUm = 2 * std::numbers::pi / 0.55;
+
+struct Spheres {
+    std::complex<double> index;
+    mie::SizeDistribution sizes;
+    std::vector<double> angles_deg;
+};
+
+// Rippling spheres of every size, by rays and by sizes, and some that absorb.
+std::vector<Spheres> random_spheres() {
+    Dice dice(7);
+    std::vector<Spheres> all;
+    for (int i = 0; i < 36; ++i) {
+        Spheres s;
+        const double damping[] = {0, dice.logarithmic(1e-6, 1e-3), dice.logarithmic(1e-3, 0.3)};
+        s.index = {dice.uniform(1.1, 3.3), damping[i % 3 == 2 ? 2 : dice.integer(0, 1)]};
+        s.sizes.kind = i % 4 == 1 ? Kind::gamma : (i % 4 == 2 ? Kind::log_normal : Kind::power_law);
+        s.sizes.effective_radius_um =
+            i % 2 == 0 ? dice.logarithmic(8, 50) : dice.logarithmic(0.1, 8);
+        s.sizes.effective_variance = dice.uniform(0.05, 0.25);
+        for (const double low : {0.0, 30.0, 60.0, 90.0, 120.0, 150.0})
+            s.angles_deg.push_back(dice.uniform(low, low + 30));
+        for (const double angle : {0.2, 2.0, 171.0, 177.5, 179.3, 180.0})
+            s.angles_deg.push_back(angle);
+        all.push_back(s);
+    }
+    return all;
+}
+
+struct Truth {
+    double q_ext = 0, one_minus_albedo = 0, asymmetry = 0;
+    std::vector<double> phase, phase_noise, noise = std::vector<double>(3);
+};
+
+// n(r) r^3, of which the sum over equal steps of ln r has the area.
+double area_density(const mie::SizeDistribution& sizes, double r) {
+    const double a = sizes.effective_radius_um, b = sizes.effective_variance;
+    if (sizes.kind == Kind::gamma)
+        return std::pow(r / a, (1 - 3 * b) / b + 3) * std::exp(-r / (a * b));
+    if (sizes.kind == Kind::log_normal) {
+        const double variance = std::log(1 + b), median = a * std::pow(1 + b, -2.5);
+        return r * r * std::exp(-std::pow(std::log(r / median), 2) / (2 * variance));
+    }
+    return 1;  // n(r) ~ r^-3
+}
+
+// Four rounds of one grid each, at shifts of their own: their scatter is the noise of their mean.
+Truth truth_of(const Spheres& spheres) {
+    constexpr int kRounds = 4;
+    constexpr double kSpacing = 0.05;  // of all rounds together, in x
+    const mie::RadiusRange range = mie::radius_range(spheres.sizes);
+    const double ratio = range.largest_um / range.smallest_um;
+    const int count = std::clamp(
+        int(kWaveNumberPerUm * range.largest_um * std::log(ratio) / (kSpacing * kRounds)), 500,
+        12000);
+    const double step = std::log(ratio) / count;
+    const int terms = mie::number_of_terms(kWaveNumberPerUm * range.largest_um);
+    const mie::AngularFunctions angular(spheres.angles_deg, terms);
+    Eigen::ArrayXXd rounds(spheres.angles_deg.size(), kRounds), rest(3, kRounds);
+    const double shifts[kRounds] = {0.137, 0.412, 0.633, 0.902};
+    for (int round = 0; round < kRounds; ++round) {
+        Eigen::VectorXd intensity = Eigen::VectorXd::Zero(rounds.rows());
+        double area = 0, scattered = 0, absorbed = 0, asymmetric = 0;
+        mie::SphereBlock block;
+        block.make_room(terms, mie::kMostSizesPerBlock);
+        for (int i = 0; i < count;) {
+            std::vector<double> x, number;
+            for (; i < count && int(x.size()) < mie::kMostSizesPerBlock; ++i) {
+                const double r = range.smallest_um * std::exp(step * (i + shifts[round]));
+                const double weight = area_density(spheres.sizes, r);
+                x.push_back(kWaveNumberPerUm * r);
+                number.push_back(weight / (x.back() * x.back()));
+                area += weight;
+            }
+            const auto sums = mie::compute_spheres(spheres.index, x, number, &block);
+            scattered += 2 * sums.scattered;
+            absorbed += 2 * sums.absorbed;
+            asymmetric += 2 * sums.asymmetric;
+            angular.add_intensity(block, intensity);
+        }
+        rounds.col(round) = intensity.array() / scattered;
+        rest.col(round) << (scattered + absorbed) / area, absorbed / (scattered + absorbed),
+            2 * asymmetric / scattered;
+    }
+    const auto noise = [](const auto& row) {
+        return std::sqrt((row - row.mean()).square().sum() / (kRounds * (kRounds - 1)));
+    };
+    Truth truth{rest.row(0).mean(), rest.row(1).mean(), rest.row(2).mean(), {}, {}};
+    truth.noise = {noise(rest.row(0)), noise(rest.row(1)), noise(rest.row(2))};
+    for (const auto& at : rounds.rowwise()) {
+        truth.phase.push_back(at.mean());
+        truth.phase_noise.push_back(noise(at));
+    }
+    return truth;
+}
+
+void store(const std::string& file, const std::vector<Truth>& all) {
+    std::ofstream out(file);
+    out.precision(17);
+    for (const Truth& t : all) {
+        out << t.q_ext << ' ' << t.one_minus_albedo << ' ' << t.asymmetry;
+        for (const auto* list : {&t.noise, &t.phase, &t.phase_noise})
+            for (const double v : *list) out << ' ' << v;
+        out << '\n';
+    }
+}
+
+bool load(const std::string& file, const std::vector<Spheres>& spheres, std::vector<Truth>& all) {
+    std::ifstream in(file);
+    for (const Spheres& s : spheres) {
+        Truth t;
+        in >> t.q_ext >> t.one_minus_albedo >> t.asymmetry;
+        t.phase.resize(s.angles_deg.size());
+        t.phase_noise.resize(s.angles_deg.size());
+        for (auto* list : {&t.noise, &t.phase, &t.phase_noise})
+            for (double& v : *list) in >> v;
+        all.push_back(std::move(t));
+    }
+    return bool(in);
+}
+
+// What is wrong beyond the noise of the truth.
+double beyond(double value, double truth, double noise) {
+    return std::max(0.0, std::abs(value - truth) - 2 * noise);
+}
+
+class Tally {
+  public:
+    /// Values whose truth is too noisy to tell are left out.
+    void add(double error, double noise, double stated, double tolerance) {
+        if (2 * noise > std::max(stated, tolerance)) return;
+        in_tolerances_.push_back(error / tolerance);
+        of_stated_.push_back(error / std::max(stated, 1e-300));
+    }
+    void print(const char* part, double seconds) {
+        const auto count = double(of_stated_.size());
+        const auto above = [&](double times) {
+            return 100 *
+                   double(std::count_if(of_stated_.begin(), of_stated_.end(),
+                                        [&](double v) { return !(v <= times); })) /
+                   count;
+        };
+        std::sort(in_tolerances_.begin(), in_tolerances_.end());
+        const double high = in_tolerances_[std::size_t(0.99 * (count - 1))];
+        std::printf("%s,%g,%.3g,%.3g,%.2f,%.2f,%.3g,%.3f\n", part, count,
+                    in_tolerances_[std::size_t(0.5 * (count - 1))], high, above(1), above(3),
+                    *std::max_element(of_stated_.begin(), of_stated_.end()), seconds);
+    }
+
+  private:
+    std::vector<double> in_tolerances_, of_stated_;
+};
+
+mie::EnsembleRequest request_of(const Spheres& spheres) {
+    mie::EnsembleRequest request;
+    request.sizes = spheres.sizes;
+    request.refractive_index = spheres.index;
+    return request;
+}
+
+// The albedo of a half-space, by which 1 - albedo is judged (EnsembleOptics::error_estimate).
+double absorbed_by_half_space(double one_minus_albedo, double asymmetry) {
+    const double s = std::sqrt(one_minus_albedo / (1 - asymmetry * (1 - one_minus_albedo)));
+    return 1 - (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
+}
+
+double error_of(const mie::EnsembleOptics& o, const Truth& t) {
+    const double absorbed = absorbed_by_half_space(t.one_minus_albedo, t.asymmetry);
+    return std::max({beyond(o.q_ext, t.q_ext, t.noise[0]) / t.q_ext,
+                     beyond(o.asymmetry, t.asymmetry, t.noise[2]),
+                     std::abs(absorbed_by_half_space(o.one_minus_albedo, t.asymmetry) - absorbed) -
+                         absorbed * t.noise[1] / std::max(t.one_minus_albedo, 1e-300)});
+}
+
+double noise_of(const Truth& t) { return std::max(t.noise[0] / t.q_ext, t.noise[2]); }
+
+void averages(const std::vector<Spheres>& all, const std::vector<Truth>& truth, Tally& tally) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        mie::EnsembleRequest request = request_of(all[i]);
+        request.highest_moment = 64;
+        for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+            request.tolerance = tolerance;
+            const auto optics = mie::average_over_sizes(request);
+            tally.add(error_of(optics, truth[i]), noise_of(truth[i]), optics.error_estimate,
+                      tolerance);
+        }
+    }
+}
+
+void points(const std::vector<Spheres>& all, const std::vector<Truth>& truth, Tally& tally) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        mie::EnsembleRequest request = request_of(all[i]);
+        request.angles_deg = all[i].angles_deg;
+        for (const double tolerance : {1e-2, 2e-3}) {
+            request.phase_tolerance = tolerance;
+            const auto values = mie::phase_at_angles(request, 0.0);
+            for (std::size_t a = 0; a < values.phase.size(); ++a) {
+                tally.add(beyond(values.phase[a], truth[i].phase[a], truth[i].phase_noise[a]),
+                          truth[i].phase_noise[a], values.error[a], tolerance * truth[i].phase[a]);
+            }
+        }
+    }
+}
+
+void tables(const std::vector<Spheres>& all, const std::vector<Truth>& truth, Tally& tally) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        mie::EnsembleRequest request = request_of(all[i]);
+        request.highest_moment = 400;
+        request.with_phase_table = true;
+        for (const double tolerance : {2e-2, 3e-3}) {
+            request.phase_floor = 1.0;
+            request.phase_tolerance = request.table_tolerance = tolerance;
+            request.tolerance = 0.2 * tolerance;
+            const auto optics = mie::average_over_sizes(request);
+            const mie::PhaseTable& table = *optics.phase_table;
+            for (std::size_t a = 0; a < truth[i].phase.size(); ++a) {
+                const double mu = std::cos(all[i].angles_deg[a] * std::numbers::pi / 180);
+                const double value = truth[i].phase[a], noise = truth[i].phase_noise[a];
+                tally.add(beyond(table(mu), value, noise), noise, 2 * table.noise(mu),
+                          tolerance * std::max(value, 1.0));
+            }
+            tally.add(error_of(optics, truth[i]), noise_of(truth[i]), optics.error_estimate,
+                      request.tolerance);
+        }
+    }
+}
+
+// P of the series of the scattering matrix; large spheres are left out, they take seconds.
+void matrices(const std::vector<Spheres>& all, const std::vector<Truth>& truth, Tally& tally) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        mie::EnsembleRequest request = request_of(all[i]);
+        if (all[i].sizes.effective_radius_um > 3) continue;
+        for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+            request.tolerance = tolerance;
+            const auto matrix = mie::average_matrix(request);
+            tally.add(error_of(matrix.optics, truth[i]), noise_of(truth[i]),
+                      matrix.optics.error_estimate, tolerance);
+            const mie::PhaseTable& table = *matrix.optics.phase_table;
+            for (std::size_t a = 0; a < truth[i].phase.size(); ++a) {
+                const double mu = std::cos(all[i].angles_deg[a] * std::numbers::pi / 180);
+                tally.add(beyond(table(mu), truth[i].phase[a], truth[i].phase_noise[a]),
+                          truth[i].phase_noise[a], 2 * table.noise(mu),
+                          10 * tolerance * std::max(truth[i].phase[a], 0.5));
+            }
+        }
+    }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    if (count < 2) {
+        std::fprintf(stderr, "ensemble_battery TRUTH [averages|points|tables|matrices...]\n");
+        return 2;
+    }
+    const std::vector<Spheres> spheres = random_spheres();
+    std::vector<Truth> truth;
+    if (!load(arguments[1], spheres, truth)) {
+        truth.clear();
+        for (const Spheres& s : spheres) truth.push_back(truth_of(s));
+        store(arguments[1], truth);
+    }
+    using Part = void (*)(const std::vector<Spheres>&, const std::vector<Truth>&, Tally&);
+    const std::pair<const char*, Part> parts[] = {
+        {"averages", averages}, {"points", points}, {"tables", tables}, {"matrices", matrices}};
+    std::printf(
+        "part,values,median_in_tolerances,p99_in_tolerances,percent_beyond_stated,"
+        "percent_beyond_3_stated,worst_over_stated,seconds\n");
+    for (const auto& [name, part] : parts) {
+        const bool is_wanted =
+            count == 2 || std::any_of(arguments + 2, arguments + count, [&](const char* word) {
+                return std::strcmp(word, name) == 0;
+            });
+        if (!is_wanted) continue;
+        Tally tally;
+        const auto began = std::clock();
+        part(spheres, truth, tally);
+        tally.print(name, double(std::clock() - began) / CLOCKS_PER_SEC);
+    }
+    return 0;
+}
