@@ -1,4 +1,4 @@
-// What the program prints, where it must succeed.
+// Runs of the program that must succeed.
 #pragma once
 
 #include <string>
@@ -8,12 +8,14 @@
 
 namespace miebrdf::support {
 
-/// @param arguments  as of run_program
-inline CsvOutput csv_of(const std::string& arguments) {
-    const auto run = run_program(arguments);
+/// @param arguments, environment  as of run_program
+inline ProgramRun run_ok(const std::string& arguments, const std::string& environment = {}) {
+    ProgramRun run = run_program(arguments, environment);
     CAPTURE(arguments, run.err);
     REQUIRE(run.exit_code == 0);
-    return CsvOutput(run.out);
+    return run;
 }
+
+inline CsvOutput csv_of(const std::string& arguments) { return CsvOutput(run_ok(arguments).out); }
 
 }  // namespace miebrdf::support

@@ -86,7 +86,7 @@ TEST_CASE("a crew takes each chunk once, and its first computes what the dead ha
     CHECK(first.chunks == 0);
     CHECK(first.computed_scenes == 2);
     CHECK(work.parts.read(work.parts.chunks()[1]));
-    // What an earlier launch has taken means nothing to the next one; what it has stored does.
+    // Chunks that an earlier launch has taken mean nothing to the next one; those it has stored do.
     const auto later = work.run({"later", 1, 2});
     CHECK(later.chunks == 3);
     CHECK(later.found == 3);

@@ -1,4 +1,4 @@
-// What sweep files say, and what is refused before anything runs.
+// Sweep files are read, or refused before anything runs.
 #include <miebrdf/error.h>
 
 #include "pipeline/sweep/layout.h"

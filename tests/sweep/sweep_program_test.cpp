@@ -7,6 +7,7 @@
 #include "pipeline/io/netcdf_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
@@ -42,13 +43,13 @@ TEST_CASE("parts of several processes merge to the bytes of one", "[sweep][progr
     const support::TemporaryFolder folder;
     const std::string file = folder.write("s.toml", kProgramSweep);
     const std::string one = folder / ("one" + extension()), many = folder / ("many" + extension());
-    REQUIRE(run_program("sweep " + file + " -o " + one).exit_code == 0);
+    support::run_ok("sweep " + file + " -o " + one);
     const auto early = run_program("sweep " + file + " --merge -o " + many);
     CHECK(early.exit_code == 3);
     CHECK_THAT(early.err, Contains("5 of 5 chunks are missing"));
     for (const char* part : {"3/3", "1/3", "2/3"})
-        REQUIRE(run_program("sweep " + file + " --part " + part + " -o " + many).exit_code == 0);
-    REQUIRE(run_program("sweep " + file + " --merge -o " + many).exit_code == 0);
+        support::run_ok("sweep " + file + " --part " + part + " -o " + many);
+    support::run_ok("sweep " + file + " --merge -o " + many);
     CHECK(bytes_of(one) == bytes_of(many));
     CHECK_FALSE(std::filesystem::exists(many + ".parts"));
 
@@ -60,9 +61,7 @@ TEST_CASE("parts of several processes merge to the bytes of one", "[sweep][progr
 TEST_CASE("CSV has a row for each scene, wavelength and direction", "[sweep][program]") {
     const support::TemporaryFolder folder;
     const std::string table = folder / "t.csv";
-    REQUIRE(
-        run_program("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table).exit_code ==
-        0);
+    support::run_ok("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table);
     const support::CsvOutput csv(bytes_of(table));
     REQUIRE(csv.size() == 5 * 3 * 2 * 2 * 3 * 3);
     const auto alone = run_program(
@@ -88,7 +87,7 @@ azimuth_deg = [0, 90]
 wavelength_nm = [500]
 )";
     const std::string table = folder / "t.csv";
-    REQUIRE(run_program("sweep " + folder.write("s.toml", text) + " -o " + table).exit_code == 0);
+    support::run_ok("sweep " + folder.write("s.toml", text) + " -o " + table);
     const support::CsvOutput csv(bytes_of(table));
     REQUIRE(csv.size() == 8);
     const auto alone = run_program(
@@ -112,13 +111,10 @@ TEST_CASE("look-ups find nodes and what lies between", "[sweep][program]") {
     }
     const support::TemporaryFolder folder;
     const std::string table = folder / "t.nc";
-    REQUIRE(
-        run_program("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table).exit_code ==
-        0);
-    const auto run = run_program("lookup " + table +
-                                 " --albedo 0.6 --g=0.2 --wavelength 550 --variables "
-                                 "spherical_albedo --interpolation cubic");
-    REQUIRE(run.exit_code == 0);
+    support::run_ok("sweep " + folder.write("s.toml", kProgramSweep) + " -o " + table);
+    const auto run = support::run_ok("lookup " + table +
+                                     " --albedo 0.6 --g=0.2 --wavelength 550 --variables "
+                                     "spherical_albedo --interpolation cubic");
     const support::CsvOutput found(run.out);
     REQUIRE(found.size() == 1);
     const support::CsvOutput exact(

@@ -30,9 +30,7 @@ TEST_CASE("bench --read draws an earlier run again, to the same results", "[prog
     const support::TemporaryFolder folder;
     const std::string old = folder.write("old.csv", results("0.002"));
     const std::string out = folder / "again";
-    const auto run = support::run_program("bench --read " + old + " -o " + out);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok("bench --read " + old + " -o " + out);
     CHECK(run.out.empty());
     CHECK_THAT(run.err, Catch::Contains("3 points in " + out));
     // Punctuation of cases stays out of names of files.
@@ -42,8 +40,7 @@ TEST_CASE("bench --read draws an earlier run again, to the same results", "[prog
                Catch::Contains("one of ours") && Catch::Contains("n=16"));
     CHECK_FALSE(fs::exists(out + "/comparison.csv"));
 
-    REQUIRE(support::run_program("bench --read " + out + "/results.csv -o " + (folder / "twice"))
-                .exit_code == 0);
+    support::run_ok("bench --read " + out + "/results.csv -o " + (folder / "twice"));
     CHECK(support::read_file(folder / "twice/results.csv") ==
           support::read_file(out + "/results.csv"));
 }
@@ -54,9 +51,7 @@ TEST_CASE("bench --compare tells what became slower", "[program][bench]") {
     const std::string after = folder.write("after.csv", results("0.004"));
     const std::string out = folder / "out";
     const auto run =
-        support::run_program("bench --read " + after + " --compare " + before + " -o " + out);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
+        support::run_ok("bench --read " + after + " --compare " + before + " -o " + out);
     CHECK_THAT(run.err, Catch::Contains("coat / hg 0.9, depth 1, exact n=8: slower"));
     CHECK(run.err.find("n=16") == std::string::npos);
     const std::string table = support::read_file(out + "/comparison.csv");
@@ -68,9 +63,7 @@ TEST_CASE("bench measures a suite, where our own lobe keeps each tolerance", "[p
     const support::TemporaryFolder folder;
     const std::string out = folder / "out";
     const auto run =
-        support::run_program("bench --suite surface --repeats 1 --longest 0.001 --quiet -o " + out);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
+        support::run_ok("bench --suite surface --repeats 1 --longest 0.001 --quiet -o " + out);
     CHECK(run.err.empty());
     const auto results = bench::read_results(out + "/results.csv");
     REQUIRE_FALSE(results.facts.empty());

@@ -15,9 +15,8 @@ const std::string kWork =
     "1";
 
 support::CsvOutput info(const std::string& environment) {
-    const auto run = support::run_program("cache info", environment);
-    CAPTURE(environment, run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok("cache info", environment);
+    CAPTURE(environment);
     support::CsvOutput table(run.out);
     REQUIRE(table.size() == 1);
     return table;

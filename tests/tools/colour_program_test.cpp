@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
@@ -11,9 +12,8 @@ using Columns = std::vector<std::string>;
 namespace {
 
 support::CsvOutput answer(const std::string& arguments) {
-    const auto run = support::run_program(arguments);
-    CAPTURE(arguments, run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok(arguments);
+    CAPTURE(arguments);
     return support::CsvOutput(run.out);
 }
 
@@ -28,7 +28,7 @@ TEST_CASE("a scene has no colour difference to itself, however it is said", "[pr
     const std::string scene =
         "albedo --base index:1.6,0.05,radius=0.2 --mu-in 0.5,1 --wavelengths 400:700:20";
     const std::string table = (folder.path() / "table.csv").string();
-    REQUIRE(support::run_program(scene + " -o " + table).exit_code == 0);
+    support::run_ok(scene + " -o " + table);
     const std::string file = folder.write(
         "scene.toml", "base = \"index:1.6,0.05,radius=0.2\"\n[[result]]\ncommand = \"albedo\"\n");
     for (const std::string& reference : {table, file}) {
@@ -64,7 +64,7 @@ TEST_CASE("a BRDF is compared with a table of it", "[program][colour]") {
         "brdf --base hg:0.9,0.5 --mu-in 0.5,1 --mu-out 0.3,0.9 --azimuth 0,90 --wavelengths "
         "400:700:20";
     const std::string table = (folder.path() / "table.csv").string();
-    REQUIRE(support::run_program(scene + " -o " + table).exit_code == 0);
+    support::run_ok(scene + " -o " + table);
     const auto csv = answer(scene + " --colour a --reference " + table);
     CHECK(csv.columns() == Columns{"mu_in", "mu_out", "azimuth_deg", "x", "y", "z", "lab_l",
                                    "lab_a", "lab_b", "srgb_red", "srgb_green", "srgb_blue", "lch_c",

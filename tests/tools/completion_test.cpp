@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
@@ -33,12 +34,11 @@ std::vector<std::string> options_in(const std::string& help) {
 }
 
 std::string script_for(const std::string& shell) {
-    const auto run = support::run_program("completion " + shell);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok("completion " + shell);
     return run.out;
 }
 
-/// What bash would offer after these words.
+/// The words that bash would offer after these.
 std::string offered_by_bash(const std::string& words) {
     const support::TemporaryFolder folder;
     const std::string file = folder.write("script", script_for("bash"));

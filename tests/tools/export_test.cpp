@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/one_line.h"
 
@@ -19,10 +20,9 @@ TEST_CASE("what export writes passes check, alone and against its scene", "[prog
     const std::string format = GENERATE("csv", "json", "npz", "exr", "pbrt", "rgl", "merl", "ssdd",
                                         "astm", "radiance", "klems");
     const support::TemporaryFolder folder;
-    const auto exported = support::run_program("export --format " + format + kScene + "-o " +
-                                               (folder / "paint.file"));
-    CAPTURE(format, exported.err);
-    REQUIRE(exported.exit_code == 0);
+    const auto exported =
+        support::run_ok("export --format " + format + kScene + "-o " + (folder / "paint.file"));
+    CAPTURE(format);
     CHECK_THAT(exported.err, Catch::Contains("paint"));
     const std::string file = format == "rgl" ? folder / "paint_spec.file" : folder / "paint.file";
     const auto checked = support::run_program("check " + file);
@@ -53,9 +53,8 @@ TEST_CASE("a file's own scene is read from its command: quoted words, surface, c
     const std::string file = folder / "it is.file";
     const std::string list = format == "csv" ? "--mu-in 0.3,1 --mu-out 0.5,1 --azimuth 0,90 " : "";
     const auto exported =
-        support::run_program("export --format " + format + scene + list + "-o '" + file + "'");
-    CAPTURE(format, exported.err);
-    REQUIRE(exported.exit_code == 0);
+        support::run_ok("export --format " + format + scene + list + "-o '" + file + "'");
+    CAPTURE(format);
     const auto own = support::run_program("check '" + file + "' --own-scene");
     CAPTURE(own.out, own.err);
     CHECK(own.exit_code == 0);
@@ -88,8 +87,7 @@ TEST_CASE("check says of a file alone that lost peaks do not show, and finds the
 TEST_CASE("the option --own-scene refuses a scene beside it, and files that do not say theirs",
           "[program][export]") {
     const support::TemporaryFolder folder;
-    REQUIRE(support::run_program("export --format csv" + kScene + "-o " + (folder / "a.csv"))
-                .exit_code == 0);
+    support::run_ok("export --format csv" + kScene + "-o " + (folder / "a.csv"));
     check_one_line(support::run_program("check " + (folder / "a.csv") + " --own-scene" + kScene),
                    support::kUsage, {"--own-scene", "--base"});
     std::string text = support::read_file(folder / "a.csv");
@@ -140,12 +138,11 @@ TEST_CASE("tables may go to a device, what is read back may not", "[program][exp
 
 TEST_CASE("check fails with 1 on a bound and with 3 on a damaged file", "[program][export]") {
     const support::TemporaryFolder folder;
-    REQUIRE(support::run_program("export --format pbrt" + kScene + "-o " + (folder / "a.bsdf"))
-                .exit_code == 0);
+    support::run_ok("export --format pbrt" + kScene + "-o " + (folder / "a.bsdf"));
     const auto dark = support::run_program("check " + (folder / "a.bsdf") + " --max-albedo 0.1");
     CHECK(dark.exit_code == 1);
     CHECK_THAT(dark.out, Catch::Contains(",no"));
-    // The same file against another scene.
+    // Another scene does not fit the file.
     CHECK(support::run_program("check " + (folder / "a.bsdf") + " --base hg:0.5,0.4").exit_code ==
           1);
     const std::string content = support::read_file(folder / "a.bsdf");
@@ -173,11 +170,7 @@ TEST_CASE("export refuses what it cannot write, with the allowed choices", "[pro
 TEST_CASE("options that a format has no use for are refused with those that it takes",
           "[program][export]") {
     const support::TemporaryFolder folder;
-    struct Case {
-        const char* arguments;
-        std::vector<std::string> words;
-    };
-    const std::vector<Case> cases = {
+    const std::vector<support::Refusal> refusals = {
         {"merl --resolution 8", {"merl", "--resolution", "--bin-centres, --rgb, --max-error"}},
         {"pbrt --mu-in 1", {"pbrt", "--mu-in", "--resolution"}},
         {"csv --max-error 0.1", {"csv", "--max-error", "--azimuth"}},
@@ -187,11 +180,10 @@ TEST_CASE("options that a format has no use for are refused with those that it t
         {"spd --component subsurface", {"spd", "--component"}},
         {"scattering --roughness 0.3", {"scattering", "--roughness"}},
     };
-    for (const Case& c : cases) {
-        CAPTURE(c.arguments);
-        check_one_line(support::run_program(std::string("export --format ") + c.arguments + kScene +
-                                            "-o " + (folder / "x")),
-                       support::kUsage, c.words);
+    for (const auto& [arguments, words] : refusals) {
+        support::check_refused(
+            support::kUsage,
+            {{"export --format " + arguments + kScene + "-o " + (folder / "x"), words}});
     }
     CHECK(folder.count() == 0);
 }
@@ -199,11 +191,10 @@ TEST_CASE("options that a format has no use for are refused with those that it t
 TEST_CASE("export with --json tells which files it wrote, and how well", "[program][export]") {
     const support::TemporaryFolder folder;
     const std::string format = GENERATE("npz", "pbrt", "rgl", "spd");
-    const auto run = support::run_program("export --format " + format +
-                                          " --base hg:0.9,0.4 --wavelengths rgb -o " +
-                                          (folder / "x.bsdf") + " --json");
-    CAPTURE(format, run.out, run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run =
+        support::run_ok("export --format " + format + " --base hg:0.9,0.4 --wavelengths rgb -o " +
+                        (folder / "x.bsdf") + " --json");
+    CAPTURE(format, run.out);
     const auto told = nlohmann::json::parse(run.out);
     CHECK(told["facts"]["converged"] == "yes");
     CHECK(told["rows"].size() == folder.count());
@@ -221,12 +212,12 @@ TEST_CASE("check says which coupling is reciprocal where a file is not", "[progr
         "export --format csv --base hg:0.9,0.4 --wavelengths 550 --roughness "
         "0.2 --surface-index 1.5 -o " +
         (folder / "a.csv");
-    REQUIRE(support::run_program(scene + " --coupling paper").exit_code == 0);
+    support::run_ok(scene + " --coupling paper");
     const auto paper = support::run_program("check " + (folder / "a.csv"));
     CHECK(paper.exit_code == 1);
     CHECK_THAT(paper.err, Catch::Contains("--coupling reciprocal"));
     // The default of exports: readers differ in which direction they take for the light's.
-    REQUIRE(support::run_program(scene).exit_code == 0);
+    support::run_ok(scene);
     CHECK_THAT(support::read_file(folder / "a.csv"), Catch::Contains("--coupling reciprocal"));
     const auto reciprocal = support::run_program("check " + (folder / "a.csv"));
     CAPTURE(reciprocal.out);
@@ -244,7 +235,7 @@ TEST_CASE("grazing directions of a table that miss are a warning, requested valu
     CHECK(table.exit_code == 0);
     CHECK_THAT(table.err, Catch::Contains("warning: grazing directions (mu < 0.2)") &&
                               Catch::Contains("mu_in 0.05"));
-    // The same directions, the same verdict, whichever command is asked.
+    // One list of directions has one verdict, whichever command is asked.
     const std::string lists =
         GENERATE("--mu-in 0.05 --mu-out 0.05 --azimuth 0", "--mu-in 0.5 --mu-out 0.5 --azimuth 90");
     const auto listed =
@@ -276,9 +267,8 @@ TEST_CASE("every format lists wavelengths in one order", "[program][export]") {
     const std::string format = GENERATE("csv", "json", "npz", "exr");
     const support::TemporaryFolder folder;
     const std::string file = folder / "table";
-    REQUIRE(support::run_program("export --format " + format +
-                                 " --base hg:0.9,0.4 --wavelengths rgb --resolution 4 -o " + file)
-                .exit_code == 0);
+    support::run_ok("export --format " + format +
+                    " --base hg:0.9,0.4 --wavelengths rgb --resolution 4 -o " + file);
     const auto checked = support::run_program("check " + file);
     CAPTURE(format, checked.out);
     CHECK_THAT(checked.out, Catch::Contains("# channels: 480, 535, 620") ||
@@ -293,7 +283,7 @@ TEST_CASE("check reads what brdf writes, as CSV and as JSON", "[program][export]
         (folder / "table");
     std::vector<std::string> rows;
     for (const char* json : {"", " --json"}) {
-        REQUIRE(support::run_program(brdf + json).exit_code == 0);
+        support::run_ok(brdf + json);
         const auto checked =
             support::run_program("check " + (folder / "table") + " --base hg:0.9,0.4");
         CAPTURE(json, checked.out, checked.err);

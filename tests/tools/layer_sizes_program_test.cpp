@@ -17,9 +17,8 @@ const std::string kPair =
 
 /// The output of a run that went well, without the line that repeats its command.
 std::string printed_by(const std::string& arguments) {
-    const auto run = support::run_program(arguments);
-    CAPTURE(arguments, run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok(arguments);
+    CAPTURE(arguments);
     const std::size_t begin = run.out.find("# command: ");
     const std::size_t end = run.out.find('\n', begin);
     return begin == std::string::npos ? run.out
@@ -100,7 +99,7 @@ TEST_CASE("sizes that cannot be are refused in one line", "[program][sizes][erro
                    {"hg:0.9,0.5,radius=1", "Mie theory"});
     check_one_line(support::run_program("albedo --base TiO2,radius=-1"), kUsage,
                    {"TiO2,radius=-1", "radius -1", "> 0"});
-    // What only the average over sizes can refuse names the layer, too.
+    // Errors that only the average over sizes finds name the layer, too.
     check_one_line(support::run_program("optics TiO2,radius=1e7 --wavelengths 550"), kUsage,
                    {"'TiO2,radius=10000000'", "radius 10000000 um", "--effective-variance 0.2"});
 }

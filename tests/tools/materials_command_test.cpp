@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/one_line.h"
 
@@ -136,9 +137,7 @@ TEST_CASE("a table of one's own without title and reference has a source line al
     const support::TemporaryFolder folder;
     const std::string table = folder.write("x.csv", "wavelength_nm,n,k\n400,1.5,0\n700,1.4,0.1\n");
     const std::string database = " --database " + (folder / "own.db");
-    REQUIRE(support::run_program("materials import " + table + " --name Testite --source lab" +
-                                 database)
-                .exit_code == 0);
+    support::run_ok("materials import " + table + " --name Testite --source lab" + database);
     const auto run =
         support::run_program("optics Testite --wavelengths 550 --effective-radius 1" + database);
     CAPTURE(run.out, run.err);

@@ -20,18 +20,15 @@ TEST_CASE("measured prints what it understood, and reads its own rows again",
     const support::TemporaryFolder folder;
     const std::string chart = folder.write("chart.txt", kGreyChart);
     const std::string own = folder / "own.csv", picture = folder / "picture.svg";
-    const auto run = support::run_program("measured " + chart + " --sigma 0.01 --plot " + picture +
-                                          " -o " + own);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run =
+        support::run_ok("measured " + chart + " --sigma 0.01 --plot " + picture + " -o " + own);
     CHECK_THAT(support::read_file(picture), Catch::Contains("<svg") && Catch::Contains("grey"));
     const std::string text = support::read_file(own);
     CHECK_THAT(text, Catch::Contains("# format: cgats"));
     CHECK_THAT(text, Catch::Contains("# reflectance, d8-sci: 8 values, 400 to 700 nm"));
     CHECK_THAT(text, Catch::Contains("quantity,geometry,wavelength_nm,mu_in,mu_out,azimuth_deg,"
                                      "value,sigma\nreflectance,d8-sci,400,0.99026806874157"));
-    const auto again = support::run_program("measured " + own);
-    REQUIRE(again.exit_code == 0);
+    const auto again = support::run_ok("measured " + own);
     const auto rows = [](const std::string& table) {
         return table.substr(table.find("quantity,"));
     };
@@ -55,12 +52,10 @@ TEST_CASE("a measured chart is a reference for colours, and points beside a spec
           "[program][measured]") {
     const support::TemporaryFolder folder;
     const std::string chart = folder.write("chart.txt", kGreyChart);
-    const auto colour = support::run_program(
+    const auto colour = support::run_ok(
         "albedo --substrate lambert:0.2 --coat isotropic:0@1e-9 --mu-in 1 --wavelengths "
         "400:700:20 --colour d65 --reference " +
         chart);
-    CAPTURE(colour.err);
-    REQUIRE(colour.exit_code == 0);
     CHECK(support::CsvOutput(colour.out).number(0, "de76") <= 1e-4);
     const auto plot = support::run_program(
         "plot spectrum --base hg:0.9,0.5 --wavelengths 400:600:100 --points " + chart);
@@ -109,9 +104,7 @@ TEST_CASE("measured directions become a file for renderers, with their residual 
         }
     }
     const std::string list = folder.write("list.csv", text), out = folder / "made.csv";
-    const auto run = support::run_program("export --format csv --from " + list + " -o " + out);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok("export --format csv --from " + list + " -o " + out);
     CHECK_THAT(run.err, Catch::Contains("interpolated from 60 measured values"));
     CHECK_THAT(support::read_file(out), Catch::Contains(list));
     const support::CsvOutput table(support::read_file(out));

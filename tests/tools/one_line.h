@@ -23,4 +23,17 @@ inline void check_one_line(const ProgramRun& run, int exit_code,
     for (const std::string& word : words) CHECK_THAT(run.err, Catch::Contains(word));
 }
 
+/// Arguments of the program, and words of its error.
+struct Refusal {
+    std::string arguments;
+    std::vector<std::string> words;
+};
+
+inline void check_refused(int exit_code, const std::vector<Refusal>& refusals) {
+    for (const Refusal& refusal : refusals) {
+        CAPTURE(refusal.arguments);
+        check_one_line(run_program(refusal.arguments), exit_code, refusal.words);
+    }
+}
+
 }  // namespace miebrdf::support

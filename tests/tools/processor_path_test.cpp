@@ -1,4 +1,4 @@
-// The same program along each processor path that this build has and this machine can run
+// The program along each processor path that this build has and this machine can run
 // (tools/cmake/MiebrdfProcessorPaths.cmake). Builds for one path run the first three cases only.
 #include <fmt/format.h>
 

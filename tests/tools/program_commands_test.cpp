@@ -1,5 +1,4 @@
-// What all commands have in common: help, plans, what did not converge, threads, scene files,
-// notes.
+// All commands have in common: help, plans, what did not converge, threads, scene files, notes.
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -55,9 +54,8 @@ TEST_CASE("render is known in every build: it draws, or says which packages it n
 
 TEST_CASE("a plan names the work and what is left out, for options and for scene files",
           "[program][plan]") {
-    const auto run = support::run_program(
+    const auto run = support::run_ok(
         "plan brdf --base hg:0.9,0.7 --wavelengths 450,550 --mu-in 1 --mu-out 0.2,0.4 --json");
-    REQUIRE(run.exit_code == 0);
     const auto json = nlohmann::json::parse(run.out);
     CHECK(json["columns"] == Columns{"result", "action", "name", "detail", "jobs", "seconds"});
     std::map<std::string, std::string> actions;
@@ -140,8 +138,7 @@ TEST_CASE("a scene file gives the bits of its commands run one by one, whatever 
     std::string one_by_one;
     const std::string command = "brdf" + spheres + directions + " --surface-index 1.5,0 --coat ";
     for (const std::string& coat : coats) {
-        const auto run = support::run_program(command + coat);
-        REQUIRE(run.exit_code == 0);
+        const auto run = support::run_ok(command + coat);
         one_by_one += values_of(run.out);
     }
     for (const char* threads : {"1", "2", "7"}) {
@@ -167,9 +164,8 @@ TEST_CASE("a coat of depth inf is the half-space, whatever is named below it", "
     const std::string rest = base.substr(7 + medium.size());
     const std::string coat = "--base TiO2 --coat hg:0.5,0.1@2 --coat " + medium + "@inf" + rest;
     const auto body = [](const std::string& arguments) {
-        const auto run = support::run_program(arguments);
-        CAPTURE(arguments, run.err);
-        REQUIRE(run.exit_code == 0);
+        const auto run = support::run_ok(arguments);
+        CAPTURE(arguments);
         return run.out.substr(run.out.find("\nwavelength_nm,"));
     };
     const std::string lobe = " --roughness 0.3 --surface-index 1.5,0";
@@ -202,9 +198,8 @@ TEST_CASE("what surprises is said: default sizes on stderr, no absorption in a n
 }
 
 TEST_CASE("without comments a table is its header and rows", "[program]") {
-    const auto run = support::run_program(
-        "albedo --base hg:0.9,0.5 --wavelengths 550 --mu-in 0.5 --no-comments");
-    REQUIRE(run.exit_code == 0);
+    const auto run =
+        support::run_ok("albedo --base hg:0.9,0.5 --wavelengths 550 --mu-in 0.5 --no-comments");
     CHECK(run.out.rfind("wavelength_nm,mu_in,", 0) == 0);
     CHECK(run.out.find('#') == std::string::npos);
 }

@@ -215,8 +215,7 @@ TEST_CASE("the quantity brdf is reflection over pi, and components add up", "[pr
 TEST_CASE("JSON holds the same values as CSV", "[program]") {
     const std::string arguments = "albedo --base hg:0.9,0.5 --mu-in 0.3,1 --wavelengths 550";
     const auto csv = csv_of(arguments);
-    const auto run = support::run_program(arguments + " --json");
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok(arguments + " --json");
     const auto json = nlohmann::json::parse(run.out);
     CHECK(json["columns"] == csv.columns());
     REQUIRE(json["rows"].size() == csv.size());

@@ -151,7 +151,7 @@ TEST_CASE("two results that name one file are refused before the first is comput
         "base = \"hg:0.9,0.5\"\n[[result]]\ncommand = \"albedo\"\noutput = \"" +
         (folder / "a.csv") + "\"\n[[result]]\ncommand = \"optics\"\n" +
         "medium = \"hg:0.9,0.5\"\noutput = \"";
-    // The same file by another way.
+    // This is the file by another way.
     const std::string other = folder.path().string() + "/./a.csv";
     const std::string file = folder.write("scene.toml", head + other + "\"\n");
     check_one_line(support::run_program("run " + file), kUsage,
@@ -167,7 +167,7 @@ TEST_CASE("two results that name one file are refused before the first is comput
 TEST_CASE("a scene file exports in any format, and mistakes come first", "[program][scene]") {
     const support::TemporaryFolder folder;
     const std::string scene =
-        // What is shared may hold options that only some formats take.
+        // The shared part may hold options that only some formats take.
         "base = \"hg:0.9,0.4\"\nwavelengths = \"rgb\"\nmu-out = [0.2, 1]\n[[result]]\ncommand = "
         "\"export\"\nformat = "
         "\"pbrt\"\noutput = \"" +
@@ -198,9 +198,8 @@ TEST_CASE("an empty list of coats in a result takes back those that are shared",
         const std::string file = folder.write(
             "scene.toml",
             shared + "base = \"hg:0.9,0.5\"\n[[result]]\ncommand = \"albedo\"\n" + own);
-        const auto run = support::run_program("run " + file);
-        CAPTURE(file, run.err);
-        REQUIRE(run.exit_code == 0);
+        const auto run = support::run_ok("run " + file);
+        CAPTURE(file);
         return run.out.substr(run.out.find("wavelength_nm,mu_in"));
     };
     const std::string coat = "coat = \"hg:0.5,0.5@1\"\n";

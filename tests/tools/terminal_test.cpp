@@ -18,6 +18,7 @@
 #include "pipeline/cache/result_cache.h"
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/one_line.h"
 
@@ -62,8 +63,7 @@ const std::string kWork =
 
 TEST_CASE("progress as json is one event a line, and each stage comes to its end",
           "[program][progress]") {
-    const auto run = support::run_program(kWork + " --progress json");
-    REQUIRE(run.exit_code == 0);
+    const auto run = support::run_ok(kWork + " --progress json");
     std::map<std::string, nlohmann::json> last;
     std::istringstream lines(run.err);
     for (std::string line; std::getline(lines, line);) {
